@@ -1,0 +1,80 @@
+#include "file_output.h"
+
+#include <unistd.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <system_error>
+
+#include "recording.h"
+
+namespace host {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A name in the same folder (rename does not cross file systems); the process id keeps two runs apart.
+fs::path temporary_name(const fs::path& file) {
+  return file.parent_path() / ("." + file.filename().string() + "." + std::to_string(::getpid()) + ".part");
+}
+
+[[noreturn]] void refuse(const fs::path& file, const std::string& why) {
+  throw InputError(file.string() + ": cannot be written: " + why);
+}
+
+void make_folder_of(const fs::path& file) {
+  const fs::path folder = file.parent_path();
+  if (folder.empty()) return;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) refuse(file, error.message());
+}
+
+}  // namespace
+
+void write_file(const fs::path& file, std::string_view text) {
+  make_folder_of(file);
+  const fs::path part = temporary_name(file);
+  std::ofstream stream(part, std::ios::binary | std::ios::trunc);
+  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+  stream.close();
+
+  std::error_code error;
+  if (!stream) {
+    fs::remove(part, error);
+    refuse(file, "the folder is read-only or the disk is full");
+  }
+  fs::rename(part, file, error);
+  if (error) {
+    std::error_code ignored;
+    fs::remove(part, ignored);
+    refuse(file, error.message());
+  }
+}
+
+void append_number(std::string& text, double value) {
+  if (std::isnan(value)) {
+    text += "nan";
+    return;
+  }
+  char digits[40];
+  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+  text.append(digits, end);
+}
+
+void append_number(std::string& text, std::int64_t value) {
+  char digits[24];
+  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+  text.append(digits, end);
+}
+
+void append_fixed(std::string& text, double value, int decimals) {
+  if (!std::isfinite(value)) return append_number(text, value);
+  char digits[352];  // the longest double has 309 digits before the point
+  const int length = std::snprintf(digits, sizeof digits, "%.*f", decimals, value);
+  text.append(digits, static_cast<std::size_t>(length));
+}
+
+}  // namespace host

@@ -1,0 +1,22 @@
+// Files appear whole or not at all: text goes to a temporary name beside the target, then is renamed over it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace host {
+
+/// Writes `text` to `file`, creating missing folders. A reader sees the old file or the new one, never a part.
+/// Throws InputError, naming the file, when the folder cannot be made or the disk refuses; nothing is left behind then.
+void write_file(const std::filesystem::path& file, std::string_view text);
+
+/// Appends the shortest decimal text that reads back to the same double ("nan" for NaN, whatever its sign).
+void append_number(std::string& text, double value);
+void append_number(std::string& text, std::int64_t value);
+
+/// Appends with a fixed number of decimals, for values whose last digits mean nothing (pixels, for instance).
+void append_fixed(std::string& text, double value, int decimals);
+
+}  // namespace host

@@ -1,0 +1,70 @@
+// The `segcal` program: command line in, exit code out. The work is in one file per subcommand.
+#include <exception>
+#include <iostream>
+#include <string>
+
+#include "commands.h"
+#include "recording.h"
+
+namespace {
+
+constexpr int exit_bad_input = 2;
+
+constexpr const char* walk_through = R"(First steps:
+  segcal simulate --out rec --scenario arvr --seconds 60 --seed 1   make a recording, nothing to download
+  segcal replay rec --out out                                       calibrate from it: out/result.json
+  segcal report out                                                 out/report.html: table, path, residuals
+
+With images of your own in EuRoC's folder layout (REC/mav0/{imu0,cam0}, camera calibration in Kalibr's
+camchain-imucam.yaml or EuRoC's sensor.yaml):
+  segcal track REC                                                  images to REC/mav0/cam0/tracks.csv
+  segcal replay REC --calib START.yaml --out out
+
+Exit codes:
+  0  done
+  1  done, but the answer is negative: not calibrated, or a tolerance missed
+  2  bad usage or input; one line on stderr names file, line and what was expected
+
+`segcal COMMAND --help` explains a command.)";
+
+/// One line, however many the message has.
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (c == '\n' || c == '\r') c = ' ';
+  return text;
+}
+
+int complain(const std::string& message) {
+  std::cerr << "segcal: " << one_line(message) << std::endl;
+  return exit_bad_input;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("segcal keeps a camera and IMU calibrated, from recordings or in firmware.", "segcal");
+  app.set_version_flag("--version", "segcal " SEGCAL_VERSION);
+  app.footer(walk_through);
+  app.require_subcommand(1);
+
+  int exit_code = 0;
+  host::add_simulate_command(app, exit_code);
+  host::add_track_command(app, exit_code);
+  host::add_replay_command(app, exit_code);
+  host::add_report_command(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
+    return complain(std::string(error.what()) + " (see segcal --help)");
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {  // InputError, and what the libraries throw on files they cannot use
+    return complain(error.what());
+  }
+}

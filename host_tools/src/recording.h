@@ -1,0 +1,95 @@
+// A recording on disk: EuRoC's ASL folder layout (DESIGN, section 6), read and written.
+// Readers check everything and throw InputError with file, line and what was expected; writers write to a
+// temporary name first and rename, so that nothing half-written is ever left.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace host {
+
+/// Bad usage or bad input: the program prints `what()` as one line and ends with exit code 2.
+struct InputError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// One IMU sample, raw sensor values.
+struct ImuSample {
+  std::int64_t t_ns = 0;            ///< stamp, IMU clock, ns
+  std::array<double, 3> gyro{};     ///< rad/s, gyroscope axes
+  std::array<double, 3> accel{};    ///< m/s^2, accelerometer axes (specific force)
+  double temperature_degC = 0;      ///< only where ImuData::has_temperature
+};
+
+/// Noise as in Kalibr's imu.yaml and EuRoC's imu0/sensor.yaml.
+struct ImuNoise {
+  double rate_hz = 200;
+  double gyro_noise_density = 1.7e-4;   ///< rad/s/sqrt(Hz)
+  double gyro_random_walk = 2e-5;       ///< rad/s^2/sqrt(Hz)
+  double accel_noise_density = 2e-3;    ///< m/s^2/sqrt(Hz)
+  double accel_random_walk = 3e-4;      ///< m/s^3/sqrt(Hz)
+};
+
+struct ImuData {
+  ImuNoise noise;
+  bool has_temperature = false;
+  std::vector<ImuSample> samples;  ///< in file order; data faults (repeats, NaN, gaps) are left in, the core counts them
+};
+
+/// One tracked corner in one image, raw distorted pixels.
+struct TrackPoint {
+  std::uint32_t track_id = 0;
+  double u = 0, v = 0;  ///< px
+};
+
+/// All corners of one image.
+struct Frame {
+  std::int64_t t_ns = 0;  ///< stamp, camera clock, ns
+  std::vector<TrackPoint> points;
+};
+
+/// One image on disk.
+struct ImageEntry {
+  std::int64_t t_ns = 0;
+  std::filesystem::path file;
+};
+
+struct CameraData {
+  std::vector<ImageEntry> images;  ///< from camN/data.csv; empty where the folder has only tracks
+  std::vector<Frame> frames;       ///< from camN/tracks.csv; empty where that file is absent
+};
+
+/// One pose of the ground truth (evaluation only, never fed to an estimator).
+struct TruthPose {
+  std::int64_t t_ns = 0;
+  std::array<double, 3> p_GI{};     ///< m
+  std::array<double, 4> q_GI_wxyz{{1, 0, 0, 0}};  ///< Hamilton, unit, rotates I into G
+};
+
+struct Recording {
+  std::filesystem::path root;
+  ImuData imu;
+  std::vector<CameraData> cameras;  ///< cam0, cam1, ...
+  std::vector<TruthPose> truth;     ///< empty where the folder has none
+};
+
+/// Reads REC/mav0. `n_cameras` cameras must exist. Frames come from tracks.csv; where it is missing, `frames` stays
+/// empty (the caller decides whether that is an error: `segcal replay` says to run `segcal track` first).
+/// Throws InputError: missing or empty file, wrong column count, non-number, no overlap of IMU and camera in time.
+Recording read_recording(const std::filesystem::path& root, int n_cameras);
+
+/// Writes imu0/{data.csv,sensor.yaml}, camN/{data.csv-less, tracks.csv}, state_groundtruth_estimate0/data.csv (if truth).
+void write_recording(const Recording& recording);
+
+/// Writes camN/tracks.csv of one camera (used by `segcal track` as well).
+void write_tracks(const std::filesystem::path& file, const std::vector<Frame>& frames);
+
+/// The data folder for optional real recordings: $SEGCAL_DATA, else ../shared/data beside the source tree, if it exists.
+std::optional<std::filesystem::path> find_real_data();
+
+}  // namespace host

@@ -1,0 +1,152 @@
+// Reading a recording folder. Format faults stop with file and line; data faults (NaN, repeats, gaps) pass through.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <unordered_set>
+
+#include "csv.h"
+#include "imu_noise_file.h"
+#include "recording.h"
+
+namespace host {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* imu_columns = "timestamp [ns], w_x, w_y, w_z [rad/s], a_x, a_y, a_z [m/s^2] (, temperature [degC])";
+constexpr const char* truth_columns = "timestamp [ns], p_x, p_y, p_z [m], q_w, q_x, q_y, q_z (, more)";
+
+ImuData read_imu(const fs::path& root) {
+  ImuData imu;
+  imu.noise = read_recording_noise(root);
+  CsvReader csv(root / "mav0" / "imu0" / "data.csv", imu_columns, 7, 8);
+  while (csv.next_row()) {
+    ImuSample sample;
+    sample.t_ns = csv.integer(0);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      sample.gyro[axis] = csv.number(1 + axis);
+      sample.accel[axis] = csv.number(4 + axis);
+    }
+    imu.has_temperature = csv.columns() == 8;
+    if (imu.has_temperature) sample.temperature_degC = csv.number(7);
+    imu.samples.push_back(sample);
+  }
+  return imu;
+}
+
+std::vector<ImageEntry> read_images(const fs::path& folder) {
+  std::vector<ImageEntry> images;
+  CsvReader csv(folder / "data.csv", "timestamp [ns], filename", 2, 2);
+  while (csv.next_row()) {
+    if (csv.text(1).empty()) csv.fail("timestamp [ns], filename, found an empty filename");
+    images.push_back({csv.integer(0), folder / "data" / std::string(csv.text(1))});
+  }
+  return images;
+}
+
+/// Rows of one image follow each other. A stamp that changes starts a new frame; so does a track id that comes a second
+/// time, because then the log holds the same stamp twice, which is a data fault for the core to count.
+std::vector<Frame> read_frames(const fs::path& file) {
+  std::vector<Frame> frames;
+  std::unordered_set<std::uint32_t> seen;
+  CsvReader csv(file, "timestamp [ns], track_id, u [px], v [px]", 4, 4);
+  while (csv.next_row()) {
+    const std::int64_t t_ns = csv.integer(0);
+    const TrackPoint point{csv.identifier(1), csv.number(2), csv.number(3)};
+    if (frames.empty() || frames.back().t_ns != t_ns || seen.count(point.track_id) != 0) {
+      frames.push_back({t_ns, {}});
+      seen.clear();
+    }
+    seen.insert(point.track_id);
+    frames.back().points.push_back(point);
+  }
+  return frames;
+}
+
+CameraData read_camera(const fs::path& folder) {
+  if (!fs::is_directory(folder)) throw InputError(folder.string() + ": folder of the camera is missing");
+  CameraData camera;
+  const bool has_tracks = fs::exists(folder / "tracks.csv");
+  if (!has_tracks && !fs::exists(folder / "data.csv"))
+    throw InputError(folder.string() + ": expected data.csv (images) or tracks.csv (feature tracks) in this folder");
+  if (fs::exists(folder / "data.csv")) camera.images = read_images(folder);
+  if (has_tracks) camera.frames = read_frames(folder / "tracks.csv");
+  return camera;
+}
+
+/// EuRoC's name first, then TUM-VI's.
+std::vector<TruthPose> read_truth(const fs::path& mav0) {
+  fs::path file = mav0 / "state_groundtruth_estimate0" / "data.csv";
+  if (!fs::exists(file)) file = mav0 / "mocap0" / "data.csv";
+  if (!fs::exists(file)) return {};
+  std::vector<TruthPose> truth;
+  CsvReader csv(file, truth_columns, 8, 64);
+  while (csv.next_row()) {
+    TruthPose pose;
+    pose.t_ns = csv.integer(0);
+    for (std::size_t i = 0; i < 3; ++i) pose.p_GI[i] = csv.number(1 + i);
+    for (std::size_t i = 0; i < 4; ++i) pose.q_GI_wxyz[i] = csv.number(4 + i);
+    truth.push_back(pose);
+  }
+  return truth;
+}
+
+struct Span {
+  std::int64_t first_ns = std::numeric_limits<std::int64_t>::max();
+  std::int64_t last_ns = std::numeric_limits<std::int64_t>::min();
+};
+
+/// Smallest and largest stamp: a stamp that goes back must not hide the rest.
+template <typename Stamped>
+Span span_of(const std::vector<Stamped>& entries) {
+  Span span;
+  for (const Stamped& entry : entries) {
+    span.first_ns = std::min(span.first_ns, entry.t_ns);
+    span.last_ns = std::max(span.last_ns, entry.t_ns);
+  }
+  return span;
+}
+
+std::string seconds(const Span& span) {
+  std::string text = std::to_string(static_cast<double>(span.first_ns) * 1e-9) + " s to ";
+  return text + std::to_string(static_cast<double>(span.last_ns) * 1e-9) + " s";
+}
+
+void check_overlap(const Recording& recording) {
+  const Span imu = span_of(recording.imu.samples);
+  for (std::size_t i = 0; i < recording.cameras.size(); ++i) {
+    const CameraData& data = recording.cameras[i];
+    const Span camera = data.frames.empty() ? span_of(data.images) : span_of(data.frames);
+    if (camera.first_ns <= imu.last_ns && imu.first_ns <= camera.last_ns) continue;
+    const fs::path file =
+        recording.root / "mav0" / ("cam" + std::to_string(i)) / (data.frames.empty() ? "data.csv" : "tracks.csv");
+    throw InputError(file.string() + ":1: expected stamps that overlap the IMU's (" + seconds(imu) + "), found " +
+                     seconds(camera));
+  }
+}
+
+}  // namespace
+
+Recording read_recording(const fs::path& root, int n_cameras) {
+  if (!fs::is_directory(root / "mav0"))
+    throw InputError(root.string() + ": expected a recording, a folder that holds mav0/imu0 and mav0/cam0");
+  Recording recording;
+  recording.root = root;
+  recording.imu = read_imu(root);
+  for (int i = 0; i < n_cameras; ++i)
+    recording.cameras.push_back(read_camera(root / "mav0" / ("cam" + std::to_string(i))));
+  recording.truth = read_truth(root / "mav0");
+  check_overlap(recording);
+  return recording;
+}
+
+std::optional<fs::path> find_real_data() {
+  const char* const named = std::getenv("SEGCAL_DATA");
+  const fs::path folder = named != nullptr && *named != '\0' ? fs::path(named)
+                                                             : fs::path(SEGCAL_SOURCE_DIR).parent_path() / "shared" / "data";
+  if (fs::is_directory(folder)) return folder;
+  return std::nullopt;
+}
+
+}  // namespace host

@@ -1,0 +1,92 @@
+#include "feature_tracker.h"
+
+#include <opencv2/video/tracking.hpp>
+
+#include "outlier_rejection.h"
+
+namespace host {
+namespace {
+
+constexpr float border_px = 8;  // closer to the edge than this the patch is mostly outside
+
+bool inside(const cv::Point2f& point, const cv::Size& size) {
+  return point.x >= border_px && point.y >= border_px && point.x < size.width - border_px &&
+         point.y < size.height - border_px;
+}
+
+double distance_px(const cv::Point2f& a, const cv::Point2f& b) { return cv::norm(a - b); }
+
+/// Lucas-Kanade until the step is a thousandth of a pixel: a looser stop adds to the noise of each step of a track.
+std::vector<unsigned char> lucas_kanade(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
+                                        const std::vector<cv::Point2f>& start, std::vector<cv::Point2f>& found,
+                                        const TrackerOptions& options) {
+  const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 40, 0.001);
+  std::vector<unsigned char> status;
+  cv::calcOpticalFlowPyrLK(from, to, start, found, status, cv::noArray(), cv::Size(options.window_px, options.window_px),
+                           options.pyramid_levels - 1, stop, cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
+  return status;
+}
+
+}  // namespace
+
+FeatureTracker::FeatureTracker(const CameraCalibration& camera, const TrackerOptions& options)
+    : camera_(camera), options_(options) {
+  if (options.equalise) equaliser_ = cv::createCLAHE(2.0, cv::Size(8, 8));
+}
+
+std::vector<TrackPoint> FeatureTracker::next(const cv::Mat& image) {
+  cv::Mat prepared = image;
+  if (equaliser_) equaliser_->apply(image, prepared);
+  std::vector<cv::Mat> pyramid = pyramid_of(prepared);
+  if (!tracks_.empty()) follow(pyramid, image.size());
+  add_corners(prepared);
+  previous_ = std::move(pyramid);
+
+  std::vector<TrackPoint> points;
+  for (const Track& track : tracks_) points.push_back({track.id, track.point.x, track.point.y});
+  return points;
+}
+
+std::vector<cv::Mat> FeatureTracker::pyramid_of(const cv::Mat& image) const {
+  std::vector<cv::Mat> pyramid;
+  cv::buildOpticalFlowPyramid(image, pyramid, cv::Size(options_.window_px, options_.window_px), options_.pyramid_levels - 1);
+  return pyramid;
+}
+
+void FeatureTracker::follow(const std::vector<cv::Mat>& pyramid, const cv::Size& size) {
+  std::vector<cv::Point2f> before;
+  for (const Track& track : tracks_) before.push_back(track.point);
+  std::vector<cv::Point2f> after = before, back = before;
+  const auto forward_ok = lucas_kanade(previous_, pyramid, before, after, options_);
+  const auto backward_ok = lucas_kanade(pyramid, previous_, after, back, options_);
+
+  std::vector<Track> kept;
+  std::vector<cv::Point2f> kept_before;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (!forward_ok[i] || !backward_ok[i] || !inside(after[i], size)) continue;
+    if (distance_px(before[i], back[i]) > options_.max_forward_backward_px) continue;
+    kept.push_back({tracks_[i].id, after[i]});
+    kept_before.push_back(before[i]);
+  }
+  tracks_ = std::move(kept);
+  reject_outliers(kept_before);
+}
+
+void FeatureTracker::reject_outliers(const std::vector<cv::Point2f>& before) {
+  std::vector<cv::Point2f> after;
+  for (const Track& track : tracks_) after.push_back(track.point);
+  const std::vector<bool> inlier = epipolar_inliers(camera_, before, after, options_.max_epipolar_px);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < tracks_.size(); ++i)
+    if (inlier[i]) tracks_[kept++] = tracks_[i];
+  tracks_.resize(kept);
+}
+
+void FeatureTracker::add_corners(const cv::Mat& image) {
+  std::vector<cv::Point2f> occupied;
+  for (const Track& track : tracks_) occupied.push_back(track.point);
+  for (const cv::Point2f& corner : detect_corners(image, occupied, options_.corners))
+    if (inside(corner, image.size())) tracks_.push_back({next_id_++, corner});
+}
+
+}  // namespace host

@@ -1,0 +1,94 @@
+/* Capacities and features, chosen at compile time. Every macro may be given with -D; a profile sets the rest.
+   All memory of segcal follows from this page: see SEGCAL_STORAGE_BYTES in segcal.h. */
+#ifndef SEGCAL_CONFIG_H
+#define SEGCAL_CONFIG_H
+
+#define SEGCAL_PROFILE_MCU 1
+#define SEGCAL_PROFILE_MOBILE 2
+#define SEGCAL_PROFILE_HOST 3
+
+#ifndef SEGCAL_PROFILE
+#define SEGCAL_PROFILE SEGCAL_PROFILE_MOBILE
+#endif
+
+#if SEGCAL_PROFILE == SEGCAL_PROFILE_MCU
+#define SEGCAL_NS segcal_mcu
+#define SEGCAL_DEFAULT_CAMERAS 1
+#define SEGCAL_DEFAULT_SEGMENTS 8
+#define SEGCAL_DEFAULT_KEYFRAMES 12
+#define SEGCAL_DEFAULT_LANDMARKS 40
+#define SEGCAL_DEFAULT_OBSERVATIONS 360
+#define SEGCAL_DEFAULT_IMU_SAMPLES 900
+#define SEGCAL_DEFAULT_CLONES 8
+#define SEGCAL_DEFAULT_TRACKS 40
+#define SEGCAL_DEFAULT_IMU_HISTORY 400
+#elif SEGCAL_PROFILE == SEGCAL_PROFILE_MOBILE
+#define SEGCAL_NS segcal_mobile
+#define SEGCAL_DEFAULT_CAMERAS 2
+#define SEGCAL_DEFAULT_SEGMENTS 15
+#define SEGCAL_DEFAULT_KEYFRAMES 20
+#define SEGCAL_DEFAULT_LANDMARKS 120
+#define SEGCAL_DEFAULT_OBSERVATIONS 2000
+#define SEGCAL_DEFAULT_IMU_SAMPLES 2000
+#define SEGCAL_DEFAULT_CLONES 11
+#define SEGCAL_DEFAULT_TRACKS 160
+#define SEGCAL_DEFAULT_IMU_HISTORY 1000
+#elif SEGCAL_PROFILE == SEGCAL_PROFILE_HOST
+#define SEGCAL_NS segcal_host
+#define SEGCAL_DEFAULT_CAMERAS 2
+#define SEGCAL_DEFAULT_SEGMENTS 64
+#define SEGCAL_DEFAULT_KEYFRAMES 32
+#define SEGCAL_DEFAULT_LANDMARKS 256
+#define SEGCAL_DEFAULT_OBSERVATIONS 6000
+#define SEGCAL_DEFAULT_IMU_SAMPLES 8400
+#define SEGCAL_DEFAULT_CLONES 11
+#define SEGCAL_DEFAULT_TRACKS 256
+#define SEGCAL_DEFAULT_IMU_HISTORY 2000
+#else
+#error "SEGCAL_PROFILE: 1 (mcu), 2 (mobile) or 3 (host)"
+#endif
+
+/* Cameras per device. Each adds 14 entries to the calibration vector. */
+#ifndef SEGCAL_MAX_CAMERAS
+#define SEGCAL_MAX_CAMERAS SEGCAL_DEFAULT_CAMERAS
+#endif
+/* Segments kept in the database; one more slot is the segment being built. */
+#ifndef SEGCAL_MAX_SEGMENTS
+#define SEGCAL_MAX_SEGMENTS SEGCAL_DEFAULT_SEGMENTS
+#endif
+/* Keyframes of a segment. */
+#ifndef SEGCAL_MAX_KEYFRAMES
+#define SEGCAL_MAX_KEYFRAMES SEGCAL_DEFAULT_KEYFRAMES
+#endif
+/* Landmarks of a segment; more tracks than this: the longest are kept. */
+#ifndef SEGCAL_MAX_LANDMARKS
+#define SEGCAL_MAX_LANDMARKS SEGCAL_DEFAULT_LANDMARKS
+#endif
+/* Image points of a segment, over all keyframes, landmarks and cameras. */
+#ifndef SEGCAL_MAX_OBSERVATIONS
+#define SEGCAL_MAX_OBSERVATIONS SEGCAL_DEFAULT_OBSERVATIONS
+#endif
+/* Raw IMU samples of a segment; when they run out the segment ends early. */
+#ifndef SEGCAL_MAX_IMU_SAMPLES
+#define SEGCAL_MAX_IMU_SAMPLES SEGCAL_DEFAULT_IMU_SAMPLES
+#endif
+/* Past poses (clones) in the filter's state. */
+#ifndef SEGCAL_MAX_CLONES
+#define SEGCAL_MAX_CLONES SEGCAL_DEFAULT_CLONES
+#endif
+/* Feature tracks that the filter follows at the same time, per camera. */
+#ifndef SEGCAL_MAX_TRACKS
+#define SEGCAL_MAX_TRACKS SEGCAL_DEFAULT_TRACKS
+#endif
+
+/* Raw IMU samples kept for the filter's start (1.5 s of them) and for cutting segments. */
+#ifndef SEGCAL_IMU_HISTORY
+#define SEGCAL_IMU_HISTORY SEGCAL_DEFAULT_IMU_HISTORY
+#endif
+
+/* Arithmetic of the core: float by default; the host's cross-check builds with double. */
+#ifndef SEGCAL_REAL
+#define SEGCAL_REAL float
+#endif
+
+#endif

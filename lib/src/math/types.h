@@ -1,0 +1,35 @@
+// Short names for the small fixed-size matrices of the core. Nothing here allocates.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "segcal/config.h"
+
+namespace SEGCAL_NS {
+
+template <class S, int R, int C>
+using Mat = Eigen::Matrix<S, R, C>;
+template <class S, int N>
+using Vec = Eigen::Matrix<S, N, 1>;
+template <class S>
+using Vec2 = Vec<S, 2>;
+template <class S>
+using Vec3 = Vec<S, 3>;
+template <class S>
+using Mat3 = Mat<S, 3, 3>;
+
+/// [v]x, so that skew(a) * b = a x b.
+template <class S>
+Mat3<S> skew(const Vec3<S>& v) {
+  Mat3<S> m;
+  m << S(0), -v.z(), v.y(), v.z(), S(0), -v.x(), -v.y(), v.x(), S(0);
+  return m;
+}
+
+template <class S>
+Vec3<S> cross(const Vec3<S>& a, const Vec3<S>& b) {
+  return Vec3<S>(a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x());
+}
+
+}  // namespace SEGCAL_NS

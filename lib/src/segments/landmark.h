@@ -1,0 +1,98 @@
+// Landmarks as direction and inverse distance from a fixed point: l = o + m / rho.
+//
+// A landmark without parallax is a direction (rho near 0) and stays a regular, finite parameter: rotation in place
+// never puts points "far away". o is the place of the camera that saw it first, a constant and not a state, so a row
+// of the Jacobian touches one pose only. Projection uses h = R_CI R_IG (m + rho (o - p_GI)) + rho p_CI (paper,
+// Eq. (landmark_proj), times rho).
+#pragma once
+
+#include "sensors/camera.h"
+#include "sensors/imu.h"
+
+namespace SEGCAL_NS {
+
+constexpr int kLandmarkColumns = 3;
+
+template <class S>
+struct Landmark {
+  Vec3<S> o;  ///< m, in G
+  Vec3<S> m;  ///< unit direction from o, in G
+  S rho;      ///< 1/m
+};
+
+/// Two unit vectors perpendicular to m and to each other; continuous where it matters (a landmark keeps its m).
+template <class S>
+void tangent_basis(const Vec3<S>& m, Vec3<S>* e1, Vec3<S>* e2) {
+  const Vec3<S> helper = absolute(m.z()) < S(0.7) ? Vec3<S>(S(0), S(0), S(1)) : Vec3<S>(S(1), S(0), S(0));
+  const Vec3<S> a = cross<S>(m, helper);
+  *e1 = a / square_root(a.squaredNorm());
+  *e2 = cross<S>(m, *e1);
+}
+
+/// (alpha, beta, d rho): m <- (m + alpha e1 + beta e2) / |.|, rho <- (rho + d rho) / |.|, so that l moves exactly so.
+template <class S>
+void add_step(Landmark<S>* l, const S* d) {
+  Vec3<S> e1, e2;
+  tangent_basis(l->m, &e1, &e2);
+  const Vec3<S> m = l->m + d[0] * e1 + d[1] * e2;
+  const S n = square_root(m.squaredNorm());
+  l->m = m / n;
+  l->rho = (l->rho + d[2]) / n;
+}
+
+/// Residual r = predicted - measured (px) and its Jacobians; not whitened.
+template <class S>
+struct ReprojectionRows {
+  Vec2<S> r;
+  Mat<S, 2, kLandmarkColumns> J_l;
+  Mat<S, 2, 6> J_pose;                    ///< by (theta, p) of the keyframe
+  Mat<S, 2, kMaxCameraColumns> J_camera;  ///< by (r_CI, p_CI, fx fy cx cy, distortion)
+};
+
+/// The point in C times rho.
+template <class S>
+Vec3<S> homogeneous_in_camera(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI,
+                              const Landmark<S>& l) {
+  const Vec3<S> h_I = R_GI.transpose() * (l.m + l.rho * (l.o - p_GI));
+  return camera.R_CI * h_I + l.rho * camera.p_CI;
+}
+
+/// Predicted pixel minus `uv`. False where the landmark has no image in this pose.
+template <class S>
+bool reprojection_residual(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI,
+                           const Landmark<S>& l, const Vec2<S>& uv, Vec2<S>* r) {
+  Vec2<S> predicted;
+  if (!project(camera, homogeneous_in_camera(camera, R_GI, p_GI, l), &predicted)) return false;
+  *r = predicted - uv;
+  return true;
+}
+
+/// Residual at (R_GI, p_GI); Jacobians at (R_j, p_j), which differ from them only in a filter that keeps first estimates.
+template <class S>
+bool reprojection_rows(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI, const Mat3<S>& R_j,
+                       const Vec3<S>& p_j, const Landmark<S>& l, const Vec2<S>& uv, ReprojectionRows<S>* rows) {
+  if (!reprojection_residual(camera, R_GI, p_GI, l, uv, &rows->r)) return false;
+  const Vec3<S> from_I = l.o - p_j;
+  const Vec3<S> h_I = R_j.transpose() * (l.m + l.rho * from_I);
+  const Vec3<S> rotated = camera.R_CI * h_I;
+  const Vec3<S> h = rotated + l.rho * camera.p_CI;
+  Vec2<S> unused;
+  Mat<S, 2, 3> J_h;
+  Mat<S, 2, kIntrinsicColumns> J_i;
+  if (!project(camera, h, &unused, &J_h, &J_i)) return false;
+  const Mat<S, 2, 3> J_I = J_h * camera.R_CI;              // by h_I
+  const Mat<S, 2, 3> J_G = J_I * R_j.transpose();          // by the bracket in G
+  Vec3<S> e1, e2;
+  tangent_basis(l.m, &e1, &e2);
+  rows->J_l.col(0) = J_G * e1;
+  rows->J_l.col(1) = J_G * e2;
+  rows->J_l.col(2) = J_G * from_I + J_h * camera.p_CI;
+  rows->J_pose.template leftCols<3>() = J_I * skew(h_I);   // R <- R Exp(d): h_I moves by [h_I]x d
+  rows->J_pose.template rightCols<3>() = -l.rho * J_G;
+  rows->J_camera.template leftCols<3>() = -J_h * skew(rotated);  // R_CI <- Exp(d) R_CI
+  rows->J_camera.template middleCols<3>(3) = l.rho * J_h;
+  rows->J_camera.template rightCols<kIntrinsicColumns>() = J_i;
+  return true;
+}
+
+}  // namespace SEGCAL_NS

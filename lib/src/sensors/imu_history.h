@@ -1,0 +1,70 @@
+// The last second or two of raw IMU samples: a ring buffer that the filter integrates over and segments are cut from.
+#pragma once
+
+#include <cstdint>
+
+#include "sensors/imu.h"
+
+namespace SEGCAL_NS {
+
+constexpr int kImuHistory = SEGCAL_IMU_HISTORY;
+
+template <class S>
+class ImuHistory {
+ public:
+  void clear() { count_ = head_ = 0; }
+  int size() const { return count_; }
+
+  /// Stamps must grow; the caller has checked that. The oldest sample is overwritten when full.
+  void push(std::int64_t t_ns, const InertialReading<S>& reading) {
+    t_[head_] = t_ns;
+    reading_[head_] = reading;
+    head_ = (head_ + 1) % kImuHistory;
+    if (count_ < kImuHistory) ++count_;
+  }
+
+  /// i = 0 is the oldest sample.
+  std::int64_t time(int i) const { return t_[index(i)]; }
+  const InertialReading<S>& reading(int i) const { return reading_[index(i)]; }
+  std::int64_t newest() const { return count_ ? time(count_ - 1) : INT64_MIN; }
+  std::int64_t oldest() const { return count_ ? time(0) : INT64_MAX; }
+
+  /// True if samples on both sides of [t0, t1] are there, so that its ends can be interpolated.
+  bool covers(std::int64_t t0, std::int64_t t1) const { return count_ > 1 && oldest() <= t0 && newest() >= t1; }
+
+  /// Last sample with time <= t (which must be covered).
+  int at_or_before(std::int64_t t) const {
+    int low = 0, high = count_ - 1;
+    while (low < high) {
+      const int middle = (low + high + 1) / 2;
+      if (time(middle) <= t) low = middle; else high = middle - 1;
+    }
+    return low;
+  }
+
+  /// The reading at t by linear interpolation; t must be covered.
+  InertialReading<S> at(std::int64_t t) const {
+    const int i = at_or_before(t);
+    if (time(i) == t || i + 1 == count_) return reading(i);
+    return interpolate(reading(i), reading(i + 1), S(t - time(i)) / S(time(i + 1) - time(i)));
+  }
+
+  /// Integrates from t0 to t1 > t0, which must be covered.
+  void integrate(std::int64_t t0, std::int64_t t1, ImuIntegrator<S>* integrator) const {
+    integrator->start(at(t0));
+    std::int64_t t = t0;
+    for (int i = at_or_before(t0) + 1; i < count_ && time(i) < t1; ++i) {
+      integrator->step(reading(i), S(time(i) - t) * S(1e-9));
+      t = time(i);
+    }
+    integrator->step(at(t1), S(t1 - t) * S(1e-9));
+  }
+
+ private:
+  int index(int i) const { return (head_ - count_ + i + kImuHistory) % kImuHistory; }
+  int count_ = 0, head_ = 0;
+  std::int64_t t_[kImuHistory];
+  InertialReading<S> reading_[kImuHistory];
+};
+
+}  // namespace SEGCAL_NS
