@@ -35,12 +35,15 @@ ImuData read_imu(const fs::path& root) {
   return imu;
 }
 
-std::vector<ImageEntry> read_images(const fs::path& folder) {
+/// `must_exist` where the images are the only source of tracks: then each file that the list names has to be there.
+std::vector<ImageEntry> read_images(const fs::path& folder, bool must_exist) {
   std::vector<ImageEntry> images;
   CsvReader csv(folder / "data.csv", "timestamp [ns], filename", 2, 2);
   while (csv.next_row()) {
     if (csv.text(1).empty()) csv.fail("timestamp [ns], filename, found an empty filename");
     images.push_back({csv.integer(0), folder / "data" / std::string(csv.text(1))});
+    const fs::path& image = images.back().file;
+    if (must_exist && !fs::exists(image)) csv.fail("an image that exists, but " + image.string() + " is missing");
   }
   return images;
 }
@@ -70,7 +73,7 @@ CameraData read_camera(const fs::path& folder) {
   const bool has_tracks = fs::exists(folder / "tracks.csv");
   if (!has_tracks && !fs::exists(folder / "data.csv"))
     throw InputError(folder.string() + ": expected data.csv (images) or tracks.csv (feature tracks) in this folder");
-  if (fs::exists(folder / "data.csv")) camera.images = read_images(folder);
+  if (fs::exists(folder / "data.csv")) camera.images = read_images(folder, !has_tracks);
   if (has_tracks) camera.frames = read_frames(folder / "tracks.csv");
   return camera;
 }

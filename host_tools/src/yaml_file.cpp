@@ -1,5 +1,6 @@
 #include "yaml_file.h"
 
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <cmath>
 

@@ -1,5 +1,6 @@
 #include "feature_tracker.h"
 
+#include <algorithm>
 #include <opencv2/video/tracking.hpp>
 
 #include "outlier_rejection.h"
@@ -8,6 +9,7 @@ namespace host {
 namespace {
 
 constexpr float border_px = 8;  // closer to the edge than this the patch is mostly outside
+constexpr double merged_px = 4;     // closer to each other than this two tracks share most of their patch
 
 bool inside(const cv::Point2f& point, const cv::Size& size) {
   return point.x >= border_px && point.y >= border_px && point.x < size.width - border_px &&
@@ -70,6 +72,7 @@ void FeatureTracker::follow(const std::vector<cv::Mat>& pyramid, const cv::Size&
   }
   tracks_ = std::move(kept);
   reject_outliers(kept_before);
+  drop_merged();
 }
 
 void FeatureTracker::reject_outliers(const std::vector<cv::Point2f>& before) {
@@ -80,6 +83,16 @@ void FeatureTracker::reject_outliers(const std::vector<cv::Point2f>& before) {
   for (std::size_t i = 0; i < tracks_.size(); ++i)
     if (inlier[i]) tracks_[kept++] = tracks_[i];
   tracks_.resize(kept);
+}
+
+/// Two tracks that ran into each other follow the same corner: the older one stays.
+void FeatureTracker::drop_merged() {
+  std::vector<Track> kept;
+  for (const Track& track : tracks_) {
+    const auto same = [&](const Track& other) { return distance_px(other.point, track.point) < merged_px; };
+    if (std::none_of(kept.begin(), kept.end(), same)) kept.push_back(track);
+  }
+  tracks_ = std::move(kept);
 }
 
 void FeatureTracker::add_corners(const cv::Mat& image) {

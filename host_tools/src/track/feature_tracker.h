@@ -14,10 +14,10 @@ namespace host {
 
 struct TrackerOptions {
   CornerOptions corners;
-  int window_px = 21;                     ///< side of the matched patch
+  int window_px = 17;                     ///< side of the matched patch; wider ones see several depths at once
   int pyramid_levels = 4;                 ///< the smallest is 1/8 of the size
   double max_forward_backward_px = 0.5;   ///< distance after tracking there and back
-  double max_epipolar_px = 1.5;           ///< RANSAC threshold
+  double max_epipolar_px = 1.0;           ///< RANSAC threshold
   bool equalise = true;                   ///< CLAHE: contrast by region, for dark or unevenly lit scenes
 };
 
@@ -40,6 +40,7 @@ class FeatureTracker {
   std::vector<cv::Mat> pyramid_of(const cv::Mat& image) const;
   void follow(const std::vector<cv::Mat>& pyramid, const cv::Size& size);
   void reject_outliers(const std::vector<cv::Point2f>& before);
+  void drop_merged();
   void add_corners(const cv::Mat& image);
 
   CameraCalibration camera_;

@@ -44,13 +44,17 @@ inline void add_scaled(S* __restrict y, S a, const S* __restrict x, int first, i
   for (int c = first; c < last; ++c) y[c] += a * x[c];
 }
 
+/// Squared lengths below this are zero: their inverse would leave the range of the type.
+template <class S>
+constexpr S smallest_square = std::is_same_v<S, float> ? S(1e-30) : S(1e-200);
+
 /// One Householder reflection: clears column j of the m rows of `block` (`stride` apart) against row r, and applies
 /// itself to columns (j, n) of all of them. Column j of the block is left as it was: nobody reads it again.
 template <class S>
 inline void reflect_column(S* r, S* block, int m, int stride, int j, int n, S* work) {
   S below = S(0);
   for (int i = 0; i < m; ++i) below += block[i * stride + j] * block[i * stride + j];
-  if (below == S(0)) return;
+  if (below < smallest_square<S>) return;  // nothing to clear; the inverse below would overflow
   const S norm = square_root(r[j] * r[j] + below);
   const S alpha = r[j] > S(0) ? -norm : norm;
   const S v0 = r[j] - alpha;             // no cancellation: alpha has the other sign

@@ -231,7 +231,7 @@ void ImuIntegrator<S>::propagate_noise(const Mat3<S>& Et, const Mat3<S>& Jr, con
 template <class S>
 struct ImuRows {
   Vec<S, 15> r;
-  Mat<S, 15, 2 * kStateColumns + kImuColumns> J;
+  Eigen::Matrix<S, 15, 2 * kStateColumns + kImuColumns, Eigen::RowMajor> J;
 };
 
 /// Covariance of the link's 15 residuals: P with the walk of both biases over dt.
@@ -303,32 +303,56 @@ void link_rows(const ImuIntegral<S>& I, const State<S>& x0, const State<S>& x1, 
   }
 }
 
-/// Whitens rows with the link's noise: L^-1 r, L^-1 J, L L' = Q. False if Q is not positive (a link of no duration).
+/// Square root of the link's information: a scale per row and a lower triangle, so that whitened = L^-1 (scale r).
 template <class S>
-bool whiten(const ImuIntegral<S>& I, const ImuNoise<S>& noise, ImuRows<S>* rows) {
-  const Mat<S, 15, 15> Q = link_covariance(I, noise);
-  // Scale to unit diagonal first: entries span ten decades, and float keeps seven digits of each ratio.
+struct LinkWhitening {
   Vec<S, 15> scale;
+  Mat<S, 15, 15> L;
+};
+
+/// False if the covariance is not positive (a link of no duration). Scaled to unit diagonal first: the entries span ten
+/// decades, and float keeps seven digits of each ratio.
+template <class S>
+bool link_whitening(const ImuIntegral<S>& I, const ImuNoise<S>& noise, LinkWhitening<S>* w) {
+  Mat<S, 15, 15> Q = link_covariance(I, noise);
   for (int i = 0; i < 15; ++i) {
     if (!(Q(i, i) > S(0))) return false;
-    scale(i) = S(1) / square_root(Q(i, i));
+    w->scale(i) = S(1) / square_root(Q(i, i));
   }
-  Mat<S, 15, 15> C, L;
   for (int j = 0; j < 15; ++j) {
-    for (int i = 0; i < 15; ++i) C(i, j) = (Q(i, j) * scale(i)) * scale(j);
+    for (int i = 0; i < 15; ++i) Q(i, j) = (Q(i, j) * w->scale(i)) * w->scale(j);
   }
-  if (!cholesky_lower<S, 15>(C, &L)) return false;
-  constexpr int n = 2 * kStateColumns + kImuColumns;
+  return cholesky_lower<S, 15>(Q, &w->L);
+}
+
+/// Whitens the residual alone.
+template <class S>
+bool whiten_residual(const ImuIntegral<S>& I, const ImuNoise<S>& noise, const Vec<S, 15>& r, Vec<S, 15>* out) {
+  LinkWhitening<S> w;
+  if (!link_whitening(I, noise, &w)) return false;
   for (int i = 0; i < 15; ++i) {
-    S r = rows->r(i) * scale(i);
-    Mat<S, 1, n> row = rows->J.row(i) * scale(i);
+    S sum = r(i) * w.scale(i);
+    for (int k = 0; k < i; ++k) sum -= w.L(i, k) * (*out)(k);
+    (*out)(i) = sum / w.L(i, i);
+  }
+  return true;
+}
+
+/// Whitens residual and Jacobian rows in place.
+template <class S>
+bool whiten(const ImuIntegral<S>& I, const ImuNoise<S>& noise, ImuRows<S>* rows) {
+  LinkWhitening<S> w;
+  if (!link_whitening(I, noise, &w)) return false;
+  for (int i = 0; i < 15; ++i) {
+    S r = rows->r(i) * w.scale(i);
+    rows->J.row(i) *= w.scale(i);
     for (int k = 0; k < i; ++k) {
-      if (L(i, k) == S(0)) continue;
-      r -= L(i, k) * rows->r(k);
-      row -= L(i, k) * rows->J.row(k);
+      if (w.L(i, k) == S(0)) continue;
+      r -= w.L(i, k) * rows->r(k);
+      rows->J.row(i) -= w.L(i, k) * rows->J.row(k);
     }
-    rows->r(i) = r / L(i, i);
-    rows->J.row(i) = row / L(i, i);
+    rows->r(i) = r / w.L(i, i);
+    rows->J.row(i) /= w.L(i, i);
   }
   return true;
 }

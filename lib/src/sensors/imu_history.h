@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "sensors/imu.h"
+#include "sensors/imu_samples.h"
 
 namespace SEGCAL_NS {
 
@@ -33,31 +33,14 @@ class ImuHistory {
   bool covers(std::int64_t t0, std::int64_t t1) const { return count_ > 1 && oldest() <= t0 && newest() >= t1; }
 
   /// Last sample with time <= t (which must be covered).
-  int at_or_before(std::int64_t t) const {
-    int low = 0, high = count_ - 1;
-    while (low < high) {
-      const int middle = (low + high + 1) / 2;
-      if (time(middle) <= t) low = middle; else high = middle - 1;
-    }
-    return low;
-  }
+  int at_or_before(std::int64_t t) const { return SEGCAL_NS::at_or_before(*this, t); }
 
   /// The reading at t by linear interpolation; t must be covered.
-  InertialReading<S> at(std::int64_t t) const {
-    const int i = at_or_before(t);
-    if (time(i) == t || i + 1 == count_) return reading(i);
-    return interpolate(reading(i), reading(i + 1), S(t - time(i)) / S(time(i + 1) - time(i)));
-  }
+  InertialReading<S> at(std::int64_t t) const { return reading_at<S>(*this, t); }
 
   /// Integrates from t0 to t1 > t0, which must be covered.
   void integrate(std::int64_t t0, std::int64_t t1, ImuIntegrator<S>* integrator) const {
-    integrator->start(at(t0));
-    std::int64_t t = t0;
-    for (int i = at_or_before(t0) + 1; i < count_ && time(i) < t1; ++i) {
-      integrator->step(reading(i), S(time(i) - t) * S(1e-9));
-      t = time(i);
-    }
-    integrator->step(at(t1), S(t1 - t) * S(1e-9));
+    integrate_samples<S>(*this, t0, t1, S(1e-9), integrator);
   }
 
  private:

@@ -1,0 +1,16 @@
+// From a point in the camera's frame to a raw pixel: the simulator's own models, written apart from the core's.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "../calibration_file.h"
+
+namespace host::sim {
+
+/// Raw pixel of a point p_C, m, in the camera's frame. Empty where the point is behind the camera, farther from the axis
+/// than the model is valid for (80 degrees; radtan 60 and only while the distorted radius grows with the true one), or
+/// within `border_px` of the image's edge.
+std::optional<Eigen::Vector2d> project(const CameraCalibration& camera, const Eigen::Vector3d& p_C, double border_px);
+
+}  // namespace host::sim

@@ -1,0 +1,145 @@
+#include "camera_simulator.h"
+
+#include <algorithm>
+#include <array>
+
+#include "camera_model.h"
+
+namespace host::sim {
+namespace {
+
+constexpr double border_px = 3;  // so that noise does not carry a corner out of the image
+constexpr std::size_t grid_columns = 8, grid_rows = 6;
+
+/// Counts tracks per cell of the image, so that new ones fill the empty places first.
+class Coverage {
+ public:
+  explicit Coverage(const CameraCalibration& camera) : width_(camera.width), height_(camera.height) {}
+  int& at(double u, double v) {
+    const auto column = static_cast<std::size_t>(std::clamp(u / width_, 0.0, 0.999) * grid_columns);
+    const auto row = static_cast<std::size_t>(std::clamp(v / height_, 0.0, 0.999) * grid_rows);
+    return counts_[row * grid_columns + column];
+  }
+
+ private:
+  double width_, height_;
+  std::array<int, grid_columns * grid_rows> counts_{};
+};
+
+}  // namespace
+
+CameraSimulator::CameraSimulator(const CameraCalibration& camera, const Trajectory& truth,
+                                 const std::vector<Eigen::Vector3d>& scene, const Effects& effects,
+                                 const TrackOptions& options, double period, std::uint64_t seed)
+    : camera_(camera),
+      truth_(truth),
+      scene_(scene),
+      effects_(effects),
+      options_(options),
+      period_(period),
+      choices_(seed, Stream::tracks),
+      noise_(seed, Stream::pixels),
+      in_use_(scene.size(), false) {}
+
+std::optional<Eigen::Vector2d> CameraSimulator::project_from(const BodyState& state,
+                                                             const Eigen::Vector3d& landmark_G) const {
+  const Eigen::Vector3d p_I = state.R_GI.transpose() * (landmark_G - state.p_GI);
+  const Eigen::Vector3d p_C = camera_.R_CI * p_I + camera_.p_CI;
+  const double distance = p_C.norm();
+  if (distance < options_.depth.near || distance > options_.depth.far) return std::nullopt;
+  return project(camera_, p_C, border_px);
+}
+
+/// All effects on the camera act here. The row decides when a pixel is exposed, and the pose at that time decides the
+/// row: two rounds are plenty, the motion during the read-out is small.
+std::optional<Eigen::Vector2d> CameraSimulator::observe(const BodyState& state, double t,
+                                                        const Eigen::Vector3d& landmark_G) const {
+  std::optional<Eigen::Vector2d> pixel = project_from(state, landmark_G);
+  if (effects_.empty()) return pixel;
+  for (int round = 0; round < 3 && pixel; ++round) {
+    double t_exposed = t;
+    for (const auto& effect : effects_) t_exposed = effect->exposure_time(camera_, t_exposed, pixel->y());
+    pixel = project_from(truth_.at(t_exposed), landmark_G);
+  }
+  if (!pixel) return pixel;
+  for (const auto& effect : effects_) effect->on_pixel(camera_, t, *pixel);
+  return pixel;
+}
+
+std::vector<TrackPoint> CameraSimulator::next_frame(double t, std::uint32_t& next_track_id) {
+  states_ahead_.clear();
+  for (int k = 0; k < options_.shortest; ++k) states_ahead_.emplace_back(t + k * period_, truth_.at(t + k * period_));
+  std::vector<TrackPoint> points;
+  continue_tracks(t, points);
+  start_tracks(t, next_track_id, points);
+  return points;
+}
+
+void CameraSimulator::continue_tracks(double t, std::vector<TrackPoint>& points) {
+  std::vector<Track> alive;
+  for (Track track : tracks_) {
+    const auto pixel = track.frames_left > 0 ? observe(states_ahead_.front().second, t, scene_[track.landmark]) : std::nullopt;
+    in_use_[track.landmark] = pixel.has_value();
+    if (!pixel) continue;
+    --track.frames_left;
+    alive.push_back(track);
+    points.push_back(measured(track.id, *pixel));
+  }
+  tracks_ = std::move(alive);
+}
+
+/// Landmarks in view that no track follows, in random order.
+std::vector<CameraSimulator::Sighting> CameraSimulator::free_sightings(double t) {
+  std::vector<Sighting> sightings;
+  for (std::size_t i = 0; i < scene_.size(); ++i) {
+    if (in_use_[i]) continue;
+    if (const auto pixel = observe(states_ahead_.front().second, t, scene_[i])) sightings.push_back({i, *pixel});
+  }
+  for (std::size_t i = sightings.size(); i > 1; --i)
+    std::swap(sightings[i - 1], sightings[static_cast<std::size_t>(choices_.integer(0, static_cast<int>(i) - 1))]);
+  return sightings;
+}
+
+bool CameraSimulator::stays_visible(std::size_t landmark) const {
+  return std::all_of(states_ahead_.begin(), states_ahead_.end(), [&](const auto& ahead) {
+    return observe(ahead.second, ahead.first, scene_[landmark]).has_value();
+  });
+}
+
+void CameraSimulator::start_tracks(double t, std::uint32_t& next_track_id, std::vector<TrackPoint>& points) {
+  const auto wanted = static_cast<std::size_t>(options_.count);
+  if (tracks_.size() >= wanted) return;
+  Coverage coverage(camera_);
+  for (const TrackPoint& point : points) ++coverage.at(point.u, point.v);
+  std::vector<Sighting> candidates = free_sightings(t);
+  // First the empty cells, then those with one track, and so on.
+  for (int level = 0; level < options_.count && tracks_.size() < wanted && !candidates.empty(); ++level) {
+    std::vector<Sighting> later;
+    for (const Sighting& sighting : candidates) {
+      if (tracks_.size() >= wanted) break;
+      int& count = coverage.at(sighting.pixel.x(), sighting.pixel.y());
+      if (count > level) {
+        later.push_back(sighting);
+      } else if (stays_visible(sighting.landmark)) {
+        ++count;
+        start_track(sighting, next_track_id++, points);
+      }
+    }
+    candidates = std::move(later);
+  }
+}
+
+void CameraSimulator::start_track(const Sighting& sighting, std::uint32_t id, std::vector<TrackPoint>& points) {
+  const int life = choices_.integer(options_.shortest, options_.longest);
+  tracks_.push_back({id, sighting.landmark, life - 1});
+  in_use_[sighting.landmark] = true;
+  points.push_back(measured(id, sighting.pixel));
+}
+
+TrackPoint CameraSimulator::measured(std::uint32_t id, const Eigen::Vector2d& pixel) {
+  const double u = pixel.x() + options_.pixel_noise_px * noise_.normal();
+  const double v = pixel.y() + options_.pixel_noise_px * noise_.normal();
+  return {id, u, v};
+}
+
+}  // namespace host::sim

@@ -1,0 +1,64 @@
+// Feature tracks: which landmarks one camera follows from frame to frame, and where it sees them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "../calibration_file.h"
+#include "imu_simulator.h"
+#include "random.h"
+#include "scene.h"
+
+namespace host::sim {
+
+struct TrackOptions {
+  int count = 60;                     ///< tracks alive at a time, as far as the view offers them
+  int shortest = 6, longest = 45;     ///< life span of a track, frames
+  double pixel_noise_px = 0.5;        ///< standard deviation per axis
+  DepthRange depth;
+};
+
+/// One camera with its true calibration in the scene. Calls of `next_frame` go forward in time at a fixed rate.
+class CameraSimulator {
+ public:
+  /// `period` in s between frames; it is used to look ahead, so that no track begins that could not live `shortest` frames.
+  CameraSimulator(const CameraCalibration& camera, const Trajectory& truth, const std::vector<Eigen::Vector3d>& scene,
+                  const Effects& effects, const TrackOptions& options, double period, std::uint64_t seed);
+
+  /// Tracks of the frame at `t`, s since the first frame. New ids are taken from `next_track_id`.
+  std::vector<TrackPoint> next_frame(double t, std::uint32_t& next_track_id);
+
+ private:
+  struct Track {
+    std::uint32_t id;
+    std::size_t landmark;
+    int frames_left;
+  };
+  struct Sighting {
+    std::size_t landmark;
+    Eigen::Vector2d pixel;
+  };
+
+  std::optional<Eigen::Vector2d> observe(const BodyState& state, double t, const Eigen::Vector3d& landmark_G) const;
+  std::optional<Eigen::Vector2d> project_from(const BodyState& state, const Eigen::Vector3d& landmark_G) const;
+  bool stays_visible(std::size_t landmark) const;
+  std::vector<Sighting> free_sightings(double t);
+  void continue_tracks(double t, std::vector<TrackPoint>& points);
+  void start_tracks(double t, std::uint32_t& next_track_id, std::vector<TrackPoint>& points);
+  void start_track(const Sighting& sighting, std::uint32_t id, std::vector<TrackPoint>& points);
+  TrackPoint measured(std::uint32_t id, const Eigen::Vector2d& pixel);
+
+  CameraCalibration camera_;
+  const Trajectory& truth_;
+  const std::vector<Eigen::Vector3d>& scene_;
+  const Effects& effects_;
+  TrackOptions options_;
+  double period_;
+  Random choices_, noise_;
+  std::vector<Track> tracks_;
+  std::vector<bool> in_use_;                                      ///< per landmark
+  std::vector<std::pair<double, BodyState>> states_ahead_;        ///< time and state of this frame and the next few
+};
+
+}  // namespace host::sim

@@ -1,0 +1,131 @@
+// The subcommand `segcal simulate`.
+#include <iostream>
+#include <memory>
+
+#include "../commands.h"
+#include "scenarios.h"
+#include "simulate.h"
+
+namespace host {
+namespace {
+
+constexpr const char* explanation =
+    "Simulates a session of a camera and IMU with a known device and writes it as a recording (EuRoC's layout).\n"
+    "The starting calibration (REC/camchain-imucam.yaml) is the data sheet's; the device itself is drawn around it.\n"
+    "What the device really was is in REC/truth, for evaluation only.";
+
+constexpr const char* examples = R"(Examples:
+  segcal simulate --out rec --scenario arvr --seconds 60 --seed 1
+      one minute with a headset; the same command gives the same files
+  segcal simulate --out day2 --scenario arvr --seed 2 --device-seed 1
+      another session of the same device
+  segcal simulate --out stereo --scenario rich --cameras 2 --distortion radtan --pixel-noise 0.3
+  segcal simulate --out mh03 --trajectory groundtruth.csv --imu imu.csv --seconds 100
+      landmarks simulated along a recorded motion, with the real IMU samples
+
+The device is drawn around nominal with 1 px (f, c), 0.004 and 0.002 (gyroscope scale, misalignment), 0.012
+(accelerometer scale, misalignment; rotations, rad) and 4 mm. Exit code 2: bad usage or an unusable file.)";
+
+struct Command {
+  SimulationOptions options;
+  std::filesystem::path out;
+  std::string distortion = "fov";
+};
+
+std::string scenario_help() {
+  std::string text = "motion:";
+  for (const sim::Scenario& scenario : sim::scenarios())
+    text += std::string("\n  ") + scenario.name + ": " + scenario.description;
+  return text;
+}
+
+std::vector<std::string> scenario_names() {
+  std::vector<std::string> names;
+  for (const sim::Scenario& scenario : sim::scenarios()) names.emplace_back(scenario.name);
+  return names;
+}
+
+/// The output must not fall on what is read.
+void check_output(const Command& command) {
+  namespace fs = std::filesystem;
+  const fs::path out = fs::weakly_canonical(command.out);
+  for (const fs::path& input : {command.options.trajectory_file, command.options.imu_file}) {
+    if (input.empty()) continue;
+    const fs::path inside = fs::weakly_canonical(input).lexically_relative(out);
+    if (!inside.empty() && *inside.begin() != "..")
+      throw InputError("--out " + command.out.string() + ": expected another folder than the one that holds " + input.string());
+  }
+}
+
+void report(const Command& command, const SimulationResult& result) {
+  std::size_t points = 0, frames = 0;
+  for (const CameraData& camera : result.recording.cameras) {
+    frames += camera.frames.size();
+    for (const Frame& frame : camera.frames) points += frame.points.size();
+  }
+  std::cerr << "\rwrote " << command.out.string() << ": " << result.recording.imu.samples.size() << " IMU samples, "
+            << frames << " frames, " << points / std::max<std::size_t>(frames, 1) << " tracks per frame\n";
+}
+
+void run(const Command& command) {
+  check_output(command);
+  const SimulationResult result = simulate(command.options, [](double share) {
+    std::cerr << "\rsimulating " << static_cast<int>(100 * share) << " %" << std::flush;
+  });
+  write_simulation(result, command.out);
+  report(command, result);
+}
+
+void add_motion_options(CLI::App& app, Command& command) {
+  SimulationOptions& options = command.options;
+  app.add_option("--scenario", options.scenario, scenario_help())->check(CLI::IsMember(scenario_names()))->capture_default_str();
+  app.add_option("--seconds", options.seconds, "length, s")->capture_default_str();
+  app.add_option("--seed", options.seed, "motion, scene, biases and noise")->capture_default_str();
+  app.add_option("--trajectory", options.trajectory_file, "follow recorded poses instead of a scenario (groundtruth.csv)");
+  app.add_option("--imu", options.imu_file, "take real IMU samples of that trajectory (imu.csv)");
+}
+
+void add_device_options(CLI::App& app, Command& command) {
+  SimulationOptions& options = command.options;
+  app.add_option_function<std::uint64_t>(
+      "--device-seed", [&options](std::uint64_t seed) { options.device_seed = seed; },
+      "the specimen; the same as --seed where it is not given");
+  app.add_option("--device-scale", options.device_scale, "factor on the scatter of devices, 0 for the nominal one")
+      ->check(CLI::Range(0.0, 100.0))->capture_default_str();
+  app.add_option("--cameras", options.cameras, "1 or 2")->check(CLI::Range(1, 2))->capture_default_str();
+  app.add_option("--distortion", command.distortion, "lens model")
+      ->check(CLI::IsMember({"fov", "radtan", "equidistant"}))->capture_default_str();
+}
+
+void add_sensor_options(CLI::App& app, Command& command) {
+  SimulationOptions& options = command.options;
+  ImuNoise& noise = options.imu_noise;
+  const CLI::Range positive(0.0, 1e3);
+  app.add_option("--tracks", options.tracks.count, "tracks at a time and camera")->capture_default_str();
+  app.add_option("--pixel-noise", options.tracks.pixel_noise_px, "standard deviation per axis, px")->capture_default_str();
+  app.add_option("--rate-camera", options.camera_rate_hz, "Hz")->capture_default_str();
+  app.add_option("--rate-imu", noise.rate_hz, "Hz")->capture_default_str();
+  app.add_option("--gyro-noise", noise.gyro_noise_density, "rad/s/sqrt(Hz)")->check(positive)->capture_default_str();
+  app.add_option("--gyro-walk", noise.gyro_random_walk, "rad/s^2/sqrt(Hz)")->check(positive)->capture_default_str();
+  app.add_option("--accel-noise", noise.accel_noise_density, "m/s^2/sqrt(Hz)")->check(positive)->capture_default_str();
+  app.add_option("--accel-walk", noise.accel_random_walk, "m/s^3/sqrt(Hz)")->check(positive)->capture_default_str();
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& app, int& exit_code) {
+  CLI::App* const sub = app.add_subcommand("simulate", explanation);
+  sub->footer(examples);
+  const auto command = std::make_shared<Command>();
+  sub->add_option("--out", command->out, "folder of the new recording")->required();
+  add_motion_options(*sub, *command);
+  add_device_options(*sub, *command);
+  add_sensor_options(*sub, *command);
+  sub->callback([command, &exit_code] {
+    command->options.distortion = distortion_from_name(command->distortion);
+    run(*command);
+    exit_code = 0;
+  });
+}
+
+}  // namespace host

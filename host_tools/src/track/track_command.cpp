@@ -1,0 +1,161 @@
+// `segcal track`: images of a recording to feature tracks.
+#include <unistd.h>
+
+#include <algorithm>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "../calibration_file.h"
+#include "../commands.h"
+#include "../recording.h"
+#include "feature_tracker.h"
+#include "recording_view.h"
+
+namespace host {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* description =
+    R"(Finds corners in the images of a recording and follows them: REC/mav0/camN/tracks.csv.
+
+Where REC is read-only, --out FOLDER makes FOLDER a recording that links to REC and holds the tracks; replay FOLDER then.
+The calibration (--calib, else REC/camchain-imucam.yaml, else camN/sensor.yaml) serves to reject outliers only; a start
+that is some per cent off is good enough.)";
+
+struct TrackSettings {
+  std::string recording, calibration, out;
+  int n_cameras = 1;
+  bool json = false;
+  TrackerOptions tracker;
+};
+
+cv::Mat read_image(const fs::path& file, const CameraCalibration& camera) {
+  if (!fs::exists(file)) throw InputError(file.string() + ": image is missing");
+  const cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+  if (image.empty()) throw InputError(file.string() + ": expected an image, found something that cannot be decoded");
+  if (image.cols != camera.width || image.rows != camera.height)
+    throw InputError(file.string() + ": expected " + std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+                     " px as in the calibration, found " + std::to_string(image.cols) + " x " + std::to_string(image.rows));
+  return image;
+}
+
+void show_progress(int camera, std::size_t done, std::size_t total, std::size_t corners) {
+  if (done % 100 != 0 && done != total) return;
+  std::cerr << "cam" << camera << ": " << done << " of " << total << " images, " << corners << " tracks in the last\n";
+}
+
+std::vector<Frame> track_camera(int index, const CameraData& data, const CameraCalibration& camera,
+                                const TrackerOptions& options) {
+  FeatureTracker tracker(camera, options);
+  std::vector<Frame> frames;
+  for (const ImageEntry& entry : data.images) {
+    frames.push_back({entry.t_ns, tracker.next(read_image(entry.file, camera))});
+    show_progress(index, frames.size(), data.images.size(), frames.back().points.size());
+  }
+  return frames;
+}
+
+/// What a user wants to know of the tracks: how many at a time, and how long they live.
+nlohmann::json statistics(const std::vector<Frame>& frames) {
+  std::map<std::uint32_t, int> length;
+  std::size_t points = 0;
+  for (const Frame& frame : frames) {
+    points += frame.points.size();
+    for (const TrackPoint& point : frame.points) ++length[point.track_id];
+  }
+  std::vector<int> lengths;
+  for (const auto& [id, frames_seen] : length) lengths.push_back(frames_seen);
+  std::sort(lengths.begin(), lengths.end());
+  return {{"images", frames.size()},
+          {"tracks", lengths.size()},
+          {"tracks_per_image_mean", frames.empty() ? 0.0 : static_cast<double>(points) / static_cast<double>(frames.size())},
+          {"track_length_median", lengths.empty() ? 0 : lengths[lengths.size() / 2]}};
+}
+
+fs::path tracks_file(const fs::path& root, int camera) {
+  return root / "mav0" / ("cam" + std::to_string(camera)) / "tracks.csv";
+}
+
+/// Known before the work starts, so that minutes of tracking are not lost to a read-only folder.
+void check_writable(const fs::path& root, int n_cameras) {
+  for (int i = 0; i < n_cameras; ++i) {
+    const fs::path folder = tracks_file(root, i).parent_path();
+    if (fs::exists(folder) && ::access(folder.c_str(), W_OK) != 0)
+      throw InputError(folder.string() + ": folder is read-only: use --out FOLDER");
+  }
+}
+
+std::vector<std::vector<Frame>> track_all(const Recording& recording, const TrackSettings& settings) {
+  const Calibration calibration = find_calibration(recording.root, settings.calibration, settings.n_cameras);
+  std::vector<std::vector<Frame>> tracks;
+  for (int i = 0; i < settings.n_cameras; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    if (recording.cameras[index].images.empty())
+      throw InputError((tracks_file(recording.root, i).parent_path() / "data.csv").string() +
+                       ": file is missing: expected the list of images");
+    tracks.push_back(track_camera(i, recording.cameras[index], calibration.cameras[index], settings.tracker));
+  }
+  return tracks;
+}
+
+void report(const std::vector<std::vector<Frame>>& tracks, const TrackSettings& settings) {
+  nlohmann::json result = nlohmann::json::array();
+  const fs::path root = settings.out;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    result.push_back(statistics(tracks[i]));
+    result.back()["file"] = tracks_file(root, static_cast<int>(i)).string();
+  }
+  if (settings.json) {
+    std::cout << nlohmann::json{{"cameras", result}}.dump(2) << '\n';
+    return;
+  }
+  for (const nlohmann::json& camera : result)
+    std::cout << camera["file"].get<std::string>() << ": " << camera["tracks"] << " tracks in " << camera["images"]
+              << " images, " << static_cast<int>(camera["tracks_per_image_mean"].get<double>() + 0.5)
+              << " per image, median length " << camera["track_length_median"] << " images\n";
+}
+
+void run(TrackSettings settings) {
+  cv::setNumThreads(1);  // one image is too small a task to share out, and the result must not depend on the machine
+  const Recording recording = read_recording(settings.recording, settings.n_cameras);
+  const bool in_place = settings.out.empty() || (fs::exists(settings.out) && fs::equivalent(settings.out, recording.root));
+  if (in_place) {
+    settings.out = settings.recording;
+    check_writable(recording.root, settings.n_cameras);
+    const auto tracks = track_all(recording, settings);
+    for (int i = 0; i < settings.n_cameras; ++i) write_tracks(tracks_file(settings.out, i), tracks[static_cast<std::size_t>(i)]);
+    return report(tracks, settings);
+  }
+  const RecordingView view(recording.root, settings.out, settings.n_cameras);
+  const auto tracks = track_all(recording, settings);
+  view.create();
+  for (int i = 0; i < settings.n_cameras; ++i) write_tracks(tracks_file(settings.out, i), tracks[static_cast<std::size_t>(i)]);
+  report(tracks, settings);
+}
+
+}  // namespace
+
+void add_track_command(CLI::App& app, int& exit_code) {
+  auto settings = std::make_shared<TrackSettings>();
+  CLI::App* const command = app.add_subcommand("track", description);
+  TrackerOptions& tracker = settings->tracker;
+  command->add_option("REC", settings->recording, "recording with images, EuRoC's folder layout")->required();
+  command->add_option("--calib", settings->calibration, "calibration in Kalibr's layout (camchain-imucam.yaml)");
+  command->add_option("--out", settings->out, "folder to make a recording with the tracks, instead of writing into REC");
+  command->add_option("--cameras", settings->n_cameras, "number of cameras, cam0 first")->check(CLI::Range(1, 8))->capture_default_str();
+  command->add_option("--max-tracks", tracker.corners.max_tracks, "corners to keep in each image")->check(CLI::Range(8, 2000))->capture_default_str();
+  command->add_option("--min-distance", tracker.corners.min_distance_px, "between corners, px")->check(CLI::Range(3, 200))->capture_default_str();
+  command->add_option("--window", tracker.window_px, "side of the matched patch, px")->check(CLI::Range(7, 51))->capture_default_str();
+  command->add_option("--max-epipolar", tracker.max_epipolar_px, "outlier threshold, px")->check(CLI::Range(0.1, 20.0))->capture_default_str();
+  command->add_flag("!--no-equalise", tracker.equalise, "track in the original grey values, without local contrast (CLAHE)");
+  command->add_flag("--json", settings->json, "print the statistics as JSON");
+  command->callback([settings, &exit_code] {
+    run(*settings);
+    exit_code = 0;
+  });
+}
+
+}  // namespace host

@@ -1,0 +1,61 @@
+// The prior on theta: where calibration starts from, and how far the factory's values may be off (DESIGN, section 3).
+#pragma once
+
+#include "math/qr.h"
+#include "sensors/calibration.h"
+
+namespace SEGCAL_NS {
+
+template <class S>
+struct ThetaPrior {
+  Calibration<S> mean;
+  S sigma[kMaxTheta];  ///< units of theta's entries
+};
+
+/// DESIGN, section 3, last column of the table.
+template <class S>
+void default_prior_sigmas(const Calibration<S>& mean, S* sigma) {
+  const auto put = [&sigma](int n, S value) {
+    for (int i = 0; i < n; ++i) *sigma++ = value;
+  };
+  for (int c = 0; c < mean.n_cameras; ++c) {
+    const CameraCalibration<S>& camera = mean.camera[c];
+    put(3, S(0.05));
+    put(3, S(0.03));
+    put(1, S(0.04) * camera.intrinsics(0));
+    put(1, S(0.04) * camera.intrinsics(1));
+    put(2, S(10));
+    if (camera.model == Distortion::fov) {
+      put(1, S(0.03));
+    } else {
+      put(4, camera.model == Distortion::radtan ? S(0.1) : S(0.02));
+    }
+  }
+  put(6, S(0.03));
+  put(6, S(0.05));
+  put(3, S(0.05));
+}
+
+/// Puts the prior's rows into a triangle over [theta | rhs], linearised at theta.
+template <class S>
+void write_prior(const ThetaPrior<S>& prior, const Calibration<S>& theta, PackedTriangle<S>* triangle) {
+  const int n = theta.columns();
+  S offset[kMaxTheta];
+  difference(prior.mean, theta, offset);
+  triangle->clear();
+  for (int i = 0; i < n; ++i) {
+    triangle->row(i)[i] = S(1) / prior.sigma[i];
+    triangle->row(i)[n] = -offset[i] / prior.sigma[i];
+  }
+}
+
+template <class S>
+S prior_cost(const ThetaPrior<S>& prior, const Calibration<S>& theta) {
+  S offset[kMaxTheta];
+  difference(prior.mean, theta, offset);
+  S sum = S(0);
+  for (int i = 0; i < theta.columns(); ++i) sum += (offset[i] / prior.sigma[i]) * (offset[i] / prior.sigma[i]);
+  return sum;
+}
+
+}  // namespace SEGCAL_NS

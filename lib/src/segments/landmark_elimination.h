@@ -1,0 +1,129 @@
+// One landmark's rows, eliminated alone: three reflections clear its columns, and what is left (the left null space)
+// has pose and camera columns only (DESIGN, section 4, step 1; Mourikis and Roumeliotis 2007, Sec. III-D).
+//
+// Columns of the block: [landmark 3 | poses 6 K | camera columns | -r]. Rows: one for the prior on the inverse depth,
+// three for damping if there is any, two per image point.
+#pragma once
+
+#include "segments/segment.h"
+#include "segments/weights.h"
+
+namespace SEGCAL_NS {
+
+constexpr int kMaxAllCameraColumns = kMaxCameras * kMaxCameraColumns;
+constexpr int kVisualColumns = 6 * kMaxKeyframes + kMaxAllCameraColumns + 1;
+constexpr int kLandmarkBlockWidth = kLandmarkColumns + kVisualColumns;
+constexpr int kLandmarkBlockRows = 2 * kMaxKeyframes * kMaxCameras + 4;
+
+/// Where the visual columns of a segment stand: [poses 6 K | cameras].
+struct VisualLayout {
+  int poses, cameras;
+  int width() const { return poses + cameras + 1; }
+};
+
+/// What the fit of one landmark amounts to.
+template <class S>
+struct LandmarkFit {
+  int rows = 0;              ///< in the block
+  int used = 0;              ///< image points with weight
+  int first_keyframe = 0;
+  S prior_share = S(0);      ///< part of the inverse depth's information that is prior: counts towards dof
+  S robust_cost = S(0);
+};
+
+template <class S>
+class LandmarkBlock {
+ public:
+  /// Writes the whitened rows of landmark j at the segment's current states. `damping`: 0 for none, else the square root
+  /// of lambda times one over the landmark's typical step.
+  LandmarkFit<S> build(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                       const VisualLayout& layout, S damping);
+  /// The three reflections; afterwards rows [3, rows) are free of the landmark.
+  void eliminate(LandmarkFit<S>* fit, const MeasurementModel<S>& model, S* work);
+  /// Rows after elimination, beginning at the first pose column.
+  S* rest() { return data_ + kLandmarkColumns * stride_ + kLandmarkColumns; }
+  int stride() const { return stride_; }
+  /// Landmark step for given steps of poses and cameras (`step`, layout.poses + layout.cameras entries).
+  void solve(const S* step, S* landmark_step) const;
+
+ private:
+  S* row(int i) { return data_ + i * stride_; }
+  const S* row(int i) const { return data_ + i * stride_; }
+  bool add_observation(const Segment<S>& segment, int j, const Observation& o, const Calibration<S>& theta,
+                       const MeasurementModel<S>& model, const VisualLayout& layout, LandmarkFit<S>* fit);
+  int stride_ = 0, rows_ = 0;
+  S data_[kLandmarkBlockRows * kLandmarkBlockWidth];
+};
+
+template <class S>
+bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const Observation& o, const Calibration<S>& theta,
+                                       const MeasurementModel<S>& model, const VisualLayout& layout, LandmarkFit<S>* fit) {
+  const State<S>& x = segment.states.x[o.keyframe];
+  const Landmark<S>& l = segment.states.landmark[j];
+  ReprojectionRows<S> rows;
+  if (!reprojection_rows(theta.camera[o.camera], x.R_GI, x.p_GI, x.R_GI, x.p_GI, l, Vec2<S>(S(o.u), S(o.v)), &rows)) {
+    fit->robust_cost += model.huber * model.huber;
+    return false;
+  }
+  const S inverse_sigma = S(1) / model.pixel_sigma;
+  const RobustTerm<S> robust = robust_term(model, rows.r.squaredNorm() * inverse_sigma * inverse_sigma);
+  fit->robust_cost += robust.cost;
+  if (robust.weight == S(0)) return false;
+  const S scale = square_root(robust.weight) * inverse_sigma;
+  const int pose = kLandmarkColumns + 6 * o.keyframe;
+  const int camera = kLandmarkColumns + layout.poses + theta.camera_column(o.camera);
+  const int n_camera = theta.camera[o.camera].columns();
+  for (int i = 0; i < 2; ++i) {
+    S* r = row(rows_ + i);
+    for (int c = 0; c < stride_; ++c) r[c] = S(0);
+    for (int c = 0; c < kLandmarkColumns; ++c) r[c] = scale * rows.J_l(i, c);
+    for (int c = 0; c < 6; ++c) r[pose + c] = scale * rows.J_pose(i, c);
+    for (int c = 0; c < n_camera; ++c) r[camera + c] = scale * rows.J_camera(i, c);
+    r[stride_ - 1] = -scale * rows.r(i);
+  }
+  rows_ += 2;
+  return true;
+}
+
+template <class S>
+LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const Calibration<S>& theta,
+                                       const MeasurementModel<S>& model, const VisualLayout& layout, S damping) {
+  LandmarkFit<S> fit;
+  stride_ = kLandmarkColumns + layout.width();
+  const int priors = damping > S(0) ? 4 : 1;
+  for (int c = 0; c < priors * stride_; ++c) data_[c] = S(0);
+  row(0)[2] = S(1) / model.inverse_depth_sigma;
+  row(0)[stride_ - 1] = -segment.states.landmark[j].rho / model.inverse_depth_sigma;
+  for (int i = 1; i < priors; ++i) row(i)[i - 1] = damping;
+  rows_ = priors;
+  fit.first_keyframe = kMaxKeyframes;
+  for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
+    if (!add_observation(segment, j, segment.observation[o], theta, model, layout, &fit)) continue;
+    ++fit.used;
+    if (segment.observation[o].keyframe < fit.first_keyframe) fit.first_keyframe = segment.observation[o].keyframe;
+  }
+  fit.rows = rows_;
+  return fit;
+}
+
+template <class S>
+void LandmarkBlock<S>::eliminate(LandmarkFit<S>* fit, const MeasurementModel<S>& model, S* work) {
+  // Columns of poses before the first one seen are zero, but the three reflections are cheap next to the fold.
+  reflect_leading_columns(data_, rows_, stride_, stride_, kLandmarkColumns, work);
+  const S information = row(2)[2] * row(2)[2];
+  const S prior = S(1) / (model.inverse_depth_sigma * model.inverse_depth_sigma);
+  fit->prior_share = information > S(0) && prior < information ? prior / information : S(1);
+}
+
+template <class S>
+void LandmarkBlock<S>::solve(const S* step, S* landmark_step) const {
+  for (int i = kLandmarkColumns - 1; i >= 0; --i) {
+    const S* r = row(i);
+    S sum = r[stride_ - 1];
+    for (int c = kLandmarkColumns; c < stride_ - 1; ++c) sum -= r[c] * step[c - kLandmarkColumns];
+    for (int c = i + 1; c < kLandmarkColumns; ++c) sum -= r[c] * landmark_step[c];
+    landmark_step[i] = r[i] == S(0) ? S(0) : sum / r[i];
+  }
+}
+
+}  // namespace SEGCAL_NS

@@ -1,0 +1,67 @@
+// A segment: K consecutive keyframes, the landmarks they see, and the raw IMU samples between them (paper, Sec. V-B).
+// It holds its raw measurements, since calibration linearises it again at each new estimate.
+#pragma once
+
+#include <cstdint>
+
+#include "information/segment_information.h"
+#include "segments/imu_store.h"
+#include "segments/landmark.h"
+
+namespace SEGCAL_NS {
+
+constexpr int kMaxKeyframes = SEGCAL_MAX_KEYFRAMES;
+constexpr int kMaxLandmarks = SEGCAL_MAX_LANDMARKS;
+constexpr int kMaxObservations = SEGCAL_MAX_OBSERVATIONS;
+
+/// One image point of a landmark.
+struct Observation {
+  float u, v;                ///< px
+  std::uint16_t landmark;    ///< index in the segment
+  std::uint8_t keyframe;     ///< index in the segment
+  std::uint8_t camera;
+};
+
+/// What the optimiser moves in a segment.
+template <class S>
+struct SegmentStates {
+  State<S> x[kMaxKeyframes];
+  Landmark<S> landmark[kMaxLandmarks];
+};
+
+/// Scalar metrics of a segment's information (paper, Sec. V-B); lower is better.
+template <class S>
+struct Metrics {
+  S A = S(0), D = S(0), E = S(0);  ///< trace, log determinant, largest eigenvalue of the normalised covariance
+  S gain = S(0);                   ///< nats that the segment adds to the prior: D(prior)/2 - D/2
+  std::int32_t rank = 0;           ///< directions whose sigma falls below half the prior's
+};
+
+template <class S>
+struct Segment {
+  std::int64_t t0_ns = 0;          ///< stamp of the first keyframe, IMU clock
+  std::uint32_t serial = 0;        ///< grows by one with each segment cut from the stream
+  std::uint32_t session = 0;
+  std::int32_t n_keyframes = 0, n_landmarks = 0, n_observations = 0;
+  /// > 0: the samples begin this long (us) before the first keyframe, at the last keyframe of segment `serial` - 1.
+  std::int32_t lead_us = 0;
+  std::int32_t t_us[kMaxKeyframes];              ///< keyframe times after t0
+  std::uint32_t track_id[kMaxLandmarks];
+  std::uint16_t first_observation[kMaxLandmarks + 1];  ///< observations of landmark j: [first[j], first[j + 1])
+  Observation observation[kMaxObservations];     ///< sorted by landmark once the segment is closed
+  ImuStore<S> imu;
+  SegmentStates<S> states;
+  SegmentInformation<S> information;
+  Metrics<S> metrics;
+
+  /// Integrates link k: keyframe k - 1 (or the previous segment's last one, k = 0) to keyframe k.
+  ImuIntegral<S> integrate(int k, const ImuCalibration<S>& imu_calibration, const Vec3<S>& b_a, const Vec3<S>& b_g,
+                           const ImuNoise<S>& noise) const {
+    ImuIntegrator<S> integrator(imu_calibration, b_a, b_g, noise);
+    const std::int32_t from = k == 0 ? -lead_us : t_us[k - 1];
+    integrate_samples<S>(imu, from, t_us[k], S(1e-6), &integrator);
+    return integrator.result();
+  }
+};
+
+}  // namespace SEGCAL_NS

@@ -1,0 +1,65 @@
+// The cost of a segment at given states and theta: the sum that Levenberg-Marquardt must bring down (paper, Sec. IV-C).
+#pragma once
+
+#include "segments/elimination.h"
+
+namespace SEGCAL_NS {
+
+/// Squared whitened length of a link's residual.
+template <class S>
+S link_cost(const ImuIntegral<S>& I, const State<S>& x0, const State<S>& x1, const MeasurementModel<S>& model) {
+  const Vec<S, 15> r = link_residual(I, x0, x1, model.g);
+  Vec<S, 15> w;
+  return whiten_residual(I, model.imu, r, &w) ? w.squaredNorm() : S(0);
+}
+
+/// Robust cost of all image points, and the prior on each landmark's inverse distance.
+template <class S>
+S image_cost(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model) {
+  const S inverse_variance = S(1) / (model.pixel_sigma * model.pixel_sigma);
+  S total = S(0);
+  for (int j = 0; j < segment.n_landmarks; ++j) {
+    const Landmark<S>& l = segment.states.landmark[j];
+    const S prior = l.rho / model.inverse_depth_sigma;
+    S sum = prior * prior;
+    for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
+      const Observation& z = segment.observation[o];
+      const State<S>& x = segment.states.x[z.keyframe];
+      Vec2<S> r;
+      const bool seen = reprojection_residual(theta.camera[z.camera], x.R_GI, x.p_GI, l, Vec2<S>(S(z.u), S(z.v)), &r);
+      sum += seen ? robust_term(model, r.squaredNorm() * inverse_variance).cost : model.huber * model.huber;
+    }
+    total += sum;
+  }
+  return total;
+}
+
+/// Cost of the IMU links and of what starts a partition.
+template <class S>
+S inertial_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                const MeasurementModel<S>& model) {
+  const State<S>* x = segment.states.x;
+  S total = (x[0].v_GI / model.velocity_sigma).squaredNorm();
+  if (guest.join == Join::imu) {
+    const ImuIntegral<S> I = segment.integrate(0, theta.imu, guest.state.b_a, guest.state.b_g, model.imu);
+    total += link_cost(I, guest.state, x[0], model);
+  } else if (guest.join == Join::bias) {
+    total += (x[0].b_a - guest.state.b_a).squaredNorm() / (model.imu.accel_walk * model.imu.accel_walk * guest.gap_s);
+    total += (x[0].b_g - guest.state.b_g).squaredNorm() / (model.imu.gyro_walk * model.imu.gyro_walk * guest.gap_s);
+  } else {
+    total += (x[0].b_a / model.bias_a_sigma).squaredNorm() + (x[0].b_g / model.bias_g_sigma).squaredNorm();
+  }
+  for (int k = 0; k + 1 < segment.n_keyframes; ++k) {
+    const ImuIntegral<S> I = segment.integrate(k + 1, theta.imu, x[k].b_a, x[k].b_g, model.imu);
+    total += link_cost(I, x[k], x[k + 1], model);
+  }
+  return total;
+}
+
+template <class S>
+S segment_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+               const MeasurementModel<S>& model) {
+  return image_cost(segment, theta, model) + inertial_cost(segment, guest, theta, model);
+}
+
+}  // namespace SEGCAL_NS

@@ -1,0 +1,37 @@
+// Measurement model of a segment: noise, priors on nuisance states, robust weights.
+#pragma once
+
+#include "sensors/imu.h"
+
+namespace SEGCAL_NS {
+
+template <class S>
+struct MeasurementModel {
+  ImuNoise<S> imu;
+  S pixel_sigma = S(0.5);          ///< px, each axis
+  Vec3<S> g = Vec3<S>(S(0), S(0), S(-9.80665));  ///< m/s^2, in G
+  // Weak priors: they keep directions finite that no measurement touches, and are far wider than any real device.
+  S bias_a_sigma = S(1);           ///< m/s^2, accelerometer bias at the start of a partition
+  S bias_g_sigma = S(0.5);         ///< rad/s, gyroscope bias at the start of a partition
+  S velocity_sigma = S(30);        ///< m/s
+  S inverse_depth_sigma = S(2);    ///< 1/m, about zero: a landmark is hardly nearer than 0.3 m
+  S huber = S(3);                  ///< whitened length of an image residual above which its weight falls
+  S reject = S(0);                 ///< whitened length above which an image residual is left out; 0: never
+};
+
+/// Weight and cost of an image residual of squared whitened length e2: quadratic, then linear (Huber), then nothing.
+template <class S>
+struct RobustTerm {
+  S weight, cost;
+};
+
+template <class S>
+RobustTerm<S> robust_term(const MeasurementModel<S>& model, S e2) {
+  if (model.reject > S(0) && e2 > model.reject * model.reject) return {S(0), model.reject * model.reject};
+  const S k = model.huber;
+  if (e2 <= k * k) return {S(1), e2};
+  const S e = square_root(e2);
+  return {k / e, k * (S(2) * e - k)};
+}
+
+}  // namespace SEGCAL_NS

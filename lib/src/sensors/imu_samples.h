@@ -1,0 +1,46 @@
+// Integration over a stored sequence of samples, for any container with size(), time(i) (ticks) and reading(i).
+#pragma once
+
+#include <cstdint>
+
+#include "sensors/imu.h"
+
+namespace SEGCAL_NS {
+
+/// Last sample with time <= t; t must not lie before the first one.
+template <class Samples, class Time>
+int at_or_before(const Samples& samples, Time t) {
+  int low = 0, high = samples.size() - 1;
+  while (low < high) {
+    const int middle = (low + high + 1) / 2;
+    if (samples.time(middle) <= t) {
+      low = middle;
+    } else {
+      high = middle - 1;
+    }
+  }
+  return low;
+}
+
+/// The reading at t by linear interpolation; t must lie within the samples.
+template <class S, class Samples, class Time>
+InertialReading<S> reading_at(const Samples& samples, Time t) {
+  const int i = at_or_before(samples, t);
+  if (samples.time(i) == t || i + 1 == samples.size()) return samples.reading(i);
+  const S u = S(t - samples.time(i)) / S(samples.time(i + 1) - samples.time(i));
+  return interpolate<S>(samples.reading(i), samples.reading(i + 1), u);
+}
+
+/// Integrates from t0 to t1 > t0; both must lie within the samples. `tick_s`: seconds per tick.
+template <class S, class Samples, class Time>
+void integrate_samples(const Samples& samples, Time t0, Time t1, S tick_s, ImuIntegrator<S>* integrator) {
+  integrator->start(reading_at<S>(samples, t0));
+  Time t = t0;
+  for (int i = at_or_before(samples, t0) + 1; i < samples.size() && samples.time(i) < t1; ++i) {
+    integrator->step(samples.reading(i), S(samples.time(i) - t) * tick_s);
+    t = samples.time(i);
+  }
+  integrator->step(reading_at<S>(samples, t1), S(t1 - t) * tick_s);
+}
+
+}  // namespace SEGCAL_NS

@@ -1,0 +1,191 @@
+// Visual-inertial odometry: a multi-state constraint filter in square-root information form.
+//
+// Mourikis and Roumeliotis 2007 (MSCKF): past camera poses stay in the state, landmarks are eliminated.
+// Wu et al. 2015 (square-root inverse filter): the state's information is an upper triangle R, which single precision
+// can hold. Huang et al. (first-estimate Jacobians): the filter must not learn its place or heading from nothing.
+// The extrinsics are states of the filter; all other calibration is taken as given (paper, Sec. IV-B).
+#pragma once
+
+#include "vio/standstill.h"
+#include "vio/vio_initialise.h"
+#include "vio/vio_propagate.h"
+#include "vio/vio_tracks.h"
+#include "vio/vio_types.h"
+#include "vio/vio_update.h"
+#include "vio/vio_window.h"
+
+namespace SEGCAL_NS {
+
+/// All memory is inside. The storage may hold anything before reset().
+template <class S>
+class Vio {
+ public:
+  /// Forgets everything and waits for frames.
+  void reset(const Calibration<S>& theta, const VioOptions<S>& options);
+
+  /// A new calibration for the running filter. Its extrinsics replace the filter's own, with the smaller prior.
+  void set_calibration(const Calibration<S>& theta);
+
+  /// The next frame of all cameras, stamps in IMU time. `imu` must cover the time since the last frame up to t_ns.
+  VioStatus push_frame(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
+
+  bool initialised() const { return running_; }
+  /// State of the IMU at time(); only when initialised.
+  const State<S>& state() const { return window_.now; }
+  std::int64_t time() const { return time_; }
+  /// Covariance of state(), error order [theta p v b_a b_g].
+  void covariance(Mat<S, kStateColumns, kStateColumns>* P) { state_covariance(&window_, P); }
+
+  /// The filter's estimate of the extrinsics, inside the calibration it runs with.
+  const Calibration<S>& calibration() const { return window_.theta; }
+  const Mat3<S>& R_CI(int camera) const { return window_.theta.camera[camera].R_CI; }
+  const Vec3<S>& p_CI(int camera) const { return window_.theta.camera[camera].p_CI; }
+  /// Standard deviations of (r_CI 3, p_CI 3).
+  void extrinsic_sigma(int camera, Vec<S, kExtrinsicColumns>* sigma) { extrinsics_sigma(&window_, camera, sigma); }
+
+  const VioStatistics& statistics() const { return statistics_; }
+  std::int32_t restarts() const { return statistics_.restarts; }
+  /// Factor on pixel_sigma that the residuals ask for (1 when the calibration fits).
+  S pixel_scale() const { return monitor_.scale; }
+  bool standing_still() const { return still_; }
+
+ private:
+  VioStatus collect(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
+  VioStatus track(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
+  VioStatus give_up();
+  void forget();
+  bool healthy() const;
+  void move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
+
+  VioOptions<S> options_;
+  Window<S> window_;
+  TrackTable<S> tracks_;
+  ResidualMonitor<S> monitor_;
+  Origin<S> origin_;  ///< where the next start places the device: the last place known
+  VioStatistics statistics_;
+  std::int64_t time_, last_update_;
+  bool running_, still_;
+};
+
+template <class S>
+void Vio<S>::reset(const Calibration<S>& theta, const VioOptions<S>& options) {
+  options_ = options;
+  window_.reset(theta);
+  origin_ = Origin<S>();
+  statistics_ = VioStatistics();
+  monitor_ = ResidualMonitor<S>();
+  time_ = INT64_MIN;
+  forget();
+}
+
+template <class S>
+void Vio<S>::forget() {
+  running_ = still_ = false;
+  window_.clear();
+  tracks_.clear();
+}
+
+template <class S>
+void Vio<S>::set_calibration(const Calibration<S>& theta) {
+  window_.replace_calibration(theta);
+  if (!running_) return;
+  for (int c = 0; c < theta.n_cameras; ++c) {
+    replace_extrinsic_prior(&window_, c, options_.sigma_r_CI_calibrated, options_.sigma_p_CI_calibrated);
+  }
+}
+
+template <class S>
+VioStatus Vio<S>::push_frame(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
+  if (imu.size() < 2 || imu.newest() < t_ns) return VioStatus::waiting;
+  const bool first = time_ == INT64_MIN;
+  if (!first && t_ns <= time_) return VioStatus::skipped;
+  // One millisecond of grace: stamps jitter, and 0.0999 s is meant to be 0.1 s.
+  if (!first && S(t_ns - time_) * S(1e-9) < options_.frame_interval_s - S(1e-3)) return VioStatus::skipped;
+  ++statistics_.frames;
+  const bool gap = !first && (S(t_ns - time_) * S(1e-9) > options_.max_gap_s || !imu.covers(time_, t_ns));
+  if (gap && running_) {
+    time_ = t_ns;
+    return give_up();
+  }
+  if (gap) forget();
+  return running_ ? track(t_ns, points, n, imu) : collect(t_ns, points, n, imu);
+}
+
+/// Frames pile up in the window until gravity, velocity and biases can be told.
+template <class S>
+VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
+  if (!imu.covers(t_ns, t_ns)) return VioStatus::skipped;
+  time_ = t_ns;
+  if (window_.n_poses == kWindow || (window_.n_poses && !imu.covers(window_.pose[0].time, t_ns))) {
+    tracks_.forget_slot(window_.pose[0].slot);
+    window_.forget_oldest();
+  }
+  const int slot = window_.append_empty(t_ns);
+  statistics_.dropped_points += tracks_.observe(slot, points, n);
+  tracks_.remove_ended_shorter_than(3);
+  Initialiser<S> initialiser(&window_, &tracks_, options_, origin_, imu);
+  if (!initialiser.run(&still_)) return VioStatus::initialising;
+  running_ = true;
+  ++statistics_.starts;
+  monitor_ = ResidualMonitor<S>();
+  last_update_ = t_ns;
+  if (!still_) use_all_tracks(&window_, &tracks_, options_, &monitor_, &statistics_);
+  if (!healthy()) return give_up();
+  return VioStatus::tracking;
+}
+
+template <class S>
+VioStatus Vio<S>::track(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
+  const StillTest<S> test{options_, window_, tracks_, imu};
+  still_ = test.still(time_, t_ns, points, n);
+  if (still_) still_ = propagate_still(&window_, options_, imu, time_, t_ns);
+  if (still_) {
+    ++statistics_.standstill_frames;
+    last_update_ = t_ns;
+    statistics_.dropped_points += tracks_.keep_alive(window_.newest().slot, points, n);
+    use_ended_tracks(&window_, &tracks_, options_, &monitor_, &statistics_);
+  } else {
+    move_on(t_ns, points, n, imu);
+  }
+  time_ = t_ns;
+  window_.newest().time = t_ns;
+  return healthy() ? VioStatus::tracking : give_up();
+}
+
+/// A new pose enters the window, features are used, the oldest pose leaves.
+template <class S>
+void Vio<S>::move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
+  const int slot = propagate(&window_, options_, imu, time_, t_ns);
+  statistics_.dropped_points += tracks_.observe(slot, points, n);
+  const bool full = window_.n_poses == kWindow;
+  const int used = full ? use_leaving_tracks(&window_, &tracks_, options_, &monitor_, &statistics_)
+                        : use_ended_tracks(&window_, &tracks_, options_, &monitor_, &statistics_);
+  if (used > 0) last_update_ = t_ns;
+  if (full) {
+    tracks_.forget_slot(window_.pose[0].slot);
+    drop_oldest(&window_);
+  }
+}
+
+/// Never diverge silently: what cannot be a device in someone's hand or on a robot is a lost filter.
+template <class S>
+bool Vio<S>::healthy() const {
+  const State<S>& x = window_.now;
+  const S speed2 = x.v_GI.squaredNorm(), place2 = x.p_GI.squaredNorm();
+  if (!is_finite(speed2) || !is_finite(place2) || !is_finite(x.R_GI.sum())) return false;
+  if (speed2 > options_.max_speed * options_.max_speed) return false;
+  if (x.b_g.squaredNorm() > S(1) || x.b_a.squaredNorm() > S(9)) return false;
+  if (S(time_ - last_update_) * S(1e-9) > S(2) * options_.max_gap_s) return false;
+  return !monitor_.failing();
+}
+
+template <class S>
+VioStatus Vio<S>::give_up() {
+  ++statistics_.restarts;
+  origin_.remember(window_.now);
+  window_.restore_extrinsics();
+  forget();
+  return VioStatus::lost;
+}
+
+}  // namespace SEGCAL_NS

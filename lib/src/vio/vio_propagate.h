@@ -1,0 +1,128 @@
+// Time moves on: a new state enters through the inertial link, the old motion (velocity, biases) leaves, and
+// at the far end of the window the oldest pose leaves.
+#pragma once
+
+#include "vio/vio_window.h"
+
+namespace SEGCAL_NS {
+
+/// The state that the integral predicts; biases stay.
+template <class S>
+State<S> predicted(const ImuIntegral<S>& I, const State<S>& x0, const Vec3<S>& g) {
+  State<S> x1 = x0;
+  x1.R_GI = renormalised<S>(x0.R_GI * I.dR);
+  x1.v_GI = x0.v_GI + g * I.dt + x0.R_GI * I.dv;
+  x1.p_GI = x0.p_GI + x0.v_GI * I.dt + g * (I.dt * I.dt / S(2)) + x0.R_GI * I.dp;
+  return x1;
+}
+
+/// Integrates [t0, t1] of the history at the biases of `x0`.
+template <class S>
+ImuIntegral<S> integral_between(const Window<S>& w, const VioOptions<S>& options, const ImuHistory<S>& imu,
+                                const State<S>& x0, std::int64_t t0, std::int64_t t1) {
+  ImuIntegrator<S> integrator(w.theta.imu, x0.b_a, x0.b_g, options.noise);
+  imu.integrate(t0, t1, &integrator);
+  return integrator.result();
+}
+
+/// Copies one column group of the link's Jacobian into its place in the block.
+template <class S>
+void place_columns(const Window<S>& w, S* row, int i, int from, int to, int n) {
+  for (int c = 0; c < n; ++c) row[to + c] += w.link.J(i, from + c);
+}
+
+/// The block that carries the old motion away: rows of R that hold it, then the whitened link.
+/// Columns: [old motion 9 | new motion 9 | R's columns from the poses on].
+template <class S>
+void stack_link(Window<S>* w, int old_pose, int new_pose) {
+  w->clear_block(kMotionColumns + kLinkRows);
+  PackedTriangle<S> R = w->R();
+  const int n = w->columns();
+  for (int j = 0; j < kMotionColumns; ++j) {
+    S* row = w->block + j * kBlockStride;
+    for (int c = j; c < kMotionColumns; ++c) row[c] = R(j, c);
+    for (int c = kMotionColumns; c <= n; ++c) row[kMotionColumns + c] = R(j, c);
+    for (int c = j; c <= n; ++c) R.row(j)[c] = S(0);
+  }
+  for (int i = 0; i < kLinkRows; ++i) {
+    S* row = w->block + (kMotionColumns + i) * kBlockStride;
+    place_columns(*w, row, i, kPoseColumns, 0, kMotionColumns);
+    place_columns(*w, row, i, kStateColumns + kPoseColumns, kMotionColumns, kMotionColumns);
+    place_columns(*w, row, i, 0, kMotionColumns + pose_column(old_pose), kPoseColumns);
+    place_columns(*w, row, i, kStateColumns, kMotionColumns + pose_column(new_pose), kPoseColumns);
+    row[kMotionColumns + n] = -w->link.r(i);
+  }
+}
+
+/// Eliminates the old motion and folds what is left. Returns the part of the residual that R could not absorb.
+template <class S>
+S fold_link(Window<S>* w, int old_pose, int new_pose) {
+  stack_link(w, old_pose, new_pose);
+  const int width = w->columns() + 1 + kMotionColumns;
+  reflect_leading_columns(w->block, kMotionColumns + kLinkRows, kBlockStride, width, kMotionColumns, w->work);
+  return fold_block(w, w->block + kMotionColumns * kBlockStride + kMotionColumns, kLinkRows, 0);
+}
+
+/// Whitened link rows between the newest state and `x1`; Jacobians at first estimates. False: no duration.
+template <class S>
+bool linearise_link(Window<S>* w, const VioOptions<S>& options, const ImuIntegral<S>& I, const State<S>& x1) {
+  link_rows<S>(I, w->now, x1, w->now_first, x1, options.g, &w->link);
+  return whiten(I, options.noise, &w->link);
+}
+
+/// Appends the state at t1, predicted from the newest one at t0. Returns the new pose's slot.
+template <class S>
+int propagate(Window<S>* w, const VioOptions<S>& options, const ImuHistory<S>& imu, std::int64_t t0, std::int64_t t1) {
+  const ImuIntegral<S> I = integral_between(*w, options, imu, w->now, t0, t1);
+  const State<S> x1 = predicted(I, w->now, options.g);
+  if (!linearise_link(w, options, I, x1)) return w->newest().slot;
+  w->link.r.setZero();  // the prediction is exact; only rounding would remain
+  const int slot = w->append_empty(t1);
+  WindowPose<S>& pose = w->newest();
+  pose.R_GI = pose.R_first = x1.R_GI;
+  pose.p_GI = pose.p_first = x1.p_GI;
+  fold_link(w, w->n_poses - 2, w->n_poses - 1);
+  w->now = w->now_first = x1;
+  return slot;
+}
+
+/// Rows of R below the first 15 move up-left by one pose: the place of the last pose becomes free.
+template <class S>
+void close_gap(Window<S>* w) {
+  PackedTriangle<S> R = w->R();
+  const int n = w->columns(), last = pose_column(kWindow - 1), extrinsics = extrinsic_column(0);
+  for (int j = kMotionColumns; j < last; ++j) {
+    for (int c = j; c < last; ++c) R.row(j)[c] = R(j + kPoseColumns, c + kPoseColumns);
+    for (int c = last; c < extrinsics; ++c) R.row(j)[c] = S(0);
+    for (int c = extrinsics; c <= n; ++c) R.row(j)[c] = R(j + kPoseColumns, c);
+  }
+  for (int j = last; j < extrinsics; ++j) {
+    for (int c = j; c <= n; ++c) R.row(j)[c] = S(0);
+  }
+}
+
+/// Marginalises pose 0: in the first 15 rows its columns are put in front and eliminated.
+template <class S>
+void drop_oldest(Window<S>* w) {
+  constexpr int rows = kMotionColumns + kPoseColumns;
+  PackedTriangle<S> R = w->R();
+  const int n = w->columns(), last = pose_column(kWindow - 1), extrinsics = extrinsic_column(0);
+  w->clear_block(rows);
+  for (int j = 0; j < rows; ++j) {
+    S* row = w->block + j * kBlockStride;
+    for (int c = j; c < kMotionColumns; ++c) row[kPoseColumns + c] = R(j, c);
+    for (int c = j > kMotionColumns ? j : kMotionColumns; c < rows; ++c) row[c - kMotionColumns] = R(j, c);
+    for (int c = rows; c <= n; ++c) row[c] = R(j, c);
+  }
+  reflect_leading_columns(w->block, rows, kBlockStride, n + 1, rows, w->work);
+  close_gap(w);
+  for (int j = 0; j < kMotionColumns; ++j) {
+    const S* row = w->block + (kPoseColumns + j) * kBlockStride + kPoseColumns;  // columns counted after the pose
+    for (int c = j; c < last; ++c) R.row(j)[c] = row[c];
+    for (int c = last; c < extrinsics; ++c) R.row(j)[c] = S(0);
+    for (int c = extrinsics; c <= n; ++c) R.row(j)[c] = row[c - kPoseColumns];
+  }
+  w->forget_oldest();
+}
+
+}  // namespace SEGCAL_NS

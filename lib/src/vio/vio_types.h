@@ -1,0 +1,60 @@
+// What goes into the filter and what comes out: options, image points, status, statistics.
+#pragma once
+
+#include <cstdint>
+
+#include "segments/landmark.h"
+#include "sensors/imu_history.h"
+
+namespace SEGCAL_NS {
+
+/// All sigmas are one standard deviation.
+template <class S>
+struct VioOptions {
+  ImuNoise<S> noise;
+  S pixel_sigma = S(1);            ///< px; above the tracker's 0.5: it also pays for linearisation
+  Vec3<S> g{S(0), S(0), S(-9.80665)};  ///< gravity in G; m/s^2
+  S frame_interval_s = S(0.1);     ///< frames closer than this to the last one used are skipped
+  S sigma_r_CI = S(0.05);          ///< rad; extrinsic rotation before any calibration
+  S sigma_p_CI = S(0.03);          ///< m
+  S sigma_r_CI_calibrated = S(0.005);  ///< rad; after set_calibration()
+  S sigma_p_CI_calibrated = S(0.005);  ///< m
+  S sigma_b_a = S(0.2);            ///< m/s^2; bias of an unknown device
+  S sigma_b_g = S(0.1);            ///< rad/s
+  S still_velocity_sigma = S(0.005);  ///< m/s; what "stands still" may hide
+  S still_pixels = S(0.5);         ///< px; median motion of the tracks below which the camera may stand still
+  S still_accel = S(0.15);         ///< m/s^2; standard deviation of the accelerometer at rest, at most
+  S still_gyro = S(0.02);          ///< rad/s; the same for the gyroscope
+  S max_speed = S(10);             ///< m/s; faster: the filter has diverged
+  S max_gap_s = S(0.6);            ///< s between processed frames, or without usable features; longer: start again
+};
+
+/// One tracked image point, raw (distorted) pixels. The id is unique within its camera.
+template <class S>
+struct TrackPoint {
+  std::uint32_t id;
+  std::int32_t camera;
+  Vec2<S> uv;  ///< px
+};
+
+enum class VioStatus : std::int32_t {
+  waiting,       ///< IMU samples do not reach the frame yet: push the frame again later
+  initialising,  ///< the frame was taken, there is no state yet
+  tracking,      ///< state() is at this frame
+  skipped,       ///< closer than frame_interval_s to the last one used, or not newer
+  lost           ///< the filter gave up at this frame and starts again
+};
+
+/// Counters since reset().
+struct VioStatistics {
+  std::int32_t frames = 0;             ///< processed, without the skipped ones
+  std::int32_t updates = 0;            ///< features used
+  std::int32_t gated = 0;              ///< features refused by the Mahalanobis gate
+  std::int32_t not_triangulated = 0;   ///< behind the camera, no convergence
+  std::int32_t dropped_points = 0;     ///< no room in the track table
+  std::int32_t standstill_frames = 0;
+  std::int32_t starts = 0;             ///< successful initialisations
+  std::int32_t restarts = 0;           ///< times the filter was lost
+};
+
+}  // namespace SEGCAL_NS

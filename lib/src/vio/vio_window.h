@@ -1,0 +1,196 @@
+// The filter's state and its square-root information.
+//
+// Columns of the triangle R: [v b_a b_g of the newest state 9 | poses, oldest first, 6 each | extrinsics 6 per camera |
+// right-hand side]. With this order everything that leaves the state stands at the front: the old motion when time
+// moves on, and the oldest pose after a swap of the first 15 rows. Places without a pose are zero rows and columns.
+// R delta = d, where delta is the error of the estimates; after an update the estimates have moved and d is zero.
+#pragma once
+
+#include "math/qr.h"
+#include "sensors/imu.h"
+#include "vio/vio_types.h"
+
+namespace SEGCAL_NS {
+
+constexpr int kWindow = SEGCAL_MAX_CLONES + 1;  // past poses and the newest
+constexpr int kPoseColumns = 6;                 // theta, p
+constexpr int kMotionColumns = 9;               // v, b_a, b_g
+constexpr int kFilterColumns = kMotionColumns + kPoseColumns * kWindow + kExtrinsicColumns * kMaxCameras;
+constexpr int kLinkRows = 15;
+// The scratch block holds a link with the leading rows of R and room for the new motion, or the rows of one feature.
+constexpr int kBlockStride = kFilterColumns + 1 + kMotionColumns;
+constexpr int kBlockRows = 2 * kWindow > kLinkRows + kMotionColumns ? 2 * kWindow : kLinkRows + kMotionColumns;
+
+constexpr int pose_column(int i) { return kMotionColumns + kPoseColumns * i; }
+constexpr int extrinsic_column(int camera) { return pose_column(kWindow) + kExtrinsicColumns * camera; }
+/// Column of entry i of the newest state's errors [theta p v b_a b_g], its pose being number `newest`.
+constexpr int state_column(int i, int newest) { return i < kPoseColumns ? pose_column(newest) + i : i - kPoseColumns; }
+
+template <class S>
+struct WindowPose {
+  Mat3<S> R_GI, R_first;  ///< estimate, and the first estimate: the place where Jacobians are taken
+  Vec3<S> p_GI, p_first;  ///< m
+  std::int64_t time;      ///< ns
+  std::int32_t slot;      ///< place of its image points in each track
+};
+
+template <class S>
+struct Window {
+  Calibration<S> theta;              ///< the extrinsics in it are the filter's estimates
+  Calibration<S> given;              ///< as given from outside
+  CameraCalibration<S> camera_first[kMaxCameras];  ///< theta's cameras at the extrinsics' first estimates
+  WindowPose<S> pose[kWindow];
+  State<S> now, now_first;           ///< newest state; its pose is that of newest()
+  std::int32_t n_poses;
+  S triangle[packed_size(kFilterColumns + 1)];
+  S saved[packed_size(kFilterColumns + 1)];  ///< the triangle before a feature, to undo one that the gate refuses
+  S block[kBlockRows * kBlockStride];
+  S work[kBlockStride];
+  ImuRows<S> link;
+
+  int columns() const { return extrinsic_column(theta.n_cameras); }
+  PackedTriangle<S> R() { return PackedTriangle<S>(triangle, columns() + 1); }
+  int triangle_size() const { return packed_size(columns() + 1); }
+  WindowPose<S>& newest() { return pose[n_poses - 1]; }
+  const WindowPose<S>& newest() const { return pose[n_poses - 1]; }
+
+  void reset(const Calibration<S>& calibration) {
+    theta = given = calibration;
+    clear();
+  }
+
+  /// No poses, no information; the extrinsics' first estimates are the present ones.
+  void clear() {
+    n_poses = 0;
+    R().clear();
+    now = now_first = State<S>();
+    for (int c = 0; c < theta.n_cameras; ++c) camera_first[c] = theta.camera[c];
+  }
+
+  void replace_calibration(const Calibration<S>& calibration) {
+    theta = given = calibration;
+    for (int c = 0; c < theta.n_cameras; ++c) camera_first[c] = theta.camera[c];
+  }
+
+  /// Extrinsics of a lost filter are not to be trusted.
+  void restore_extrinsics() { replace_calibration(Calibration<S>(given)); }
+
+  /// A pose at `time` without an estimate yet; returns its slot. There must be room.
+  int append_empty(std::int64_t time) {
+    std::uint32_t taken = 0;
+    for (int i = 0; i < n_poses; ++i) taken |= 1u << pose[i].slot;
+    int slot = 0;
+    while (taken >> slot & 1u) ++slot;
+    pose[n_poses].time = time;
+    pose[n_poses].slot = slot;
+    ++n_poses;
+    return slot;
+  }
+
+  /// Removes pose 0 from the list, not from R.
+  void forget_oldest() {
+    for (int i = 1; i < n_poses; ++i) pose[i - 1] = pose[i];
+    --n_poses;
+  }
+
+  void clear_block(int rows) {
+    for (int i = 0; i < rows * kBlockStride; ++i) block[i] = S(0);
+  }
+};
+
+/// Folds `rows` rows of the block (absolute columns, zero before `first`) into R.
+/// Returns the squared norm of what R cannot absorb: the innovation's Mahalanobis distance if d was zero.
+template <class S>
+S fold_block(Window<S>* w, S* rows, int n_rows, int first) {
+  PackedTriangle<S> R = w->R();
+  const int n = w->columns();
+  fold_rows(R, rows, n_rows, kBlockStride, first, n, w->work);
+  S rest = S(0);
+  for (int i = 0; i < n_rows; ++i) rest += rows[i * kBlockStride + n] * rows[i * kBlockStride + n];
+  return rest;
+}
+
+/// Moves all estimates by R^-1 d; afterwards d is zero. First estimates stay.
+template <class S>
+void apply_update(Window<S>* w) {
+  PackedTriangle<S> R = w->R();
+  const int n = w->columns();
+  S* d = w->block;
+  for (int j = 0; j < n; ++j) {
+    d[j] = R(j, n);
+    R.row(j)[n] = S(0);
+  }
+  R.row(n)[n] = S(0);
+  back_substitute(R, n, d);
+  const auto three = [d](int c) { return Vec3<S>(d[c], d[c + 1], d[c + 2]); };
+  for (int i = 0; i < w->n_poses; ++i) {
+    WindowPose<S>& pose = w->pose[i];
+    pose.R_GI = renormalised<S>(pose.R_GI * so3_exp<S>(three(pose_column(i))));
+    pose.p_GI += three(pose_column(i) + 3);
+  }
+  w->now.R_GI = w->newest().R_GI;
+  w->now.p_GI = w->newest().p_GI;
+  w->now.v_GI += three(0);
+  w->now.b_a += three(3);
+  w->now.b_g += three(6);
+  for (int c = 0; c < w->theta.n_cameras; ++c) {
+    CameraCalibration<S>& camera = w->theta.camera[c];
+    camera.R_CI = renormalised<S>(so3_exp<S>(three(extrinsic_column(c))) * camera.R_CI);
+    camera.p_CI += three(extrinsic_column(c) + 3);
+  }
+}
+
+/// y = R^-T e_column: the dot products of such vectors are the entries of the covariance R^-1 R^-T.
+template <class S>
+void covariance_factor(Window<S>* w, int column, S* y) {
+  PackedTriangle<S> R = w->R();
+  const int n = w->columns();
+  for (int j = 0; j < n; ++j) y[j] = S(0);
+  y[column] = S(1);
+  for (int j = column; j < n; ++j) {
+    const S* r = R.row(j);
+    y[j] = r[j] == S(0) ? S(0) : y[j] / r[j];
+    add_scaled(y, -y[j], r, j + 1, n);
+  }
+}
+
+template <class S>
+S factor_product(const S* a, const S* b, int n) {
+  S sum = S(0);
+  for (int i = 0; i < n; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+/// Covariance of the newest state. Uses the scratch block.
+template <class S>
+void state_covariance(Window<S>* w, Mat<S, kStateColumns, kStateColumns>* P) {
+  for (int i = 0; i < kStateColumns; ++i) {
+    covariance_factor(w, state_column(i, w->n_poses - 1), w->block + i * kBlockStride);
+    for (int j = 0; j <= i; ++j) {
+      (*P)(i, j) = factor_product(w->block + i * kBlockStride, w->block + j * kBlockStride, w->columns());
+      (*P)(j, i) = (*P)(i, j);
+    }
+  }
+}
+
+template <class S>
+void extrinsics_sigma(Window<S>* w, int camera, Vec<S, kExtrinsicColumns>* sigma) {
+  for (int i = 0; i < kExtrinsicColumns; ++i) {
+    covariance_factor(w, extrinsic_column(camera) + i, w->block);
+    (*sigma)(i) = square_root(factor_product<S>(w->block, w->block, w->columns()));
+  }
+}
+
+/// What was learnt about the extrinsics is replaced by a prior at their new values; the poses, given the extrinsics,
+/// are believed as before. (The extrinsics stand last: their own rows hold exactly their marginal information.)
+template <class S>
+void replace_extrinsic_prior(Window<S>* w, int camera, S sigma_r, S sigma_p) {
+  PackedTriangle<S> R = w->R();
+  for (int i = 0; i < kExtrinsicColumns; ++i) {
+    const int j = extrinsic_column(camera) + i;
+    for (int c = j; c <= w->columns(); ++c) R.row(j)[c] = S(0);
+    R.row(j)[j] = S(1) / (i < 3 ? sigma_r : sigma_p);
+  }
+}
+
+}  // namespace SEGCAL_NS
