@@ -42,7 +42,6 @@ int complain(const std::string& message) {
 int run(int argc, char** argv) {
   CLI::App app("segcal keeps a camera and IMU calibrated, from recordings or in firmware.", "segcal");
   app.set_version_flag("--version", "segcal " SEGCAL_VERSION);
-  app.footer(walk_through);
   app.require_subcommand(1);
 
   int exit_code = 0;
@@ -50,11 +49,17 @@ int run(int argc, char** argv) {
   host::add_track_command(app, exit_code);
   host::add_replay_command(app, exit_code);
   host::add_report_command(app, exit_code);
+  app.footer(walk_through);  // last: a subcommand would inherit it
+
+  const std::string command = argc > 1 ? argv[1] : "";
+  const bool known = app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == command; }).size() == 1;
+  if (!command.empty() && command.front() != '-' && !known)
+    return complain("expected one of the commands in segcal --help, found '" + command + "'");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
-    return complain(std::string(error.what()) + " (see segcal --help)");
+    return complain(std::string(error.what()) + " (see segcal " + (known ? command + " --help)" : "--help)"));
   }
   return exit_code;
 }

@@ -15,9 +15,9 @@ constexpr std::size_t grid_columns = 8, grid_rows = 6;
 class Coverage {
  public:
   explicit Coverage(const CameraCalibration& camera) : width_(camera.width), height_(camera.height) {}
-  int& at(double u, double v) {
-    const auto column = static_cast<std::size_t>(std::clamp(u / width_, 0.0, 0.999) * grid_columns);
-    const auto row = static_cast<std::size_t>(std::clamp(v / height_, 0.0, 0.999) * grid_rows);
+  int& at(const Eigen::Vector2d& pixel) {
+    const auto column = static_cast<std::size_t>(std::clamp(pixel.x() / width_, 0.0, 0.999) * grid_columns);
+    const auto row = static_cast<std::size_t>(std::clamp(pixel.y() / height_, 0.0, 0.999) * grid_rows);
     return counts_[row * grid_columns + column];
   }
 
@@ -78,10 +78,12 @@ std::vector<TrackPoint> CameraSimulator::next_frame(double t, std::uint32_t& nex
 void CameraSimulator::continue_tracks(double t, std::vector<TrackPoint>& points) {
   std::vector<Track> alive;
   for (Track track : tracks_) {
-    const auto pixel = track.frames_left > 0 ? observe(states_ahead_.front().second, t, scene_[track.landmark]) : std::nullopt;
+    std::optional<Eigen::Vector2d> pixel;
+    if (track.frames_left > 0) pixel = observe(states_ahead_.front().second, t, scene_[track.landmark]);
     in_use_[track.landmark] = pixel.has_value();
     if (!pixel) continue;
     --track.frames_left;
+    track.pixel = *pixel;
     alive.push_back(track);
     points.push_back(measured(track.id, *pixel));
   }
@@ -110,14 +112,14 @@ void CameraSimulator::start_tracks(double t, std::uint32_t& next_track_id, std::
   const auto wanted = static_cast<std::size_t>(options_.count);
   if (tracks_.size() >= wanted) return;
   Coverage coverage(camera_);
-  for (const TrackPoint& point : points) ++coverage.at(point.u, point.v);
+  for (const Track& track : tracks_) ++coverage.at(track.pixel);
   std::vector<Sighting> candidates = free_sightings(t);
   // First the empty cells, then those with one track, and so on.
   for (int level = 0; level < options_.count && tracks_.size() < wanted && !candidates.empty(); ++level) {
     std::vector<Sighting> later;
     for (const Sighting& sighting : candidates) {
       if (tracks_.size() >= wanted) break;
-      int& count = coverage.at(sighting.pixel.x(), sighting.pixel.y());
+      int& count = coverage.at(sighting.pixel);
       if (count > level) {
         later.push_back(sighting);
       } else if (stays_visible(sighting.landmark)) {
@@ -131,7 +133,7 @@ void CameraSimulator::start_tracks(double t, std::uint32_t& next_track_id, std::
 
 void CameraSimulator::start_track(const Sighting& sighting, std::uint32_t id, std::vector<TrackPoint>& points) {
   const int life = choices_.integer(options_.shortest, options_.longest);
-  tracks_.push_back({id, sighting.landmark, life - 1});
+  tracks_.push_back({id, sighting.landmark, life - 1, sighting.pixel});
   in_use_[sighting.landmark] = true;
   points.push_back(measured(id, sighting.pixel));
 }

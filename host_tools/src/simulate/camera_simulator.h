@@ -34,6 +34,7 @@ class CameraSimulator {
     std::uint32_t id;
     std::size_t landmark;
     int frames_left;
+    Eigen::Vector2d pixel;  ///< without noise, so that the noise has no say in which tracks begin
   };
   struct Sighting {
     std::size_t landmark;

@@ -5,58 +5,74 @@
 namespace host::sim {
 namespace {
 
-/// How fast the device turns and moves along its wandering paths; 1 is the pace at which the paths were drawn.
-struct Pace {
-  Envelope rotation, translation;
+/// What the user does: strolls and looks, turns the device about briskly, or holds still. One at a time.
+struct Behaviour {
+  Envelope stroll;  ///< pace along the slow paths, 1 is the pace at which they were drawn
+  Envelope burst;   ///< size of the brisk turns, 1 is full
 };
 
-/// Bursts of rotation, slow walks around an object, and stillness follow each other in random order.
-Pace draw_pace(Random& random, double t_begin, double t_end) {
-  Pace pace;
+/// Phases of random length in random order, never the same twice in a row.
+Behaviour draw_behaviour(Random& random, double t_begin, double t_end) {
+  enum { strolling, bursting, still };
+  Behaviour behaviour;
   int previous = -1;
   for (double t = t_begin; t < t_end;) {
-    int phase = random.integer(0, 2);
+    int phase = random.integer(strolling, still);
     if (phase == previous) phase = (phase + 1) % 3;
-    const bool is_burst = phase == 0, is_still = phase == 2;
-    pace.rotation.set(t, is_still ? 0 : is_burst ? random.uniform(1.0, 1.8) : random.uniform(0.3, 0.6));
-    pace.translation.set(t, is_still ? 0 : is_burst ? random.uniform(0.4, 0.8) : random.uniform(1.0, 1.6));
-    t += is_still ? random.uniform(3, 6.5) : random.uniform(4, 8.5);
+    behaviour.stroll.set(t, phase == strolling ? random.uniform(0.7, 1.2) : phase == bursting ? random.uniform(0.2, 0.5) : 0);
+    behaviour.burst.set(t, phase == bursting ? random.uniform(0.5, 1.0) : 0);
+    t += phase == strolling ? random.uniform(5, 10) : random.uniform(3, 6.5);
     previous = phase;
   }
-  return pace;
+  return behaviour;
 }
 
-struct Paths {
+/// The slow paths through the room; the user looks mostly to the sides.
+struct Stroll {
   Wander roll, pitch, yaw, x, y, z;
-  explicit Paths(Random& random)
-      : roll(random, 0.11, 0.1, 0.5),
-        pitch(random, 0.16, 0.1, 0.45),
-        yaw(random, 0.60, 0.04, 0.32),
-        x(random, 0.35, 0.04, 0.22),
-        y(random, 0.35, 0.04, 0.22),
-        z(random, 0.13, 0.04, 0.3) {}
+  explicit Stroll(Random& random)
+      : roll(random, 0.05, 0.05, 0.3),
+        pitch(random, 0.08, 0.05, 0.3),
+        yaw(random, 0.50, 0.03, 0.15),
+        x(random, 0.40, 0.04, 0.22),
+        y(random, 0.40, 0.04, 0.22),
+        z(random, 0.12, 0.04, 0.3) {}
+  MotionSample at(double t) const { return {{x(t), y(t), z(t)}, {roll(t), -0.15 + pitch(t), yaw(t)}}; }
+};
+
+/// Brisk turns about all axes; the arms that make them move the device a little.
+struct Burst {
+  Wander roll, pitch, yaw, x, y, z;
+  explicit Burst(Random& random)
+      : roll(random, 0.35, 0.15, 0.6),
+        pitch(random, 0.35, 0.15, 0.6),
+        yaw(random, 0.60, 0.15, 0.5),
+        x(random, 0.05, 0.2, 0.7),
+        y(random, 0.05, 0.2, 0.7),
+        z(random, 0.05, 0.2, 0.7) {}
+  MotionSample at(double t) const { return {{x(t), y(t), z(t)}, {roll(t), pitch(t), yaw(t)}}; }
 };
 
 }  // namespace
 
 std::vector<MotionSample> arvr_motion(std::uint64_t seed, double t0, double step, std::size_t n) {
   Random random(seed, Stream::motion);
-  const Paths paths(random);
+  const Stroll stroll(random);
+  const Burst burst(random);
   // Phases begin well before the recording, so that a session starts in motion or at rest as the seed has it.
   const double lead = 10;  // s
-  const Pace pace = draw_pace(random, t0 - lead, t0 + step * static_cast<double>(n));
+  const Behaviour behaviour = draw_behaviour(random, t0 - lead, t0 + step * static_cast<double>(n));
 
   constexpr int substeps = 10;
-  double turned = 0, walked = 0;  // time along the two paths, s; it stands still when the pace is zero
+  double strolled = 0;  // time along the slow paths, s; it stands still when the pace is zero
   std::vector<MotionSample> samples(n);
   for (std::size_t k = 0; k < n; ++k) {
-    samples[k].position = {paths.x(walked), paths.y(walked), paths.z(walked)};
-    samples[k].roll_pitch_yaw = {paths.roll(turned), -0.15 + paths.pitch(turned), paths.yaw(turned)};
-    for (int i = 0; i < substeps; ++i) {
-      const double t = t0 + step * (static_cast<double>(k) + (i + 0.5) / substeps);
-      turned += pace.rotation(t) * step / substeps;
-      walked += pace.translation(t) * step / substeps;
-    }
+    const double t = t0 + step * static_cast<double>(k);
+    const double size = behaviour.burst(t);
+    const MotionSample slow = stroll.at(strolled), brisk = burst.at(t);
+    samples[k].position = slow.position + size * brisk.position;
+    samples[k].roll_pitch_yaw = slow.roll_pitch_yaw + size * brisk.roll_pitch_yaw;
+    for (int i = 0; i < substeps; ++i) strolled += behaviour.stroll(t + step * (i + 0.5) / substeps) * step / substeps;
   }
   return samples;
 }

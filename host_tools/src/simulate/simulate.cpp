@@ -1,6 +1,7 @@
 #include "simulate.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "device.h"
@@ -60,7 +61,8 @@ Session recorded_session(const SimulationOptions& options) {
   session.first_frame = fit_margin;
   session.last_frame = std::min(fit_margin + options.seconds, fit.trajectory.last_time() - fit_margin);
   session.trajectory = std::move(fit.trajectory);
-  session.holes = std::move(fit.holes);
+  // Across a hole the fit is a guess: a motion as good as any other for simulated samples, but wrong for real ones.
+  if (!options.imu_file.empty()) session.holes = std::move(fit.holes);
   return session;
 }
 

@@ -1,4 +1,5 @@
 // The subcommand `segcal simulate`.
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
@@ -63,7 +64,7 @@ void report(const Command& command, const SimulationResult& result) {
     frames += camera.frames.size();
     for (const Frame& frame : camera.frames) points += frame.points.size();
   }
-  std::cerr << "\rwrote " << command.out.string() << ": " << result.recording.imu.samples.size() << " IMU samples, "
+  std::cerr << "wrote " << command.out.string() << ": " << result.recording.imu.samples.size() << " IMU samples, "
             << frames << " frames, " << points / std::max<std::size_t>(frames, 1) << " tracks per frame\n";
 }
 
@@ -72,6 +73,7 @@ void run(const Command& command) {
   const SimulationResult result = simulate(command.options, [](double share) {
     std::cerr << "\rsimulating " << static_cast<int>(100 * share) << " %" << std::flush;
   });
+  std::cerr << "\rsimulating 100 %\n";
   write_simulation(result, command.out);
   report(command, result);
 }

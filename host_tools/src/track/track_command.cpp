@@ -18,17 +18,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* description =
-    R"(Finds corners in the images of a recording and follows them: REC/mav0/camN/tracks.csv.
+constexpr const char* description = "Finds corners in the images of a recording and follows them: REC/mav0/camN/tracks.csv";
 
-Where REC is read-only, --out FOLDER makes FOLDER a recording that links to REC and holds the tracks; replay FOLDER then.
+constexpr const char* details =
+    R"(Where REC is read-only, --out FOLDER makes FOLDER a recording that links to REC and holds the tracks; replay FOLDER then.
 The calibration (--calib, else REC/camchain-imucam.yaml, else camN/sensor.yaml) serves to reject outliers only; a start
 that is some per cent off is good enough.)";
 
 struct TrackSettings {
   std::string recording, calibration, out;
   int n_cameras = 1;
-  bool json = false;
+  bool json = false, no_equalise = false;
   TrackerOptions tracker;
 };
 
@@ -118,6 +118,11 @@ void report(const std::vector<std::vector<Frame>>& tracks, const TrackSettings& 
               << " per image, median length " << camera["track_length_median"] << " images\n";
 }
 
+void finish(const std::vector<std::vector<Frame>>& tracks, const TrackSettings& settings) {
+  for (std::size_t i = 0; i < tracks.size(); ++i) write_tracks(tracks_file(settings.out, static_cast<int>(i)), tracks[i]);
+  report(tracks, settings);
+}
+
 void run(TrackSettings settings) {
   cv::setNumThreads(1);  // one image is too small a task to share out, and the result must not depend on the machine
   const Recording recording = read_recording(settings.recording, settings.n_cameras);
@@ -125,15 +130,12 @@ void run(TrackSettings settings) {
   if (in_place) {
     settings.out = settings.recording;
     check_writable(recording.root, settings.n_cameras);
-    const auto tracks = track_all(recording, settings);
-    for (int i = 0; i < settings.n_cameras; ++i) write_tracks(tracks_file(settings.out, i), tracks[static_cast<std::size_t>(i)]);
-    return report(tracks, settings);
+    return finish(track_all(recording, settings), settings);
   }
   const RecordingView view(recording.root, settings.out, settings.n_cameras);
   const auto tracks = track_all(recording, settings);
   view.create();
-  for (int i = 0; i < settings.n_cameras; ++i) write_tracks(tracks_file(settings.out, i), tracks[static_cast<std::size_t>(i)]);
-  report(tracks, settings);
+  finish(tracks, settings);
 }
 
 }  // namespace
@@ -145,14 +147,21 @@ void add_track_command(CLI::App& app, int& exit_code) {
   command->add_option("REC", settings->recording, "recording with images, EuRoC's folder layout")->required();
   command->add_option("--calib", settings->calibration, "calibration in Kalibr's layout (camchain-imucam.yaml)");
   command->add_option("--out", settings->out, "folder to make a recording with the tracks, instead of writing into REC");
-  command->add_option("--cameras", settings->n_cameras, "number of cameras, cam0 first")->check(CLI::Range(1, 8))->capture_default_str();
-  command->add_option("--max-tracks", tracker.corners.max_tracks, "corners to keep in each image")->check(CLI::Range(8, 2000))->capture_default_str();
-  command->add_option("--min-distance", tracker.corners.min_distance_px, "between corners, px")->check(CLI::Range(3, 200))->capture_default_str();
-  command->add_option("--window", tracker.window_px, "side of the matched patch, px")->check(CLI::Range(7, 51))->capture_default_str();
-  command->add_option("--max-epipolar", tracker.max_epipolar_px, "outlier threshold, px")->check(CLI::Range(0.1, 20.0))->capture_default_str();
-  command->add_flag("!--no-equalise", tracker.equalise, "track in the original grey values, without local contrast (CLAHE)");
+  command->add_option("--cameras", settings->n_cameras, "number of cameras, cam0 first")
+      ->check(CLI::Range(1, 8))->capture_default_str();
+  command->add_option("--max-tracks", tracker.corners.max_tracks, "corners to keep in each image")
+      ->check(CLI::Range(8, 2000))->capture_default_str();
+  command->add_option("--min-distance", tracker.corners.min_distance_px, "between corners, px")
+      ->check(CLI::Range(3, 200))->capture_default_str();
+  command->add_option("--window", tracker.window_px, "side of the matched patch, px")
+      ->check(CLI::Range(7, 51))->capture_default_str();
+  command->add_option("--max-epipolar", tracker.max_epipolar_px, "outlier threshold, px")
+      ->check(CLI::Range(0.1, 20.0))->capture_default_str();
+  command->add_flag("--no-equalise", settings->no_equalise, "track in the original grey values, without local contrast (CLAHE)");
   command->add_flag("--json", settings->json, "print the statistics as JSON");
+  command->footer(details);
   command->callback([settings, &exit_code] {
+    settings->tracker.equalise = !settings->no_equalise;
     run(*settings);
     exit_code = 0;
   });

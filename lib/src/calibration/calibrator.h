@@ -50,6 +50,12 @@ class Calibrator {
   /// Triangle over [theta | rhs] at the last linearisation, prior included: Sigma_theta = (R'R)^-1.
   PackedTriangle<S> theta_triangle() { return PackedTriangle<S>(theta_data_, theta_.columns() + 1); }
   const SegmentLink<S>& link(int i) const { return link_[i]; }
+  /// Stretches that no IMU link joins: one gauge is held in each.
+  int partitions() const {
+    int n = 0;
+    for (int i = 0; i < count_; ++i) n += link_[i].join == Join::imu ? 0 : 1;
+    return n;
+  }
   void set_model(const MeasurementModel<S>& model) { model_ = model; }
   const MeasurementModel<S>& model() const { return model_; }
   /// Eliminates everything at the present estimate without moving it.

@@ -1,7 +1,7 @@
-// sin, cos, atan, atan2, acos, exp, log from + - * / and sqrt only.
+// sin, cos, tan, atan, atan2, log from + - * / and sqrt only.
 // libm differs between platforms in the last bit; these give the same bits wherever IEEE arithmetic is kept
 // (no contraction, no reassociation), so that a host can replay a device's log exactly.
-// Accuracy: within 2 ulp of float and 4 ulp of double over the stated ranges (test/math/test_elementary.cpp).
+// Accuracy: within 2 ulp over the stated ranges, tan and atan2 within 3 (test/math/test_elementary.cpp).
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,8 @@ inline bool is_finite(S x) {
 template <class S>
 constexpr S pi = S(3.14159265358979323846264338327950288L);
 
-/// sin(x) and cos(x); |x| <= 1e4 keeps the stated accuracy.
+/// sin(x) and cos(x); |x| <= 1e4 keeps the stated accuracy (in ulp of 0.01 where the result is below 0.01: the reduction
+/// by pi/2 has an absolute error).
 template <class S>
 void sin_cos(S x, S* sine, S* cosine) {
   // x = k pi/2 + r, |r| <= pi/4, with pi/2 split in two parts (Cody and Waite).
@@ -48,16 +49,18 @@ void sin_cos(S x, S* sine, S* cosine) {
     r = ((x - n * 1.57079632673412561417e+00) - n * 6.07710050630396597660e-11) - n * 2.02226624879595063154e-21;
   }
   const S r2 = r * r;
-  // Taylor series on |r| <= pi/4: the first term left out is below one ulp of each type.
+  // Fits (float) and Taylor series (double) on |r| <= pi/4: what they leave out is far below one ulp of each type.
+  // The rounding of 1 - r^2/2 is given back.
   S s, c;
+  const S halved = S(0.5) * r2, leading = S(1) - halved, lost = (S(1) - leading) - halved;
   if constexpr (std::is_same_v<S, float>) {
-    s = r + r * r2 * (-1.6666654611e-1f + r2 * (8.3321608736e-3f + r2 * -1.9515295891e-4f));
-    c = 1.0f - 0.5f * r2 + r2 * r2 * (4.166664568298827e-2f + r2 * (-1.388731625493765e-3f + r2 * 2.443315711809948e-5f));
+    s = r + r * (r2 * (-1.6666654611e-1f + r2 * (8.3321608736e-3f + r2 * -1.9515295891e-4f)));
+    c = leading + (lost + r2 * r2 * (4.166664568298827e-2f + r2 * (-1.388731625493765e-3f + r2 * 2.443315711809948e-5f)));
   } else {
     s = r + r * r2 * (-1.0 / 6 + r2 * (1.0 / 120 + r2 * (-1.0 / 5040 + r2 * (1.0 / 362880 + r2 * (-1.0 / 39916800 +
         r2 * (1.0 / 6227020800.0 - r2 * (1.0 / 1307674368000.0)))))));
-    c = 1.0 - 0.5 * r2 + r2 * r2 * (1.0 / 24 + r2 * (-1.0 / 720 + r2 * (1.0 / 40320 + r2 * (-1.0 / 3628800 +
-        r2 * (1.0 / 479001600.0 + r2 * (-1.0 / 87178291200.0 + r2 * (1.0 / 20922789888000.0)))))));
+    c = leading + (lost + r2 * r2 * (1.0 / 24 + r2 * (-1.0 / 720 + r2 * (1.0 / 40320 + r2 * (-1.0 / 3628800 +
+        r2 * (1.0 / 479001600.0 + r2 * (-1.0 / 87178291200.0 + r2 * (1.0 / 20922789888000.0))))))));
   }
   switch (k & 3) {
     case 0: *sine = s; *cosine = c; break;
@@ -88,6 +91,16 @@ S tangent(S x) {
   return s / c;
 }
 
+/// A constant as the sum of two numbers of type S; given as the sum of two doubles.
+template <class S>
+struct SplitConstant {
+  S high, low;
+};
+template <class S>
+constexpr SplitConstant<S> split_constant(double high, double low) {
+  return {S(high), S((high - static_cast<double>(S(high))) + low)};
+}
+
 /// atan(x), any finite x; rad.
 template <class S>
 S arc_tangent(S x) {
@@ -95,21 +108,32 @@ S arc_tangent(S x) {
   S a = negative ? -x : x;
   const bool inverted = a > S(1);
   if (inverted) a = S(1) / a;
-  // Halve the angle twice: atan(a) = 2 atan(a / (1 + sqrt(1 + a^2))); then |a| <= tan(pi/16) and the series is short.
-  S factor = S(1);
-  for (int i = 0; i < 2; ++i) {
-    a = a / (S(1) + square_root(S(1) + a * a));
-    factor = factor * S(2);
+  // atan(a) = atan(b) + atan((a - b) / (1 + a b)) with b = 0, 1/2 or 1; then |a| <= 0.3.
+  SplitConstant<S> base = {S(0), S(0)};
+  if (a > S(0.72)) {
+    base = split_constant<S>(0.78539816339744830962, 3.0616169978683830e-17);
+    a = (a - S(1)) / (a + S(1));
+  } else if (a > S(0.3)) {
+    base = split_constant<S>(0.46364760900080609352, 2.2698777452961687e-17);
+    a = (a - S(0.5)) / (S(1) + S(0.5) * a);
   }
   const S a2 = a * a;
-  constexpr int terms = std::is_same_v<S, float> ? 6 : 13;
-  S sum = S(0);
-  for (int i = terms; i >= 1; --i) {
-    const S coefficient = S((i & 1) ? -1 : 1) / S(2 * i + 1);
-    sum = a2 * (coefficient + sum);
+  // Minimax fits of (atan(a) - a) / a^3 (Moshier, Cephes: atanf, atan).
+  S rest;
+  if constexpr (std::is_same_v<S, float>) {
+    rest = -3.33329491539e-1f + a2 * (1.99777106478e-1f + a2 * (-1.38776856032e-1f + a2 * 8.05374449538e-2f));
+  } else {
+    const S p = -6.485021904942025371773e1 + a2 * (-1.228866684490136173410e2 + a2 * (-7.500855792314704667340e1 +
+                a2 * (-1.615753718733365076637e1 + a2 * -8.750608600031904122785e-1)));
+    const S q = 1.945506571482613964425e2 + a2 * (4.853903996359136964868e2 + a2 * (4.328810604912902668951e2 +
+                a2 * (1.650270098316988542046e2 + a2 * (2.485846490142306297962e1 + a2))));
+    rest = p / q;
   }
-  S result = factor * (a + a * sum);
-  if (inverted) result = pi<S> / S(2) - result;
+  S result = base.high + (base.low + (a + a * (a2 * rest)));
+  if (inverted) {
+    const SplitConstant<S> quarter = split_constant<S>(1.57079632679489661923, 6.1232339957367660e-17);
+    result = quarter.high + (quarter.low - result);
+  }
   return negative ? -result : result;
 }
 

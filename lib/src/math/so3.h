@@ -54,7 +54,9 @@ Mat3<S> so3_right_jacobian_inverse(const Vec3<S>& phi) {
   const Mat3<S> K = skew(phi);
   S e;  // (1 - (t/2) cot(t/2)) / t^2
   if (t2 < S(0.25)) {
-    e = S(1) / S(12) + t2 * (S(1) / S(720) + t2 * (S(1) / S(30240) + t2 * (S(1) / S(1209600) + t2 * (S(1) / S(47900160)))));
+    // Coefficients abs(B_2n) / (2n)!; at t = 1/2 the first one left out is 2e-17.
+    e = S(1) / S(12) + t2 * (S(1) / S(720) + t2 * (S(1) / S(30240) + t2 * (S(1) / S(1209600) + t2 * (S(1) / S(47900160) +
+        t2 * (S(691) / S(1307674368000.0) + t2 * (S(1) / S(74724249600.0)))))));
   } else {
     const RotationSeries<S> k = rotation_series<S>(t2);
     e = (S(1) - k.a / (S(2) * k.b)) / t2;

@@ -48,18 +48,22 @@ class Vio {
   /// Factor on pixel_sigma that the residuals ask for (1 when the calibration fits).
   S pixel_scale() const { return monitor_.scale; }
   bool standing_still() const { return still_; }
+  /// Poses in the window and their first estimates.
+  const Window<S>& window() const { return window_; }
 
  private:
   VioStatus collect(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
   VioStatus track(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
   VioStatus give_up();
   void forget();
+  void make_room();
   bool healthy() const;
   void move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
 
   VioOptions<S> options_;
   Window<S> window_;
   TrackTable<S> tracks_;
+  StartScratch<S> start_;
   ResidualMonitor<S> monitor_;
   Origin<S> origin_;  ///< where the next start places the device: the last place known
   VioStatistics statistics_;
@@ -82,7 +86,7 @@ template <class S>
 void Vio<S>::forget() {
   running_ = still_ = false;
   window_.clear();
-  tracks_.clear();
+  tracks_.clear(window_.theta.n_cameras);
 }
 
 template <class S>
@@ -123,13 +127,15 @@ VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n,
   const int slot = window_.append_empty(t_ns);
   statistics_.dropped_points += tracks_.observe(slot, points, n);
   tracks_.remove_ended_shorter_than(3);
-  Initialiser<S> initialiser(&window_, &tracks_, options_, origin_, imu);
-  if (!initialiser.run(&still_)) return VioStatus::initialising;
+  if (!initialise(&window_, &tracks_, &start_, options_, origin_, imu)) return VioStatus::initialising;
   running_ = true;
+  still_ = start_.still;
   ++statistics_.starts;
   monitor_ = ResidualMonitor<S>();
+  monitor_.scale = start_.pixel_scale;
   last_update_ = t_ns;
   if (!still_) use_all_tracks(&window_, &tracks_, options_, &monitor_, &statistics_);
+  if (window_.n_poses == kWindow) make_room();
   if (!healthy()) return give_up();
   return VioStatus::tracking;
 }
@@ -161,10 +167,13 @@ void Vio<S>::move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, cons
   const int used = full ? use_leaving_tracks(&window_, &tracks_, options_, &monitor_, &statistics_)
                         : use_ended_tracks(&window_, &tracks_, options_, &monitor_, &statistics_);
   if (used > 0) last_update_ = t_ns;
-  if (full) {
-    tracks_.forget_slot(window_.pose[0].slot);
-    drop_oldest(&window_);
-  }
+  if (full) make_room();
+}
+
+template <class S>
+void Vio<S>::make_room() {
+  tracks_.forget_slot(window_.pose[0].slot);
+  drop_oldest(&window_);
 }
 
 /// Never diverge silently: what cannot be a device in someone's hand or on a robot is a lost filter.

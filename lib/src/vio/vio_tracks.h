@@ -28,9 +28,10 @@ struct VioTrack {
 template <class S>
 class TrackTable {
  public:
-  void clear() {
+  void clear(int n_cameras) {
     for (int i = 0; i < kMaxVioTracks; ++i) track_[i].used = false;
     end_ = 0;
+    n_cameras_ = n_cameras;
   }
   /// Entries [0, end()) may be used.
   int end() const { return end_; }
@@ -80,7 +81,7 @@ class TrackTable {
     for (int i = 0; i < end_; ++i) track_[i].alive = false;
     for (int i = 0; i < n; ++i) {
       const TrackPoint<S>& point = points[i];
-      if (point.camera < 0 || point.camera >= kMaxCameras || !is_finite(point.uv.sum())) continue;
+      if (point.camera < 0 || point.camera >= n_cameras_ || !is_finite(point.uv.sum())) continue;
       VioTrack<S>* track = find_or_create(point);
       if (!track) { ++refused; continue; }
       track->alive = true;
@@ -91,7 +92,7 @@ class TrackTable {
 
   VioTrack<S>* find_or_create(const TrackPoint<S>& point) {
     const VioTrack<S>* known = find(point.id, point.camera);
-    if (known && (known->alive || !known->used)) return nullptr;  // the same id twice in one frame
+    if (known && known->alive) return nullptr;  // the same id twice in one frame
     if (known) return const_cast<VioTrack<S>*>(known);
     int free = 0;
     while (free < end_ && track_[free].used) ++free;
@@ -106,7 +107,7 @@ class TrackTable {
   }
 
   VioTrack<S> track_[kMaxVioTracks];
-  int end_;
+  int end_, n_cameras_;
 };
 
 }  // namespace SEGCAL_NS

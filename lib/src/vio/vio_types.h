@@ -5,6 +5,7 @@
 
 #include "segments/landmark.h"
 #include "sensors/imu_history.h"
+#include "sensors/track_point.h"
 
 namespace SEGCAL_NS {
 
@@ -27,14 +28,6 @@ struct VioOptions {
   S still_gyro = S(0.02);          ///< rad/s; the same for the gyroscope
   S max_speed = S(10);             ///< m/s; faster: the filter has diverged
   S max_gap_s = S(0.6);            ///< s between processed frames, or without usable features; longer: start again
-};
-
-/// One tracked image point, raw (distorted) pixels. The id is unique within its camera.
-template <class S>
-struct TrackPoint {
-  std::uint32_t id;
-  std::int32_t camera;
-  Vec2<S> uv;  ///< px
 };
 
 enum class VioStatus : std::int32_t {

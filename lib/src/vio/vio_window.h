@@ -140,11 +140,9 @@ void apply_update(Window<S>* w) {
   }
 }
 
-/// y = R^-T e_column: the dot products of such vectors are the entries of the covariance R^-1 R^-T.
+/// y = R^-T e_column (n columns): the dot products of such vectors are the entries of the covariance R^-1 R^-T.
 template <class S>
-void covariance_factor(Window<S>* w, int column, S* y) {
-  PackedTriangle<S> R = w->R();
-  const int n = w->columns();
+void covariance_factor(const PackedTriangle<S>& R, int n, int column, S* y) {
   for (int j = 0; j < n; ++j) y[j] = S(0);
   y[column] = S(1);
   for (int j = column; j < n; ++j) {
@@ -165,7 +163,7 @@ S factor_product(const S* a, const S* b, int n) {
 template <class S>
 void state_covariance(Window<S>* w, Mat<S, kStateColumns, kStateColumns>* P) {
   for (int i = 0; i < kStateColumns; ++i) {
-    covariance_factor(w, state_column(i, w->n_poses - 1), w->block + i * kBlockStride);
+    covariance_factor(w->R(), w->columns(), state_column(i, w->n_poses - 1), w->block + i * kBlockStride);
     for (int j = 0; j <= i; ++j) {
       (*P)(i, j) = factor_product(w->block + i * kBlockStride, w->block + j * kBlockStride, w->columns());
       (*P)(j, i) = (*P)(i, j);
@@ -176,7 +174,7 @@ void state_covariance(Window<S>* w, Mat<S, kStateColumns, kStateColumns>* P) {
 template <class S>
 void extrinsics_sigma(Window<S>* w, int camera, Vec<S, kExtrinsicColumns>* sigma) {
   for (int i = 0; i < kExtrinsicColumns; ++i) {
-    covariance_factor(w, extrinsic_column(camera) + i, w->block);
+    covariance_factor(w->R(), w->columns(), extrinsic_column(camera) + i, w->block);
     (*sigma)(i) = square_root(factor_product<S>(w->block, w->block, w->columns()));
   }
 }

@@ -1,0 +1,228 @@
+"""The figures of the report. Each function takes report_data.json's content and returns a plotly figure.
+
+A figure that cannot be drawn raises Missing with the reason in words; the page then shows the sentence instead.
+"""
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+KEPT = "#d9480f"
+PATH = "#8a99ad"
+TRUTH = "#2b8a3e"
+AXES = {"x": "#1864ab", "y": "#e67700", "z": "#862e9c"}
+LIMIT = "#c92a2a"
+LARGEST_NUMBER_OF_POINTS = 6000
+
+
+class Missing(Exception):
+    """Why a figure is left out."""
+
+
+def member(data, *path):
+    """data[path[0]][path[1]]..., or Missing."""
+    for depth, name in enumerate(path, start=1):
+        if not isinstance(data, dict) or data.get(name) in (None, [], {}):
+            raise Missing(f"The data hold no {'.'.join(path[:depth])}.")
+        data = data[name]
+    return data
+
+
+def numbers(values, columns, name):
+    """An array of n rows; null becomes NaN, which is drawn as a gap."""
+    try:
+        array = np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        raise Missing(f"{name} is not a table of numbers.") from None
+    if array.ndim != (1 if columns == 1 else 2) or (columns > 1 and array.shape[1] != columns):
+        raise Missing(f"{name} does not have {columns} columns.")
+    return array
+
+
+def series(data, group, names):
+    """Times and the named three-column tables of one group, all of the same length."""
+    t = numbers(member(data, *group, "t"), 1, ".".join(group) + ".t")
+    tables = {}
+    for name in names:
+        tables[name] = numbers(member(data, *group, name), 3, name)
+        if len(tables[name]) != len(t):
+            raise Missing(f"{'.'.join(group)}: t and {name} differ in length.")
+    return t, tables
+
+
+def thinned(count):
+    """Indices of at most LARGEST_NUMBER_OF_POINTS of `count` points, evenly spread."""
+    step = max(1, -(-count // LARGEST_NUMBER_OF_POINTS))
+    return slice(0, count, step)
+
+
+def rounded(values, decimals):
+    """Digits that no screen shows only make the page larger."""
+    return np.round(np.asarray(values, dtype=float), decimals)
+
+
+def styled(figure, height):
+    figure.update_layout(
+        height=height, template="plotly_white", margin=dict(l=58, r=12, t=60, b=44), font=dict(size=13),
+        legend=dict(orientation="h", yanchor="bottom", y=1.0, x=0, itemsizing="constant"), hovermode="closest",
+        dragmode=False)  # a finger on a figure scrolls the page
+    figure.update_xaxes(automargin=True)
+    figure.update_yaxes(automargin=True)
+    return figure
+
+
+def kept_runs(kept):
+    """(segment, first, last + 1) for each run of poses inside one kept segment; -1 is none."""
+    kept = np.asarray(kept)
+    edges = np.flatnonzero(np.diff(kept)) + 1
+    starts = np.concatenate(([0], edges))
+    ends = np.concatenate((edges, [len(kept)]))
+    return [(int(kept[a]), a, b) for a, b in zip(starts, ends) if kept[a] >= 0]
+
+
+def path_parts(data):
+    """The estimated path, its kept runs, and the true path if it is known."""
+    t, tables = series(data, ("trajectory",), ("p",))
+    index = thinned(len(t))
+    t, p = t[index], rounded(tables["p"][index], 4)
+    kept = data["trajectory"].get("kept") or []
+    runs = kept_runs(kept[index]) if len(kept) == len(tables["p"]) else []
+    truth = None
+    if isinstance(data.get("truth"), dict) and data["truth"].get("p"):
+        values = numbers(data["truth"]["p"], 3, "truth.p")
+        truth = rounded(values[thinned(len(values))], 4)
+    return t, p, runs, truth
+
+
+def path_traces(data, columns, trace):
+    """Traces of the path in the given columns (0 x, 1 y, 2 z); `trace` is go.Scatter or go.Scatter3d."""
+    t, p, runs, truth = path_parts(data)
+
+    def line(values, **style):
+        return trace(dict(zip("xyz", (values[:, c] for c in columns))), mode="lines", **style)
+
+    traces = []
+    if truth is not None:
+        traces.append(line(truth, name="truth", line=dict(color=TRUTH, width=2, dash="dot")))
+    traces.append(line(p, name="path", line=dict(color=PATH, width=2), hoverinfo="skip"))
+    for position, (segment, begin, end) in enumerate(runs):
+        label = f"segment {segment}, {t[begin]:.1f} to {t[end - 1]:.1f} s"
+        traces.append(line(p[begin:end], name="kept segments", legendgroup="kept", showlegend=position == 0,
+                           line=dict(color=KEPT, width=5), hovertext=label, hoverinfo="text"))
+    return traces
+
+
+def top_view(data):
+    figure = go.Figure(path_traces(data, (0, 1), go.Scatter))
+    figure.update_xaxes(title="x [m]")
+    figure.update_yaxes(title="y [m]", scaleanchor="x", scaleratio=1)
+    return styled(figure, 420)
+
+
+def view_3d(data):
+    figure = go.Figure(path_traces(data, (0, 1, 2), go.Scatter3d))
+    figure.update_layout(scene=dict(
+        aspectmode="data", xaxis_title="x [m]", yaxis_title="y [m]", zaxis_title="z [m]",
+        camera=dict(eye=dict(x=1.9, y=1.9, z=1.2))))
+    styled(figure, 440)
+    figure.update_layout(margin=dict(l=0, r=0, t=60, b=0), dragmode="orbit")
+    return figure
+
+
+METRICS = {"A": ("A: trace [-]", "log"), "D": ("D: log det [-]", "linear"), "E": ("E: largest eigenvalue [-]", "log")}
+
+
+def segment_bars(segments, metric, kept):
+    """One line per segment from its start to its end, at its metric; None between them breaks the line."""
+    t, value = [], []
+    for segment in segments:
+        if bool(segment.get("kept")) != kept or segment.get(metric) is None:
+            continue
+        t += [segment["start_s"], segment["end_s"], None]
+        value += [segment[metric], segment[metric], None]
+    return t, value
+
+
+def metrics(data):
+    segments = member(data, "segments")
+    present = [m for m in METRICS if any(s.get(m) is not None for s in segments)]
+    if not present:
+        raise Missing("No segment carries a metric.")
+    figure = make_subplots(rows=len(present), cols=1, shared_xaxes=True, vertical_spacing=0.05)
+    for row, metric in enumerate(present, start=1):
+        title, scale = METRICS[metric]
+        for kept, color, name in ((False, PATH, "seen"), (True, KEPT, "kept")):
+            t, value = segment_bars(segments, metric, kept)
+            figure.add_scatter(x=t, y=value, mode="lines", line=dict(color=color, width=5), name=name,
+                               legendgroup=name, showlegend=row == 1, row=row, col=1)
+        figure.update_yaxes(title=title, type=scale, exponentformat="power", nticks=6, row=row, col=1)
+    figure.update_xaxes(title="time [s]", row=len(present), col=1)
+    return styled(figure, 200 * len(present) + 90)
+
+
+def add_limits(figure, row):
+    for limit in (-3, 3):
+        figure.add_hline(y=limit, line=dict(color=LIMIT, width=1.5, dash="dash"), row=row, col=1)
+
+
+def camera_residuals(data):
+    points = member(data, "residuals", "camera")
+    table = numbers([[p.get("t"), p.get("u_sigma"), p.get("v_sigma")] for p in points], 3, "residuals.camera")
+    shown = rounded(table[thinned(len(table))], 3)
+    figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.05)
+    for row, (axis, color) in enumerate((("u", AXES["x"]), ("v", AXES["y"])), start=1):
+        figure.add_scatter(x=shown[:, 0], y=shown[:, row], mode="markers", name=axis, row=row, col=1,
+                           marker=dict(size=3, color=color, opacity=0.45))
+        figure.update_yaxes(title=f"{axis} residual [sigma]", row=row, col=1)
+        add_limits(figure, row)
+    figure.update_xaxes(title="time [s]", row=2, col=1)
+    return styled(figure, 460)
+
+
+def add_axes(figure, t, table, row, decimals):
+    """Three lines x, y, z in one row; the legend shows each axis once."""
+    for column, (axis, color) in enumerate(AXES.items()):
+        figure.add_scatter(x=rounded(t, 3), y=rounded(table[:, column], decimals), mode="lines", name=axis,
+                           line=dict(color=color, width=1.3), legendgroup=axis, showlegend=row == 1, row=row, col=1)
+
+
+def imu_residuals(data):
+    parts = [p for p in ("rotation", "velocity", "position") if (member(data, "residuals", "imu")).get(p)]
+    if not parts:
+        raise Missing("The data hold no residuals.imu.")
+    t, tables = series(data, ("residuals", "imu"), parts)
+    index = thinned(len(t))
+    figure = make_subplots(rows=len(parts), cols=1, shared_xaxes=True, vertical_spacing=0.05)
+    for row, part in enumerate(parts, start=1):
+        add_axes(figure, t[index], tables[part][index], row, 3)
+        figure.update_yaxes(title=f"{part} [sigma]", row=row, col=1)
+        add_limits(figure, row)
+    figure.update_traces(mode="markers", marker=dict(size=3, opacity=0.6))
+    figure.update_xaxes(title="time [s]", row=len(parts), col=1)
+    return styled(figure, 200 * len(parts) + 90)
+
+
+def biases(data):
+    t, tables = series(data, ("biases",), ("gyro", "accel"))
+    index = thinned(len(t))
+    figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.06)
+    for row, (sensor, title) in enumerate((("gyro", "gyroscope [rad/s]"), ("accel", "accelerometer [m/s²]")), start=1):
+        add_axes(figure, t[index], tables[sensor][index], row, 7)
+        figure.update_yaxes(title=title, row=row, col=1)
+    figure.update_xaxes(title="time [s]", row=2, col=1)
+    return styled(figure, 460)
+
+
+def outside_three_sigma(data):
+    """Per sensor, the share of residuals beyond 3 sigma; a normal distribution has 0.27 %."""
+    shares = {}
+    residuals = data.get("residuals") or {}
+    camera = [v for p in residuals.get("camera") or [] for v in (p.get("u_sigma"), p.get("v_sigma"))]
+    imu = residuals.get("imu") or {}
+    groups = {"camera": camera, **{f"IMU {n}": imu.get(n) or [] for n in ("rotation", "velocity", "position")}}
+    for name, values in groups.items():
+        array = np.abs(np.array(values, dtype=float).ravel())
+        array = array[np.isfinite(array)]
+        if len(array):
+            shares[name] = (float(np.mean(array > 3)), float(np.sqrt(np.mean(array**2))), len(array))
+    return shares

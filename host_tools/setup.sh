@@ -1,0 +1,57 @@
+#!/bin/bash
+# Prepares a bare Debian 12 for building, testing and running segcal. As root or with sudo; asks nothing; a second run finds
+# everything done and takes about a second. Changes nothing outside the source tree except the packages it installs.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+packages=(
+  g++ cmake ninja-build git ca-certificates dpkg-dev
+  libeigen3-dev                                # the core
+  libopencv-dev libceres-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev   # the host program
+  libbenchmark-dev                             # benchmarks
+  python3-venv                                 # the report's plots
+)
+
+is_installed() {
+  [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2> /dev/null)" = installed ]
+}
+
+as_root() {
+  if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo --preserve-env=DEBIAN_FRONTEND "$@"; fi
+}
+
+install_packages() {
+  local package missing=()
+  for package in "${packages[@]}"; do
+    is_installed "$package" || missing+=("$package")
+  done
+  [ "${#missing[@]}" -eq 0 ] && return
+  echo "Installing: ${missing[*]}"
+  export DEBIAN_FRONTEND=noninteractive
+  as_root apt-get -q -o Acquire::Retries=3 update
+  as_root apt-get -q -y -o Acquire::Retries=3 install --no-install-recommends "${missing[@]}"
+}
+
+# .venv holds a copy of the list it was made from: a changed list makes it anew, an interrupted run too.
+make_python_environment() {
+  local list=host_tools/report/requirements.txt
+  cmp -s "$list" .venv/requirements.txt && return
+  echo "Making .venv from $list"
+  rm -rf .venv
+  python3 -m venv .venv
+  .venv/bin/pip install --quiet --disable-pip-version-check -r "$list"
+  cp "$list" .venv/requirements.txt
+}
+
+# Where Unity's own repository can be reached, CMake fetches it from there.
+prepare_unity() {
+  [ -e third_party/unity/unity.c ] && return
+  local repository=https://github.com/ThrowTheSwitch/Unity.git
+  GIT_TERMINAL_PROMPT=0 timeout 8 git ls-remote --exit-code "$repository" refs/tags/v2.6.0 > /dev/null 2>&1 && return
+  host_tools/fetch_unity.sh "$PWD/third_party/unity"
+}
+
+install_packages
+make_python_environment
+prepare_unity
+echo "Ready. Next: cmake --workflow --preset demo, or --preset test"

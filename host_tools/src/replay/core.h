@@ -1,0 +1,111 @@
+// The core as the host sees it: one interface over the C API, whatever profile it was compiled with.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "calibration_file.h"
+#include "recording.h"
+
+namespace host {
+
+struct CoreOptions {
+  Calibration calibration;
+  ImuNoise noise;
+  std::string metric = "A";          ///< A, D, E or random
+  bool multi_session = false;
+  int segments = 8;
+  double segment_s = 4;
+  double pixel_sigma = 0.5;          ///< px
+  std::uint64_t seed = 1;
+};
+
+struct CoreState {
+  std::int64_t t_ns = 0;
+  Eigen::Vector4d q_GI_wxyz{1, 0, 0, 0};
+  Eigen::Vector3d p_GI{0, 0, 0}, v_GI{0, 0, 0}, b_a{0, 0, 0}, b_g{0, 0, 0};
+};
+
+struct CoreDirection {
+  std::vector<double> weight;        ///< per parameter, in units of its prior sigma; the largest is 1
+  double relative_sigma = 1;
+};
+
+struct CoreSegment {
+  std::int64_t start_ns = 0, end_ns = 0;
+  std::uint32_t session = 0, serial = 0;
+  int keyframes = 0, landmarks = 0, points = 0, rank = 0;
+  double A = 0, D = 0, E = 0, gain_nats = 0;
+  bool kept = false;
+  std::vector<CoreDirection> not_excited;
+};
+
+struct CoreParameter {
+  std::string name, unit, verdict;   ///< verdict: observed, weak or fixed
+  double value = 0, initial = 0, sigma = 0, prior_sigma = 0;
+};
+
+struct CoreResult {
+  std::string status = "insufficient";
+  std::vector<CoreParameter> parameters;
+  std::vector<CoreDirection> unobservable;
+  int iterations = 0, segments = 0, partitions = 0, image_points = 0;
+  bool converged = false;
+  double chi2 = 0, dof = 0, noise_scale = 1, reprojection_rms_px = 0, reprojection_median_px = 0;
+};
+
+struct CorePointResidual {
+  std::int64_t t_ns;
+  int camera;
+  double u_sigma, v_sigma;
+};
+struct CoreImuResidual {
+  std::int64_t t_ns;
+  Eigen::Vector3d rotation, velocity, position;  ///< whitened
+};
+
+/// Everything about one kept segment that the report draws.
+struct CoreKept {
+  CoreSegment segment;
+  std::vector<CoreState> keyframes;
+  std::vector<CorePointResidual> points;
+  std::vector<CoreImuResidual> imu;
+};
+
+struct CoreMemory {
+  std::size_t state_bytes = 0, segment_bytes = 0, workspace_bytes = 0;
+};
+
+enum class FrameOutcome { waiting, skipped, tracking, lost, refused };
+
+class Core {
+ public:
+  virtual ~Core() = default;
+  virtual void push_imu(const ImuSample& sample) = 0;
+  /// Points of all cameras at one stamp; `per_camera` has one entry per camera (null: no image at this stamp).
+  virtual FrameOutcome push_frame(std::int64_t t_ns, const std::vector<const Frame*>& per_camera) = 0;
+  virtual bool state(CoreState* out) const = 0;
+  /// Scores and, when due, calibrates. True if a calibration ran.
+  virtual void background() = 0;
+  virtual void flush() = 0;
+  virtual void new_session() = 0;
+  /// False if there is no segment to calibrate from.
+  virtual bool calibrate() = 0;
+  virtual bool has_result() const = 0;
+  virtual CoreResult result() const = 0;
+  virtual Calibration calibration() const = 0;
+  /// The segment scored last; false if there is none since the call before.
+  virtual bool last_segment(CoreSegment* out) = 0;
+  virtual std::vector<CoreKept> kept() const = 0;
+  /// Data faults and other counters, by name.
+  virtual std::vector<std::pair<std::string, std::uint32_t>> counters() const = 0;
+  virtual CoreMemory memory() const = 0;
+};
+
+/// `profile`: mcu, mobile or host. Throws InputError for another name or a configuration that the core refuses.
+std::unique_ptr<Core> make_core(const std::string& profile, const CoreOptions& options);
+
+}  // namespace host

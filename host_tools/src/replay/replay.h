@@ -1,0 +1,39 @@
+// Feeds recordings to the core as a device would live them, and gathers what comes out.
+#pragma once
+
+#include <functional>
+
+#include "replay/core.h"
+
+namespace host {
+
+struct ReplayOptions {
+  CoreOptions core;
+  std::string profile = "mobile";
+  bool calibrate = true;             ///< false: odometry only, the calibration stays as it is
+  std::function<void(double)> progress;  ///< called with the fraction done, 0..1; may be empty
+};
+
+struct ReplayTiming {
+  double vio_ms_median = 0, vio_ms_p95 = 0;  ///< per processed frame, IMU included
+  double score_ms_median = 0;                ///< per segment: frames on which a segment was closed
+  double calibrate_ms = 0;                   ///< the last calibration
+};
+
+struct ReplayResult {
+  CoreResult result;
+  bool calibrated = false;           ///< a calibration ran
+  Calibration calibration;
+  ImuNoise noise;
+  std::vector<CoreState> trajectory; ///< at each processed frame
+  std::vector<CoreSegment> segments; ///< every segment scored, `kept` as at the end
+  std::vector<CoreKept> kept;
+  std::vector<std::pair<std::string, std::uint32_t>> counters;
+  CoreMemory memory;
+  ReplayTiming timing;
+};
+
+/// Replays the recordings one after the other, each as a session of the same device.
+ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions& options);
+
+}  // namespace host

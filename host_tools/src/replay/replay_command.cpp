@@ -1,0 +1,104 @@
+// segcal replay: recordings in, calibration out.
+#include <cmath>
+#include <iostream>
+
+#include "commands.h"
+#include "replay/result_files.h"
+#include "replay/words.h"
+
+namespace host {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> recordings;
+  std::string calibration, out, strategy = "single";
+  int cameras = 1;
+  bool json = false, no_calibration = false;
+  ReplayOptions replay;
+};
+
+void show_progress(double fraction) {
+  static int last = -1;
+  const int percent = static_cast<int>(100 * fraction);
+  if (percent == last) return;
+  last = percent;
+  std::cerr << "\rreplay " << percent << " %" << (percent == 100 ? "\n" : "") << std::flush;
+}
+
+std::vector<Recording> read_sessions(const Arguments& a) {
+  std::vector<Recording> sessions;
+  for (const std::string& root : a.recordings) {
+    sessions.push_back(read_recording(root, a.cameras));
+    for (std::size_t c = 0; c < sessions.back().cameras.size(); ++c) {
+      if (!sessions.back().cameras[c].frames.empty()) continue;
+      throw InputError(root + "/mav0/cam" + std::to_string(c) + "/tracks.csv: missing; run `segcal track " + root +
+                       "` first to make it from the images");
+    }
+  }
+  return sessions;
+}
+
+void print_summary(const ReplayResult& r) {
+  const CoreResult& c = r.result;
+  std::printf("%s: %d of %zu segments kept, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n",
+              c.status.c_str(), c.segments, r.segments.size(), c.dof > 0 ? c.chi2 / c.dof : 0.0, c.reprojection_rms_px,
+              c.reprojection_median_px, c.iterations);
+  std::printf("%-14s %14s %12s %-4s %14s  %s\n", "parameter", "value", "sigma", "unit", "initial", "verdict");
+  for (const CoreParameter& p : c.parameters) {
+    std::printf("%-14s %14.6f %12.6f %-4s %14.6f  %s\n", p.name.c_str(), p.value, p.sigma, p.unit.c_str(), p.initial,
+                p.verdict.c_str());
+  }
+  const std::vector<std::string> names = parameter_names(r.calibration);
+  for (const CoreDirection& d : c.unobservable) std::printf("%s\n", in_words(d, names).c_str());
+  std::printf("state_bytes %zu (segment %zu, workspace %zu); VIO %.2f ms per frame (p95 %.2f), calibration %.0f ms\n",
+              r.memory.state_bytes, r.memory.segment_bytes, r.memory.workspace_bytes, r.timing.vio_ms_median,
+              r.timing.vio_ms_p95, r.timing.calibrate_ms);
+}
+
+int run(Arguments a) {
+  const std::vector<Recording> sessions = read_sessions(a);
+  a.replay.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
+  a.replay.core.noise = sessions.front().imu.noise;
+  a.replay.core.multi_session = a.strategy == "multi";
+  a.replay.calibrate = !a.no_calibration;
+  a.replay.progress = show_progress;
+  const ReplayResult result = replay(sessions, a.replay);
+  std::vector<TruthPose> truth = sessions.back().truth;
+  write_result_files(a.out, result, truth);
+  if (a.json) {
+    std::cout << result_json(result).dump(1) << std::endl;
+  } else {
+    print_summary(result);
+  }
+  if (a.no_calibration) return 0;
+  return result.calibrated && result.result.status == "calibrated" ? 0 : 1;
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* sub = app.add_subcommand("replay", "run recordings through the core: odometry, segments, calibration");
+  sub->add_option("recordings", a->recordings, "recordings in ASL layout (REC/mav0/...); several are sessions in order")->required();
+  sub->add_option("--calib", a->calibration, "starting calibration, Kalibr's camchain-imucam.yaml (default: the recording's own)");
+  sub->add_option("--out", a->out, "folder for result.json, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml")->required();
+  sub->add_option("--profile", a->replay.profile, "capacities of the core, as compiled for firmware: mcu, mobile, host")->capture_default_str();
+  sub->add_option("--metric", a->replay.core.metric, "what makes a segment informative: A, D, E or random")->capture_default_str();
+  sub->add_option("--segments", a->replay.core.segments, "segments to keep in the database")->capture_default_str()->check(CLI::PositiveNumber);
+  sub->add_option("--segment-seconds", a->replay.core.segment_s, "length of a segment, s")->capture_default_str()->check(CLI::Range(1.0, 30.0));
+  sub->add_option("--strategy", a->strategy, "single: each session starts with an empty database; multi: the best of all stay")
+      ->capture_default_str()->check(CLI::IsMember({"single", "multi"}));
+  sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
+  sub->add_option("--pixel-sigma", a->replay.core.pixel_sigma, "stated noise of a tracked corner per axis, px")->capture_default_str()->check(CLI::PositiveNumber);
+  sub->add_option("--seed", a->replay.core.seed, "of the random metric")->capture_default_str();
+  sub->add_flag("--no-calibration", a->no_calibration, "odometry only: the trajectory with the starting calibration");
+  sub->add_flag("--json", a->json, "print result.json on standard output");
+  sub->footer(R"(Example:
+  segcal replay rec --calib start.yaml --out out && segcal report out
+
+Verdicts: observed, the sigma fell below 0.3 of the prior's; weak, below 0.8; fixed, the data cannot tell: the parameter
+stays where it was. Exit code 1: the result is not `calibrated` (too little motion, or the model does not fit).)");
+  sub->callback([a, &exit_code] { exit_code = run(*a); });
+}
+
+}  // namespace host

@@ -1,0 +1,57 @@
+#include "replay/result_files.h"
+#include "replay/words.h"
+
+namespace host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json direction_json(const CoreDirection& d, const std::vector<std::string>& names) {
+  Json weights = Json::object();
+  for (const auto& [name, weight] : main_weights(d, names)) weights[name] = weight;
+  return {{"direction", weights}, {"sigma", d.relative_sigma}, {"words", in_words(d, names)}};
+}
+
+Json parameters_json(const CoreResult& r) {
+  Json out = Json::array();
+  for (const CoreParameter& p : r.parameters) {
+    out.push_back({{"name", p.name}, {"value", p.value}, {"sigma", p.sigma}, {"unit", p.unit}, {"initial", p.initial},
+                   {"prior_sigma", p.prior_sigma}, {"verdict", p.verdict}});
+  }
+  return out;
+}
+
+Json segment_json(const CoreSegment& s, const std::vector<std::string>& names) {
+  Json words = Json::array();
+  for (const CoreDirection& d : s.not_excited) words.push_back(in_words(d, names));
+  return {{"session", s.session}, {"start_ns", s.start_ns}, {"end_ns", s.end_ns}, {"keyframes", s.keyframes},
+          {"landmarks", s.landmarks}, {"A", s.A}, {"D", s.D}, {"E", s.E}, {"rank", s.rank}, {"kept", s.kept},
+          {"gain_nats", s.gain_nats}, {"not_excited", words}};
+}
+
+}  // namespace
+
+Json result_json(const ReplayResult& out) {
+  const CoreResult& r = out.result;
+  const std::vector<std::string> names = parameter_names(out.calibration);
+  Json json;
+  json["format"] = 1;
+  json["status"] = r.status;
+  json["parameters"] = parameters_json(r);
+  json["unobservable"] = Json::array();
+  for (const CoreDirection& d : r.unobservable) json["unobservable"].push_back(direction_json(d, names));
+  json["segments"] = Json::array();
+  for (const CoreSegment& s : out.segments) json["segments"].push_back(segment_json(s, names));
+  json["fit"] = {{"chi2", r.chi2}, {"dof", r.dof}, {"iterations", r.iterations}, {"converged", r.converged},
+                 {"reprojection_rms_px", r.reprojection_rms_px}, {"reprojection_median_px", r.reprojection_median_px},
+                 {"noise_scale", r.noise_scale}, {"partitions", r.partitions}, {"image_points", r.image_points}};
+  json["timing"] = {{"vio_ms_median", out.timing.vio_ms_median}, {"vio_ms_p95", out.timing.vio_ms_p95},
+                    {"score_ms_median", out.timing.score_ms_median}, {"calibrate_ms", out.timing.calibrate_ms}};
+  json["memory"] = {{"state_bytes", out.memory.state_bytes}, {"segment_bytes", out.memory.segment_bytes},
+                    {"workspace_bytes", out.memory.workspace_bytes}};
+  json["faults"] = Json::object();
+  for (const auto& [name, count] : out.counters) json["faults"][name] = count;
+  return json;
+}
+
+}  // namespace host

@@ -1,0 +1,44 @@
+#include "replay/words.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace host {
+
+std::vector<std::pair<std::string, double>> main_weights(const CoreDirection& direction,
+                                                         const std::vector<std::string>& names, double least) {
+  std::vector<std::pair<std::string, double>> out;
+  for (std::size_t i = 0; i < direction.weight.size() && i < names.size(); ++i) {
+    if (std::abs(direction.weight[i]) >= least) out.emplace_back(names[i], direction.weight[i]);
+  }
+  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return std::abs(a.second) > std::abs(b.second); });
+  return out;
+}
+
+std::string in_words(const CoreDirection& direction, const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& [name, weight] : main_weights(direction, names)) {
+    char number[32] = "";
+    if (std::abs(weight) < 0.95) std::snprintf(number, sizeof number, "%.1f ", std::abs(weight));
+    text += text.empty() ? (weight < 0 ? "-" : "") : (weight < 0 ? " - " : " + ");
+    text += number + name;
+  }
+  return text + ": not excited";
+}
+
+std::vector<std::string> parameter_names(const Calibration& calibration) {
+  std::vector<std::string> names;
+  for (std::size_t c = 0; c < calibration.cameras.size(); ++c) {
+    const std::string cam = "cam" + std::to_string(c) + ".";
+    for (const char* n : {"r_CI.x", "r_CI.y", "r_CI.z", "p_CI.x", "p_CI.y", "p_CI.z", "fx", "fy", "cx", "cy"}) names.push_back(cam + n);
+    for (const std::string& n : distortion_parameters(calibration.cameras[c].model)) names.push_back(cam + n);
+  }
+  for (const char* sensor : {"gyro.", "accel."}) {
+    for (const char* n : {"sx", "sy", "sz", "mx", "my", "mz"}) names.push_back(std::string(sensor) + n);
+  }
+  for (const char* n : {"x", "y", "z"}) names.push_back(std::string("accel.r_AI.") + n);
+  return names;
+}
+
+}  // namespace host

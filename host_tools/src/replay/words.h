@@ -1,0 +1,20 @@
+// Directions of the calibration space in words: "gyro.sz + 0.3 accel.mx: not excited".
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "replay/core.h"
+
+namespace host {
+
+/// The parameters that make up a direction, largest first; weights below `least` of the largest are left out.
+std::vector<std::pair<std::string, double>> main_weights(const CoreDirection& direction,
+                                                         const std::vector<std::string>& names, double least = 0.2);
+std::string in_words(const CoreDirection& direction, const std::vector<std::string>& names);
+
+/// Names of theta's entries for a calibration, in order (DESIGN, section 3).
+std::vector<std::string> parameter_names(const Calibration& calibration);
+
+}  // namespace host

@@ -1,0 +1,229 @@
+/* segcal: keeps a camera and an IMU calibrated while they are used. The C API.
+ *
+ * All memory is the caller's: one block of SEGCAL_STORAGE_BYTES, nothing else, no heap. Calls return SEGCAL_OK (0), a
+ * positive event, or a negative error; after an error the state is valid and as if the call had not been made. Not for
+ * two threads at a time on the same device.
+ *
+ * Frames: G gravity aligned, z up; I the IMU (the gyroscope's axes); C the camera, x right, y down, z forward.
+ * R_AB rotates a vector given in B into A; p_C = R_CI p_I + p_CI (Kalibr's T_cam_imu). Quaternions: Hamilton, w first.
+ * Time: int64 nanoseconds of the IMU's clock. SI units unless the name says otherwise.
+ */
+#ifndef SEGCAL_H
+#define SEGCAL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "segcal/config.h"
+#ifdef SEGCAL_RENAME
+#include "segcal/symbol_names.h"
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- versions ---- */
+#define SEGCAL_VERSION 0x00010000u /* major 16 bits, minor 16 bits */
+uint32_t segcal_version(void);
+
+/* ---- memory ---- */
+/* Alignment of the storage, bytes. */
+#define SEGCAL_STORAGE_ALIGNMENT 16
+/* Upper bound of the storage, from the capacities in config.h; exact to a few per cent, checked when the library is
+   built. segcal_storage_bytes() tells the exact figure. */
+#include "segcal/storage.h"
+size_t segcal_storage_bytes(void);
+
+/* ---- limits ---- */
+#define SEGCAL_MAX_PARAMETERS (SEGCAL_MAX_CAMERAS * 14 + 15)
+#define SEGCAL_MAX_DIRECTIONS SEGCAL_MAX_PARAMETERS
+#define SEGCAL_NAME_LENGTH 16
+
+/* ---- return codes ---- */
+enum {
+  SEGCAL_OK = 0,
+  SEGCAL_WAITING = 1,            /* taken; more data is needed before anything comes of it */
+  SEGCAL_SKIPPED = 2,            /* a frame sooner than frame_interval_s after the last one used */
+  SEGCAL_TRACKING = 3,           /* the frame moved the filter */
+  SEGCAL_LOST = 4,               /* tracking was lost; the filter starts again, the open segment is ended */
+  SEGCAL_NO_RESULT = 5,          /* calibration ran, but nothing is released: see the result's status */
+  SEGCAL_ERROR_NULL = -1,        /* a pointer is null */
+  SEGCAL_ERROR_SIZE = -2,        /* storage smaller than segcal_storage_bytes(), or a count out of range */
+  SEGCAL_ERROR_ALIGNMENT = -3,   /* storage not aligned to SEGCAL_STORAGE_ALIGNMENT */
+  SEGCAL_ERROR_CONFIG = -4,      /* a configuration value out of its range */
+  SEGCAL_ERROR_NOT_FINITE = -5,  /* NaN or infinity in a sample; dropped and counted */
+  SEGCAL_ERROR_STAMP = -6,       /* a stamp that repeats or goes back; dropped and counted */
+  SEGCAL_ERROR_CAMERA = -7,      /* camera index out of range */
+  SEGCAL_ERROR_STATE = -8        /* call not possible now (no segment, not created) */
+};
+
+/* ---- configuration: a struct of zeroes means all defaults, except for the camera itself ---- */
+enum { SEGCAL_FOV = 0, SEGCAL_RADTAN = 1, SEGCAL_EQUIDISTANT = 2 };
+enum { SEGCAL_METRIC_A = 0, SEGCAL_METRIC_D = 1, SEGCAL_METRIC_E = 2, SEGCAL_METRIC_RANDOM = 3 };
+enum { SEGCAL_SINGLE_SESSION = 0, SEGCAL_MULTI_SESSION = 1 };
+
+typedef struct {
+  int32_t model;         /* SEGCAL_FOV, SEGCAL_RADTAN or SEGCAL_EQUIDISTANT */
+  double q_CI[4];        /* rotates I into C, w x y z; {0,0,0,0}: identity */
+  double p_CI[3];        /* m */
+  double intrinsics[4];  /* fx fy cx cy, px; fx, fy > 0 */
+  double distortion[4];  /* fov: w (0..2.5 rad); radtan: k1 k2 p1 p2; equidistant: k1..k4 */
+} segcal_camera_t;
+
+typedef struct {
+  double gyro_scale[3];         /* 0: 1 */
+  double gyro_misalignment[3];
+  double accel_scale[3];        /* 0: 1 */
+  double accel_misalignment[3];
+  double q_AI[4];               /* rotates I into the accelerometer's axes; {0,0,0,0}: identity */
+} segcal_imu_calibration_t;
+
+typedef struct {
+  int32_t n_cameras;                          /* 1..SEGCAL_MAX_CAMERAS; 0: 1 */
+  segcal_camera_t camera[SEGCAL_MAX_CAMERAS]; /* the starting calibration, also the mean of the prior */
+  segcal_imu_calibration_t imu;
+  double imu_rate_hz;              /* 0: 200; a gap of more than 3 periods is a fault */
+  double gyro_noise_density;       /* rad/s/sqrt(Hz); 0: 1.7e-4 */
+  double gyro_random_walk;         /* rad/s^2/sqrt(Hz); 0: 2e-5 */
+  double accel_noise_density;      /* m/s^2/sqrt(Hz); 0: 2e-3 */
+  double accel_random_walk;        /* m/s^3/sqrt(Hz); 0: 3e-4 */
+  double gyro_range;               /* rad/s, full scale, for counting saturation; 0: 35 (2000 deg/s) */
+  double accel_range;              /* m/s^2, full scale; 0: 157 (16 g) */
+  double pixel_sigma;              /* px, corner noise per axis; 0: 0.5 */
+  double gravity;                  /* m/s^2; 0: 9.80665 */
+  double frame_interval_s;         /* frames closer than this are skipped by the filter; 0: 0.1 */
+  double segment_s;                /* length of a segment; 0: 4 */
+  int32_t keep_segments;           /* 1..SEGCAL_MAX_SEGMENTS; 0: 8, or the maximum if that is smaller */
+  int32_t metric;                  /* SEGCAL_METRIC_* */
+  int32_t strategy;                /* SEGCAL_SINGLE_SESSION or SEGCAL_MULTI_SESSION */
+  double least_gain_nats;          /* a segment that tells less is never kept; 0: 5 */
+  double prior_sigma[SEGCAL_MAX_PARAMETERS]; /* 0: the table in DESIGN, section 3 */
+  double sigma_ref[SEGCAL_MAX_PARAMETERS];   /* normalises the metrics; 0: the prior's sigma */
+  uint64_t seed;                   /* of the random metric */
+} segcal_config_t;
+
+/* ---- data in ---- */
+typedef struct {
+  int64_t t_ns;      /* IMU clock */
+  float gyro[3];     /* rad/s, gyroscope's axes */
+  float accel[3];    /* m/s^2, accelerometer's axes; at rest and level z reads +9.8 */
+} segcal_imu_t;
+
+typedef struct {
+  uint32_t track_id; /* the same corner has the same number in all frames */
+  int32_t camera;    /* 0..n_cameras - 1 */
+  float u, v;        /* px, raw (distorted) image coordinates */
+} segcal_point_t;
+
+typedef struct {
+  int64_t t_ns;
+  double q_GI[4];    /* rotates I into G, w x y z */
+  double p_GI[3];    /* m */
+  double v_GI[3];    /* m/s */
+  double b_a[3];     /* m/s^2 */
+  double b_g[3];     /* rad/s */
+} segcal_state_t;
+
+/* ---- results ---- */
+enum { SEGCAL_INSUFFICIENT = 0, SEGCAL_CALIBRATED = 1, SEGCAL_FAILED = 2 };
+enum { SEGCAL_FIXED = 0, SEGCAL_WEAK = 1, SEGCAL_OBSERVED = 2 };
+
+typedef struct {
+  char name[SEGCAL_NAME_LENGTH]; /* "cam0.r_CI.x" ... as in DESIGN, section 3 */
+  char unit[4];                  /* "rad", "m", "px", "-" */
+  double value, initial;         /* rotations: the rotation vector's component */
+  double sigma;                  /* scaled by what the fit shows */
+  double prior_sigma;
+  int32_t verdict;               /* SEGCAL_OBSERVED, _WEAK, or _FIXED: stayed where it was */
+} segcal_parameter_t;
+
+typedef struct {
+  double weight[SEGCAL_MAX_PARAMETERS]; /* in units of each parameter's prior sigma; the largest is 1 */
+  double relative_sigma;                /* of the direction, in units of the prior's: near 1, nothing was learned */
+} segcal_direction_t;
+
+typedef struct {
+  int32_t status;                  /* SEGCAL_CALIBRATED, _INSUFFICIENT, _FAILED */
+  int32_t n_parameters;
+  segcal_parameter_t parameter[SEGCAL_MAX_PARAMETERS];
+  int32_t n_directions;            /* directions that the kept segments do not excite */
+  int32_t iterations, converged, segments, partitions, image_points;
+  double chi2, dof;
+  double noise_scale;              /* sigmas are multiplied by this: sqrt(chi2/dof), at least 1 */
+  double reprojection_rms_px, reprojection_median_px;
+} segcal_result_t;
+
+typedef struct {
+  int64_t start_ns, end_ns;
+  uint32_t session, serial;
+  int32_t keyframes, landmarks, points, rank;
+  double A, D, E, gain_nats;
+  int32_t kept;                    /* at the time of the call */
+} segcal_segment_t;
+
+typedef struct {
+  uint32_t imu_samples, imu_stamps_back, imu_gaps, imu_not_finite, imu_saturated;
+  uint32_t frames, frames_used, frame_stamps_back, frames_dropped, frames_few_tracks, points_not_finite;
+  uint32_t filter_restarts, standstill_frames, features_used, features_gated;
+  uint32_t segments_closed, segments_discarded, segments_ended_early;
+  uint32_t landmarks_left_out, points_left_out;
+} segcal_counters_t;
+
+/* A whitened residual of the last calibration. */
+typedef struct {
+  int64_t t_ns;
+  int32_t camera;                  /* 0.. for image points */
+  float u, v;                      /* predicted - measured in units of the pixel sigma */
+} segcal_point_residual_t;
+typedef struct {
+  int64_t t_ns;
+  float rotation[3], velocity[3], position[3]; /* whitened, each with unit variance where the model holds */
+} segcal_imu_residual_t;
+
+/* ---- functions ---- */
+typedef struct segcal segcal_t;
+
+/* Puts a device into `storage` (any content) and points *device at it. Copies the configuration. */
+int segcal_create(segcal_t **device, const segcal_config_t *config, void *storage, size_t storage_bytes);
+
+/* One IMU sample; bounded time. A frame that waited for it is processed here. */
+int segcal_push_imu(segcal_t *device, const segcal_imu_t *sample);
+/* The points of one image (of all cameras, if there are several: same stamp). n <= SEGCAL_MAX_TRACKS per camera.
+   Returns SEGCAL_TRACKING, SEGCAL_WAITING, SEGCAL_SKIPPED or SEGCAL_LOST, or an error. */
+int segcal_push_tracks(segcal_t *device, int64_t t_ns, const segcal_point_t *points, int32_t n);
+/* Instead of segcal_push_tracks, for users with their own odometry: a keyframe's state and its points. The filter is not
+   used. IMU samples up to its stamp must have been pushed. */
+int segcal_push_keyframe(segcal_t *device, const segcal_state_t *state, const segcal_point_t *points, int32_t n);
+/* Does pending background work (scoring of a finished segment, calibration when the database has become full); at most
+   `slices` pieces. Returns the pieces still waiting, or an error. */
+int segcal_background(segcal_t *device, int32_t slices);
+/* Ends the open segment now and scores it. */
+int segcal_flush(segcal_t *device);
+/* Ends the session: as segcal_flush, then the filter starts again; the database is emptied if single session. */
+int segcal_new_session(segcal_t *device);
+/* Calibrates from the kept segments and, if something is released, puts the new theta into the filter. */
+int segcal_calibrate(segcal_t *device);
+
+int segcal_get_state(const segcal_t *device, segcal_state_t *state);
+int segcal_get_camera(const segcal_t *device, int32_t camera, segcal_camera_t *out);
+int segcal_get_imu_calibration(const segcal_t *device, segcal_imu_calibration_t *out);
+int segcal_get_result(const segcal_t *device, segcal_result_t *result);
+int segcal_get_direction(const segcal_t *device, int32_t index, segcal_direction_t *direction);
+/* The segment scored last (index -1) or slot `index` of the database, 0..SEGCAL_MAX_SEGMENTS. SEGCAL_ERROR_STATE if empty. */
+int segcal_get_segment(const segcal_t *device, int32_t index, segcal_segment_t *segment);
+/* Directions that the segment scored last does not excite: fills up to `capacity`, returns their number. */
+int segcal_get_segment_directions(const segcal_t *device, segcal_direction_t *out, int32_t capacity);
+int segcal_get_counters(const segcal_t *device, segcal_counters_t *counters);
+/* Residuals of kept slot `index` after calibration; fill up to `capacity`, return their number. */
+int segcal_get_point_residuals(const segcal_t *device, int32_t index, segcal_point_residual_t *out, int32_t capacity);
+int segcal_get_imu_residuals(const segcal_t *device, int32_t index, segcal_imu_residual_t *out, int32_t capacity);
+/* Keyframe states of slot `index`. */
+int segcal_get_keyframes(const segcal_t *device, int32_t index, segcal_state_t *out, int32_t capacity);
+/* Bytes of one database slot and of the workspaces. */
+void segcal_memory(size_t *state_bytes, size_t *segment_bytes, size_t *workspace_bytes);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,195 @@
+#include "api/convert.h"
+
+namespace SEGCAL_NS {
+namespace {
+
+bool finite(const double* v, int n) {
+  for (int i = 0; i < n; ++i) {
+    if (!is_finite(v[i])) return false;
+  }
+  return true;
+}
+
+template <int N>
+Vec<Real, N> vector(const double* v) {
+  Vec<Real, N> out;
+  for (int i = 0; i < N; ++i) out(i) = static_cast<Real>(v[i]);
+  return out;
+}
+
+/// {0,0,0,0} is the identity; false for a quaternion that is neither that nor of unit length within 1 %.
+bool rotation(const double* q, Mat3<Real>* R) {
+  if (!finite(q, 4)) return false;
+  const double n2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  R->setIdentity();
+  if (n2 == 0) return true;
+  if (n2 < 0.98 || n2 > 1.02) return false;
+  *R = matrix_from_quaternion<Real>(vector<4>(q));
+  return true;
+}
+
+bool camera_from_c(const segcal_camera_t& in, CameraCalibration<Real>* out) {
+  if (in.model < SEGCAL_FOV || in.model > SEGCAL_EQUIDISTANT) return false;
+  if (!finite(in.p_CI, 3) || !finite(in.intrinsics, 4) || !finite(in.distortion, 4)) return false;
+  if (!(in.intrinsics[0] > 0) || !(in.intrinsics[1] > 0)) return false;
+  if (in.model == SEGCAL_FOV && !(in.distortion[0] >= 0 && in.distortion[0] <= 2.5)) return false;
+  out->model = static_cast<Distortion>(in.model);
+  out->p_CI = vector<3>(in.p_CI);
+  out->intrinsics = vector<4>(in.intrinsics);
+  out->distortion = vector<4>(in.distortion);
+  return rotation(in.q_CI, &out->R_CI);
+}
+
+bool imu_from_c(const segcal_imu_calibration_t& in, ImuCalibration<Real>* out) {
+  const auto scale = [](const double* s, Vec3<Real>* v) {
+    for (int i = 0; i < 3; ++i) (*v)(i) = s[i] == 0 ? Real(1) : static_cast<Real>(s[i]);
+    return finite(s, 3) && v->minCoeff() > Real(0.5) && v->maxCoeff() < Real(2);
+  };
+  if (!scale(in.gyro_scale, &out->gyro_scale) || !scale(in.accel_scale, &out->accel_scale)) return false;
+  if (!finite(in.gyro_misalignment, 3) || !finite(in.accel_misalignment, 3)) return false;
+  out->gyro_misalignment = vector<3>(in.gyro_misalignment);
+  out->accel_misalignment = vector<3>(in.accel_misalignment);
+  return rotation(in.q_AI, &out->R_AI);
+}
+
+/// value, or the default where it is zero; false if out of (0, most].
+bool positive(double value, double fallback, double most, Real* out) {
+  if (!is_finite(value) || value < 0 || value > most) return false;
+  *out = static_cast<Real>(value == 0 ? fallback : value);
+  return true;
+}
+
+bool noise_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
+  Real gravity;
+  if (!positive(c.gravity, 9.80665, 100, &gravity)) return false;
+  out->model.g = Vec3<Real>(Real(0), Real(0), -gravity);
+  return positive(c.imu_rate_hz, 200, 20000, &out->imu_rate_hz) &&
+         positive(c.gyro_noise_density, 1.7e-4, 1, &out->model.imu.gyro) &&
+         positive(c.gyro_random_walk, 2e-5, 1, &out->model.imu.gyro_walk) &&
+         positive(c.accel_noise_density, 2e-3, 10, &out->model.imu.accel) &&
+         positive(c.accel_random_walk, 3e-4, 10, &out->model.imu.accel_walk) &&
+         positive(c.gyro_range, 35, 1e4, &out->gyro_range) && positive(c.accel_range, 157, 1e5, &out->accel_range) &&
+         positive(c.pixel_sigma, 0.5, 100, &out->model.pixel_sigma) &&
+         positive(c.frame_interval_s, 0.1, 2, &out->frame_interval_s) && positive(c.segment_s, 4, 60, &out->segment_s);
+}
+
+bool sigmas_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
+  default_prior_sigmas(out->theta, out->prior_sigma);
+  for (int i = 0; i < out->theta.columns(); ++i) {
+    if (!positive(c.prior_sigma[i], static_cast<double>(out->prior_sigma[i]), 1e6, &out->prior_sigma[i])) return false;
+    if (!positive(c.sigma_ref[i], static_cast<double>(out->prior_sigma[i]), 1e6, &out->sigma_ref[i])) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
+  if (c.n_cameras < 0 || c.n_cameras > SEGCAL_MAX_CAMERAS) return false;
+  if (c.keep_segments < 0 || c.keep_segments > SEGCAL_MAX_SEGMENTS) return false;
+  if (c.metric < SEGCAL_METRIC_A || c.metric > SEGCAL_METRIC_RANDOM) return false;
+  if (c.strategy != SEGCAL_SINGLE_SESSION && c.strategy != SEGCAL_MULTI_SESSION) return false;
+  out->theta = Calibration<Real>();
+  out->theta.n_cameras = c.n_cameras == 0 ? 1 : c.n_cameras;
+  for (int i = 0; i < out->theta.n_cameras; ++i) {
+    if (!camera_from_c(c.camera[i], &out->theta.camera[i])) return false;
+  }
+  if (!imu_from_c(c.imu, &out->theta.imu) || !noise_from_config(c, out)) return false;
+  out->keep_segments = c.keep_segments > 0 ? c.keep_segments : (SEGCAL_MAX_SEGMENTS < 8 ? SEGCAL_MAX_SEGMENTS : 8);
+  out->metric = static_cast<Metric>(c.metric);
+  out->strategy = static_cast<Strategy>(c.strategy);
+  out->seed = c.seed;
+  return positive(c.least_gain_nats, 5, 1e6, &out->least_gain) && sigmas_from_config(c, out);
+}
+
+void parameter_names(const Calibration<Real>& theta, segcal_parameter_t* out) {
+  const auto put = [&out](const char* group, int camera, const char* name, const char* unit) {
+    char* p = out->name;
+    for (const char* s = group; *s; ++s) *p++ = *s;
+    if (camera >= 0) *p++ = static_cast<char>('0' + camera);
+    *p++ = '.';
+    for (const char* s = name; *s; ++s) *p++ = *s;
+    *p = 0;
+    char* u = out->unit;
+    for (const char* s = unit; *s; ++s) *u++ = *s;
+    *u = 0;
+    ++out;
+  };
+  static const char* const kExtrinsic[6] = {"r_CI.x", "r_CI.y", "r_CI.z", "p_CI.x", "p_CI.y", "p_CI.z"};
+  static const char* const kIntrinsic[4] = {"fx", "fy", "cx", "cy"};
+  static const char* const kDistortion[3][4] = {{"w", "", "", ""}, {"k1", "k2", "p1", "p2"}, {"k1", "k2", "k3", "k4"}};
+  for (int c = 0; c < theta.n_cameras; ++c) {
+    const CameraCalibration<Real>& camera = theta.camera[c];
+    for (int i = 0; i < 6; ++i) put("cam", c, kExtrinsic[i], i < 3 ? "rad" : "m");
+    for (int i = 0; i < 4; ++i) put("cam", c, kIntrinsic[i], "px");
+    for (int i = 0; i < camera.distortion_columns(); ++i) put("cam", c, kDistortion[int(camera.model)][i], "-");
+  }
+  static const char* const kImu[6] = {"sx", "sy", "sz", "mx", "my", "mz"};
+  static const char* const kRotation[3] = {"r_AI.x", "r_AI.y", "r_AI.z"};
+  for (int i = 0; i < 6; ++i) put("gyro", -1, kImu[i], "-");
+  for (int i = 0; i < 6; ++i) put("accel", -1, kImu[i], "-");
+  for (int i = 0; i < 3; ++i) put("accel", -1, kRotation[i], "rad");
+}
+
+void parameter_values(const Calibration<Real>& theta, double* out) {
+  const auto put = [&out](const auto& v, int n) {
+    for (int i = 0; i < n; ++i) *out++ = static_cast<double>(v(i));
+  };
+  for (int c = 0; c < theta.n_cameras; ++c) {
+    const CameraCalibration<Real>& camera = theta.camera[c];
+    put(so3_log<Real>(camera.R_CI), 3);
+    put(camera.p_CI, 3);
+    put(camera.intrinsics, 4);
+    put(camera.distortion, camera.distortion_columns());
+  }
+  put(theta.imu.gyro_scale, 3);
+  put(theta.imu.gyro_misalignment, 3);
+  put(theta.imu.accel_scale, 3);
+  put(theta.imu.accel_misalignment, 3);
+  put(so3_log<Real>(theta.imu.R_AI), 3);
+}
+
+void camera_to_c(const CameraCalibration<Real>& camera, segcal_camera_t* out) {
+  out->model = static_cast<std::int32_t>(camera.model);
+  const Vec<Real, 4> q = quaternion_from_matrix(camera.R_CI);
+  for (int i = 0; i < 4; ++i) {
+    out->q_CI[i] = static_cast<double>(q(i));
+    out->intrinsics[i] = static_cast<double>(camera.intrinsics(i));
+    out->distortion[i] = i < camera.distortion_columns() ? static_cast<double>(camera.distortion(i)) : 0;
+  }
+  for (int i = 0; i < 3; ++i) out->p_CI[i] = static_cast<double>(camera.p_CI(i));
+}
+
+void imu_to_c(const ImuCalibration<Real>& imu, segcal_imu_calibration_t* out) {
+  const Vec<Real, 4> q = quaternion_from_matrix(imu.R_AI);
+  for (int i = 0; i < 3; ++i) {
+    out->gyro_scale[i] = static_cast<double>(imu.gyro_scale(i));
+    out->gyro_misalignment[i] = static_cast<double>(imu.gyro_misalignment(i));
+    out->accel_scale[i] = static_cast<double>(imu.accel_scale(i));
+    out->accel_misalignment[i] = static_cast<double>(imu.accel_misalignment(i));
+  }
+  for (int i = 0; i < 4; ++i) out->q_AI[i] = static_cast<double>(q(i));
+}
+
+void state_to_c(const State<Real>& state, std::int64_t t_ns, segcal_state_t* out) {
+  out->t_ns = t_ns;
+  const Vec<Real, 4> q = quaternion_from_matrix(state.R_GI);
+  for (int i = 0; i < 4; ++i) out->q_GI[i] = static_cast<double>(q(i));
+  for (int i = 0; i < 3; ++i) {
+    out->p_GI[i] = static_cast<double>(state.p_GI(i));
+    out->v_GI[i] = static_cast<double>(state.v_GI(i));
+    out->b_a[i] = static_cast<double>(state.b_a(i));
+    out->b_g[i] = static_cast<double>(state.b_g(i));
+  }
+}
+
+bool state_from_c(const segcal_state_t& in, State<Real>* out) {
+  if (!finite(in.p_GI, 3) || !finite(in.v_GI, 3) || !finite(in.b_a, 3) || !finite(in.b_g, 3)) return false;
+  out->p_GI = vector<3>(in.p_GI);
+  out->v_GI = vector<3>(in.v_GI);
+  out->b_a = vector<3>(in.b_a);
+  out->b_g = vector<3>(in.b_g);
+  return rotation(in.q_GI, &out->R_GI);
+}
+
+}  // namespace SEGCAL_NS

@@ -1,0 +1,20 @@
+// Between the C API's plain structs and the core's types; checks of a configuration.
+#pragma once
+
+#include "api/device.h"
+#include "segcal/segcal.h"
+
+namespace SEGCAL_NS {
+
+using Real = SEGCAL_REAL;
+
+bool options_from_config(const segcal_config_t& config, DeviceOptions<Real>* out);
+void parameter_names(const Calibration<Real>& theta, segcal_parameter_t* out);
+/// Values of theta as results print them: rotations as rotation vectors.
+void parameter_values(const Calibration<Real>& theta, double* out);
+void camera_to_c(const CameraCalibration<Real>& camera, segcal_camera_t* out);
+void imu_to_c(const ImuCalibration<Real>& imu, segcal_imu_calibration_t* out);
+void state_to_c(const State<Real>& state, std::int64_t t_ns, segcal_state_t* out);
+bool state_from_c(const segcal_state_t& in, State<Real>* out);
+
+}  // namespace SEGCAL_NS

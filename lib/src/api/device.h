@@ -1,0 +1,343 @@
+// A device: the stream of samples through the filter into segments, the database, and calibration (paper, Alg. 1).
+// This is what the C API wraps; all memory is inside.
+#pragma once
+
+#include "api/release.h"
+#include "calibration/calibrator.h"
+#include "database/database.h"
+#include "information/metrics.h"
+#include "segments/builder.h"
+#include "vio/vio.h"
+
+namespace SEGCAL_NS {
+
+template <class S>
+struct DeviceOptions {
+  Calibration<S> theta;         ///< starting calibration, mean of the prior
+  S prior_sigma[kMaxTheta], sigma_ref[kMaxTheta];
+  MeasurementModel<S> model;
+  S imu_rate_hz = S(200), gyro_range = S(35), accel_range = S(157);
+  S frame_interval_s = S(0.1), segment_s = S(4);
+  int keep_segments = 8;
+  Metric metric = Metric::A;
+  Strategy strategy = Strategy::single_session;
+  S least_gain = S(5);
+  std::uint64_t seed = 0;
+};
+
+/// Data faults, counted and survived.
+struct FaultCounts {
+  std::uint32_t imu_samples = 0, imu_stamps_back = 0, imu_gaps = 0, imu_not_finite = 0, imu_saturated = 0;
+  std::uint32_t frames = 0, frames_used = 0, frame_stamps_back = 0, frames_dropped = 0, frames_few_tracks = 0;
+  std::uint32_t points_not_finite = 0;
+  std::uint32_t segments_closed = 0, segments_discarded = 0;
+};
+
+/// What became of a pushed sample or frame.
+enum class Taken : std::int32_t { ok, waiting, skipped, tracking, lost, not_finite, stamp_back };
+
+constexpr int kFewestTracks = 8;
+constexpr int kMaxFramePoints = SEGCAL_MAX_TRACKS * kMaxCameras;
+
+template <class S>
+class Device {
+ public:
+  void create(const DeviceOptions<S>& options);
+
+  Taken push_imu(std::int64_t t_ns, const InertialReading<S>& reading);
+  Taken push_tracks(std::int64_t t_ns, const TrackPoint<S>* points, int n);
+  Taken push_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n);
+  void flush();
+  void new_session();
+  int background(int slices);
+  void calibrate();
+
+  const State<S>& state() const { return state_; }
+  std::int64_t state_time() const { return state_time_; }
+  bool has_state() const { return state_time_ != kNever; }
+  const Calibration<S>& theta() const { return theta_; }
+  const DeviceOptions<S>& options() const { return options_; }
+  const Release<S>& release() const { return release_; }
+  bool has_release() const { return calibrated_; }
+  Calibrator<S>& calibrator() { return calibrator_; }
+  const Calibrator<S>& calibrator() const { return calibrator_; }
+  Database<S>& database() { return database_; }
+  const Database<S>& database() const { return database_; }
+  const FaultCounts& faults() const { return faults_; }
+  const VioStatistics& vio_statistics() const { return vio_.statistics(); }
+  const BuilderCounts& builder_counts() const { return builder_.counts(); }
+  const InformationAnalysis<S>& analysis() const { return analysis_; }
+  const Segment<S>* last_scored() const { return last_scored_ < 0 ? nullptr : &database_.slot(last_scored_); }
+  bool last_kept() const { return last_kept_; }
+  /// Directions over all kept segments after calibrate().
+  const InformationAnalysis<S>& joint_analysis() const { return joint_; }
+  static constexpr std::size_t workspace_bytes() {
+    return sizeof(SegmentEliminator<S>) + sizeof(Calibrator<S>) + 2 * sizeof(InformationAnalysis<S>);
+  }
+
+ private:
+  static constexpr std::int64_t kNever = INT64_MIN;
+  Taken process_frame();
+  void take_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n);
+  bool keyframe_due(std::int64_t t_ns) const;
+  void break_stream();
+  void end_segment(bool continues);
+  void score();
+  void restart_filter();
+  Calibration<S> working_theta() const;
+
+  DeviceOptions<S> options_;
+  Calibration<S> theta_;   ///< best known: released, else the start
+  ThetaPrior<S> prior_;
+  ImuHistory<S> imu_;
+  Vio<S> vio_;
+  Database<S> database_;
+  SegmentBuilder<S> builder_;
+  SegmentEliminator<S> eliminator_;
+  Calibrator<S> calibrator_;
+  InformationAnalysis<S> analysis_, joint_;
+  Release<S> release_;
+  FaultCounts faults_;
+  State<S> state_;
+  std::int64_t state_time_, last_imu_, last_frame_, pending_time_, next_keyframe_;
+  TrackPoint<S> pending_[kMaxFramePoints];
+  std::int32_t pending_count_, last_scored_;
+  std::uint32_t session_, serial_;
+  bool calibrated_, calibration_due_, was_full_, last_kept_, own_odometry_;
+};
+
+template <class S>
+void Device<S>::create(const DeviceOptions<S>& options) {
+  options_ = options;
+  theta_ = options.theta;
+  prior_.mean = options.theta;
+  for (int i = 0; i < kMaxTheta; ++i) prior_.sigma[i] = options.prior_sigma[i];
+  database_.reset(options.keep_segments, options.metric, options.strategy, options.least_gain, options.seed);
+  builder_.clear_counts();
+  faults_ = FaultCounts{};
+  release_ = Release<S>{};
+  joint_.n = analysis_.n = 0;
+  session_ = serial_ = 0;
+  last_scored_ = -1;
+  calibrated_ = calibration_due_ = was_full_ = last_kept_ = own_odometry_ = false;
+  restart_filter();
+}
+
+/// Everything that belongs to one unbroken stretch of data starts anew.
+template <class S>
+void Device<S>::restart_filter() {
+  imu_.clear();
+  VioOptions<S> vio;
+  vio.noise = options_.model.imu;
+  vio.g = options_.model.g;
+  vio.frame_interval_s = options_.frame_interval_s;
+  vio_.reset(theta_, vio);
+  if (calibrated_ && release_.status != Status::failed) vio_.set_calibration(theta_);
+  builder_.begin(&database_.building(), session_, serial_, false);
+  state_time_ = last_imu_ = last_frame_ = pending_time_ = next_keyframe_ = kNever;
+  pending_count_ = 0;
+}
+
+/// theta for triangulation and scoring: the extrinsics are the filter's (paper, Sec. IV-B).
+template <class S>
+Calibration<S> Device<S>::working_theta() const {
+  Calibration<S> theta = theta_;
+  if (own_odometry_ || !vio_.initialised()) return theta;
+  for (int c = 0; c < theta.n_cameras; ++c) {
+    theta.camera[c].R_CI = vio_.R_CI(c);
+    theta.camera[c].p_CI = vio_.p_CI(c);
+  }
+  return theta;
+}
+
+template <class S>
+Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading) {
+  ++faults_.imu_samples;
+  if (!is_finite(reading.gyro.sum()) || !is_finite(reading.accel.sum())) {
+    ++faults_.imu_not_finite;
+    return Taken::not_finite;
+  }
+  if (last_imu_ != kNever && t_ns <= last_imu_) {
+    ++faults_.imu_stamps_back;
+    return Taken::stamp_back;
+  }
+  for (int i = 0; i < 3; ++i) {
+    if (absolute(reading.gyro(i)) < options_.gyro_range && absolute(reading.accel(i)) < options_.accel_range) continue;
+    ++faults_.imu_saturated;
+    break;
+  }
+  if (last_imu_ != kNever && S(t_ns - last_imu_) * S(1e-9) > S(3) / options_.imu_rate_hz) {
+    ++faults_.imu_gaps;
+    break_stream();
+  }
+  last_imu_ = t_ns;
+  imu_.push(t_ns, reading);
+  return pending_count_ > 0 && imu_.newest() >= pending_time_ ? process_frame() : Taken::ok;
+}
+
+/// A gap: the open segment ends with what it has, the filter starts again.
+template <class S>
+void Device<S>::break_stream() {
+  const std::int64_t last_frame = last_frame_;
+  end_segment(false);
+  restart_filter();
+  last_frame_ = last_frame;
+}
+
+template <class S>
+Taken Device<S>::push_tracks(std::int64_t t_ns, const TrackPoint<S>* points, int n) {
+  ++faults_.frames;
+  if (last_frame_ != kNever && t_ns <= last_frame_) {
+    ++faults_.frame_stamps_back;
+    return Taken::stamp_back;
+  }
+  if (pending_count_ > 0) ++faults_.frames_dropped;  // its IMU samples never came
+  last_frame_ = t_ns;
+  pending_time_ = t_ns;
+  pending_count_ = 0;
+  for (int i = 0; i < n && pending_count_ < kMaxFramePoints; ++i) {
+    if (is_finite(points[i].uv.x()) && is_finite(points[i].uv.y())) {
+      pending_[pending_count_++] = points[i];
+    } else {
+      ++faults_.points_not_finite;
+    }
+  }
+  if (pending_count_ < kFewestTracks) ++faults_.frames_few_tracks;
+  if (imu_.size() < 2 || imu_.newest() < t_ns) return Taken::waiting;
+  return process_frame();
+}
+
+template <class S>
+Taken Device<S>::process_frame() {
+  const int n = pending_count_;
+  pending_count_ = 0;
+  if (imu_.oldest() > pending_time_) return Taken::waiting;
+  own_odometry_ = false;
+  switch (vio_.push_frame(pending_time_, pending_, n, imu_)) {
+    case VioStatus::skipped: return Taken::skipped;
+    case VioStatus::lost:
+      end_segment(false);
+      state_time_ = kNever;
+      return Taken::lost;
+    case VioStatus::tracking: break;
+    default: return Taken::waiting;
+  }
+  ++faults_.frames_used;
+  state_ = vio_.state();
+  state_time_ = vio_.time();
+  if (keyframe_due(state_time_)) take_keyframe(state_time_, state_, pending_, n);
+  return Taken::tracking;
+}
+
+template <class S>
+Taken Device<S>::push_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n) {
+  ++faults_.frames;
+  if (last_frame_ != kNever && t_ns <= last_frame_) {
+    ++faults_.frame_stamps_back;
+    return Taken::stamp_back;
+  }
+  if (!imu_.covers(t_ns, t_ns)) return Taken::waiting;
+  last_frame_ = t_ns;
+  own_odometry_ = true;
+  ++faults_.frames_used;
+  state_ = state;
+  state_time_ = t_ns;
+  take_keyframe(t_ns, state, points, n);
+  return Taken::tracking;
+}
+
+/// Keyframes stand on a grid of segment_s / keyframes, so that their mean spacing is that whatever the frame rate.
+template <class S>
+bool Device<S>::keyframe_due(std::int64_t t_ns) const {
+  const std::int64_t half_frame = static_cast<std::int64_t>(options_.frame_interval_s * S(0.5e9));
+  return next_keyframe_ == kNever || t_ns + half_frame >= next_keyframe_;
+}
+
+template <class S>
+void Device<S>::take_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n) {
+  const std::int64_t spacing = static_cast<std::int64_t>(options_.segment_s * S(1e9)) / kMaxKeyframes;
+  const bool late = next_keyframe_ != kNever && t_ns > next_keyframe_ + 4 * spacing;
+  if (late) end_segment(false);
+  next_keyframe_ = (next_keyframe_ == kNever || late ? t_ns : next_keyframe_) + spacing;
+  const bool complete = !builder_.empty() && t_ns - builder_.start_ns() + spacing / 2 >= std::int64_t(options_.segment_s * S(1e9));
+  if (complete) end_segment(true);
+  if (builder_.add_keyframe(t_ns, state, points, n, imu_)) return;
+  end_segment(true);
+  builder_.add_keyframe(t_ns, state, points, n, imu_);
+}
+
+/// Closes, scores and offers the open segment, then opens the next one.
+template <class S>
+void Device<S>::end_segment(bool continues) {
+  if (!builder_.empty()) {
+    ++faults_.segments_closed;
+    if (builder_.close(working_theta(), options_.model)) {
+      score();
+    } else {
+      ++faults_.segments_discarded;
+    }
+  }
+  ++serial_;
+  builder_.begin(&database_.building(), session_, serial_, continues);
+}
+
+template <class S>
+void Device<S>::score() {
+  Segment<S>& segment = database_.building();
+  GuestLink<S> alone;
+  eliminator_.eliminate(segment, alone, working_theta(), options_.model, S(0));
+  eliminator_.extract(&segment.information);
+  analyse(segment.information, prior_.sigma, &analysis_);
+  segment.metrics = metrics_of(&analysis_, prior_.sigma, options_.sigma_ref);
+  last_scored_ = static_cast<std::int32_t>(&segment - &database_.slot(0));
+  last_kept_ = database_.offer();
+  if (last_kept_ && database_.full() && !was_full_) {
+    was_full_ = true;
+    calibration_due_ = true;  // paper, Alg. 1: enough segments
+  }
+}
+
+template <class S>
+void Device<S>::flush() {
+  if (pending_count_ > 0 && imu_.covers(pending_time_, pending_time_)) process_frame();
+  end_segment(false);
+  next_keyframe_ = kNever;
+}
+
+template <class S>
+void Device<S>::new_session() {
+  flush();
+  ++session_;
+  was_full_ = false;
+  database_.begin_session();
+  restart_filter();
+}
+
+template <class S>
+int Device<S>::background(int slices) {
+  if (slices > 0 && calibration_due_) calibrate();
+  return calibration_due_ ? 1 : 0;
+}
+
+template <class S>
+void Device<S>::calibrate() {
+  calibration_due_ = false;
+  Segment<S>* segments[kMaxSegments];
+  const int count = database_.in_order(segments);
+  calibrator_.begin(segments, count, prior_, working_theta(), options_.model);
+  calibrator_.run(CalibratorOptions{}, &eliminator_);
+  // Corners that are still far off once the model fits are no noise: they are left out, and the rest fits again.
+  MeasurementModel<S> trimmed = options_.model;
+  const S ratio = calibrator_.fit().chi2 / calibrator_.fit().dof;
+  trimmed.reject = S(5) * square_root(ratio > S(1) ? ratio : S(1));
+  calibrator_.set_model(trimmed);
+  calibrator_.run(CalibratorOptions{}, &eliminator_);
+  analyse_with_prior(calibrator_.theta_triangle(), prior_.sigma, &joint_);
+  judge(&calibrator_, prior_, ReleaseRules<S>{}, &release_);
+  calibrated_ = true;
+  if (release_.status == Status::failed) return;
+  theta_ = release_.theta;
+  if (vio_.initialised()) vio_.set_calibration(theta_);
+}
+
+}  // namespace SEGCAL_NS

@@ -1,0 +1,102 @@
+// What of a calibration is released: a verdict per parameter, and the values that go with it (DESIGN, section 4).
+//
+// A parameter whose sigma did not fall clearly below the prior's is not guessed: it goes back to where it was, and the
+// others move to their best values given that.
+#pragma once
+
+#include "calibration/calibrator.h"
+#include "information/metrics.h"
+
+namespace SEGCAL_NS {
+
+enum class Verdict : std::int32_t { fixed = 0, weak = 1, observed = 2 };
+enum class Status : std::int32_t { insufficient = 0, calibrated = 1, failed = 2 };
+
+/// Thresholds on sigma / prior sigma, and on chi2/dof.
+template <class S>
+struct ReleaseRules {
+  S observed = S(0.3), weak = S(0.8);
+  S least_chi2_per_dof = S(0.2), most_chi2_per_dof = S(6);
+};
+
+template <class S>
+struct Release {
+  Status status = Status::insufficient;
+  Calibration<S> theta;
+  S sigma[kMaxTheta];
+  Verdict verdict[kMaxTheta];
+  S noise_scale = S(1);
+  SegmentInformation<S> information;  ///< of all kept segments together, prior not included
+};
+
+/// Sigma of entry i of theta from the triangle R: the length of R^-T e_i.
+template <class S>
+S marginal_sigma(const PackedTriangle<S>& R, int n, int i, S* work) {
+  S sum2 = S(0);
+  for (int r = i; r < n; ++r) {
+    S sum = r == i ? S(1) : S(0);
+    for (int c = i; c < r; ++c) sum -= R(c, r) * work[c];
+    work[r] = R(r, r) == S(0) ? S(0) : sum / R(r, r);
+    sum2 += work[r] * work[r];
+  }
+  return square_root(sum2);
+}
+
+/// Moves theta so that the fixed entries stand at the prior's mean and the rest is optimal given that.
+/// `R`: triangle over [theta | rhs] at `theta`, rhs near zero at the optimum; it is changed.
+template <class S>
+void hold_fixed(const ThetaPrior<S>& prior, const Verdict* verdict, PackedTriangle<S>* R, Calibration<S>* theta, S* work) {
+  const int n = theta->columns();
+  S offset[kMaxTheta], row[kMaxTheta + 1];
+  difference(prior.mean, *theta, offset);
+  for (int i = 0; i < n; ++i) {
+    if (verdict[i] != Verdict::fixed) continue;
+    const S weight = S(1e4) / prior.sigma[i];  // far above what the data say, well inside float
+    for (int c = 0; c <= n; ++c) row[c] = S(0);
+    row[i] = weight;
+    row[n] = -weight * offset[i];
+    fold_rows(*R, row, 1, n + 1, i, n + 1, work);
+  }
+  S step[kMaxTheta];
+  for (int i = 0; i < n; ++i) step[i] = (*R)(i, n);
+  back_substitute(*R, n, step);
+  for (int i = 0; i < n; ++i) {
+    if (verdict[i] == Verdict::fixed) step[i] = -offset[i];
+  }
+  add_step(theta, step);
+}
+
+/// Verdicts, sigmas and status from the finished fit.
+template <class S>
+void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseRules<S>& rules, Release<S>* out) {
+  PackedTriangle<S> R = calibrator->theta_triangle();
+  const CalibrationFit<S>& fit = calibrator->fit();
+  const int n = calibrator->theta().columns();
+  S work[kMaxTheta + 1];
+  const S ratio = fit.dof > S(0) ? fit.chi2 / fit.dof : S(0);
+  out->noise_scale = ratio > S(1) ? square_root(ratio) : S(1);
+  int observed = 0;
+  for (int i = 0; i < n; ++i) {
+    const S sigma = marginal_sigma(R, n, i, work) * out->noise_scale;
+    out->sigma[i] = sigma < prior.sigma[i] ? sigma : prior.sigma[i];
+    const S relative = out->sigma[i] / prior.sigma[i];
+    out->verdict[i] = relative < rules.observed ? Verdict::observed : relative < rules.weak ? Verdict::weak : Verdict::fixed;
+    observed += out->verdict[i] == Verdict::observed ? 1 : 0;
+  }
+  const bool plausible = ratio > rules.least_chi2_per_dof && ratio < rules.most_chi2_per_dof;
+  const bool fell = fit.cost <= fit.start_cost && is_finite(fit.cost);
+  out->theta = calibrator->theta();
+  if (!plausible || !fell || !fit.converged) {
+    out->status = Status::failed;
+  } else {
+    out->status = 2 * observed >= n ? Status::calibrated : Status::insufficient;
+  }
+  if (out->status == Status::failed) {
+    out->theta = prior.mean;
+    for (int i = 0; i < n; ++i) out->verdict[i] = Verdict::fixed;
+  } else {
+    hold_fixed(prior, out->verdict, &R, &out->theta, work);
+  }
+}
+
+}  // namespace SEGCAL_NS

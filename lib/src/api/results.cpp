@@ -1,0 +1,247 @@
+// The C API's answers: state, calibration, verdicts, segments, residuals, counters.
+#include "api/handle.h"
+
+namespace SEGCAL_NS {
+namespace {
+
+const Segment<Real>* find_slot(const CDevice& d, std::int32_t index) {
+  if (index == -1) return d.device.last_scored();
+  if (index < 0 || index > SEGCAL_MAX_SEGMENTS || !d.device.database().kept(index)) return nullptr;
+  return &d.device.database().slot(index);
+}
+
+std::int64_t keyframe_time(const Segment<Real>& s, int k) { return s.t0_ns + std::int64_t(s.t_us[k]) * 1000; }
+
+/// Direction i of an analysis, scaled so that its largest weight is 1.
+void direction_to_c(const InformationAnalysis<Real>& a, int i, segcal_direction_t* out) {
+  Real largest = Real(0);
+  for (int j = 0; j < a.n; ++j) {
+    const Real v = a.V[j * a.n + i];
+    if (absolute(v) > absolute(largest)) largest = v;
+  }
+  for (int j = 0; j < SEGCAL_MAX_PARAMETERS; ++j) {
+    out->weight[j] = j < a.n && largest != Real(0) ? static_cast<double>(a.V[j * a.n + i] / largest) : 0;
+  }
+  out->relative_sigma = static_cast<double>(a.relative_sigma(i));
+}
+
+/// Index of the nth direction that is not excited, blindest first; -1 if there are fewer.
+int unexcited(const InformationAnalysis<Real>& a, int nth) {
+  const int i = a.n - 1 - nth;
+  return nth >= 0 && i >= 0 && a.relative_sigma(i) >= kExcited<Real> ? i : -1;
+}
+
+int count_unexcited(const InformationAnalysis<Real>& a) {
+  int n = 0;
+  while (unexcited(a, n) >= 0) ++n;
+  return n;
+}
+
+/// Root mean square and median of the image residuals' lengths over all kept segments, px.
+void reprojection_statistics(const CDevice& d, segcal_result_t* out) {
+  constexpr int kBins = 400;  // 0.01 px each; what is beyond counts in the last
+  std::int32_t bin[kBins] = {};
+  double sum = 0;
+  std::int32_t n = 0;
+  for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
+    const Segment<Real>* s = find_slot(d, slot);
+    for (int o = 0; s && o < s->n_observations; ++o) {
+      const Observation& z = s->observation[o];
+      const State<Real>& x = s->states.x[z.keyframe];
+      Vec2<Real> r;
+      if (!reprojection_residual(d.device.theta().camera[z.camera], x.R_GI, x.p_GI, s->states.landmark[z.landmark],
+                                 Vec2<Real>(Real(z.u), Real(z.v)), &r)) {
+        continue;
+      }
+      const Real length = square_root(r.squaredNorm());
+      const MeasurementModel<Real>& model = d.device.calibrator().model();
+      const int i = length < Real(0.01 * kBins) ? static_cast<int>(length * Real(100)) : kBins - 1;
+      ++bin[i];
+      ++n;
+      if (model.reject > Real(0) && length > model.reject * model.pixel_sigma) continue;
+      sum += static_cast<double>(length * length);
+    }
+  }
+  std::int32_t below = 0;
+  int median = 0;
+  while (median < kBins - 1 && 2 * (below += bin[median]) < n) ++median;
+  out->reprojection_rms_px = n > 0 ? static_cast<double>(square_root(sum / n)) : 0;
+  out->reprojection_median_px = n > 0 ? 0.01 * (median + 0.5) : 0;
+}
+
+}  // namespace
+}  // namespace SEGCAL_NS
+
+using namespace SEGCAL_NS;
+
+extern "C" {
+
+int segcal_get_state(const segcal_t* device, segcal_state_t* state) {
+  if (!state) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  if (!d || !d->device.has_state()) return SEGCAL_ERROR_STATE;
+  state_to_c(d->device.state(), d->device.state_time(), state);
+  return SEGCAL_OK;
+}
+
+int segcal_get_camera(const segcal_t* device, int32_t camera, segcal_camera_t* out) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  if (camera < 0 || camera >= d->device.theta().n_cameras) return SEGCAL_ERROR_CAMERA;
+  camera_to_c(d->device.theta().camera[camera], out);
+  return SEGCAL_OK;
+}
+
+int segcal_get_imu_calibration(const segcal_t* device, segcal_imu_calibration_t* out) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  imu_to_c(d->device.theta().imu, out);
+  return SEGCAL_OK;
+}
+
+int segcal_get_result(const segcal_t* device, segcal_result_t* result) {
+  if (!result) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  if (!d || !d->device.has_release()) return SEGCAL_ERROR_STATE;
+  const Release<Real>& release = d->device.release();
+  const CalibrationFit<Real>& fit = d->device.calibrator().fit();
+  *result = segcal_result_t{};
+  result->status = static_cast<int32_t>(release.status);
+  result->n_parameters = release.theta.columns();
+  double value[SEGCAL_MAX_PARAMETERS], initial[SEGCAL_MAX_PARAMETERS];
+  parameter_names(release.theta, result->parameter);
+  parameter_values(release.theta, value);
+  parameter_values(d->device.options().theta, initial);
+  for (int i = 0; i < result->n_parameters; ++i) {
+    segcal_parameter_t& p = result->parameter[i];
+    p.value = value[i];
+    p.initial = initial[i];
+    p.sigma = static_cast<double>(release.sigma[i]);
+    p.prior_sigma = static_cast<double>(d->device.options().prior_sigma[i]);
+    p.verdict = static_cast<int32_t>(release.verdict[i]);
+  }
+  result->n_directions = count_unexcited(d->device.joint_analysis());
+  result->iterations = fit.iterations;
+  result->converged = fit.converged ? 1 : 0;
+  result->segments = d->device.database().size();
+  result->partitions = d->device.calibrator().partitions();
+  result->image_points = fit.image_points;
+  result->chi2 = static_cast<double>(fit.chi2);
+  result->dof = static_cast<double>(fit.dof);
+  result->noise_scale = static_cast<double>(release.noise_scale);
+  reprojection_statistics(*d, result);
+  return SEGCAL_OK;
+}
+
+int segcal_get_direction(const segcal_t* device, int32_t index, segcal_direction_t* direction) {
+  if (!direction) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  if (!d || !d->device.has_release()) return SEGCAL_ERROR_STATE;
+  const int i = unexcited(d->device.joint_analysis(), index);
+  if (i < 0) return SEGCAL_ERROR_SIZE;
+  direction_to_c(d->device.joint_analysis(), i, direction);
+  return SEGCAL_OK;
+}
+
+int segcal_get_segment(const segcal_t* device, int32_t index, segcal_segment_t* out) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  const Segment<Real>* s = d ? find_slot(*d, index) : nullptr;
+  if (!s) return SEGCAL_ERROR_STATE;
+  out->start_ns = s->t0_ns;
+  out->end_ns = keyframe_time(*s, s->n_keyframes - 1);
+  out->session = s->session;
+  out->serial = s->serial;
+  out->keyframes = s->n_keyframes;
+  out->landmarks = s->n_landmarks;
+  out->points = s->n_observations;
+  out->rank = s->metrics.rank;
+  out->A = static_cast<double>(s->metrics.A);
+  out->D = static_cast<double>(s->metrics.D);
+  out->E = static_cast<double>(s->metrics.E);
+  out->gain_nats = static_cast<double>(s->metrics.gain);
+  out->kept = index >= 0 || d->device.last_kept() ? 1 : 0;
+  return SEGCAL_OK;
+}
+
+int segcal_get_segment_directions(const segcal_t* device, segcal_direction_t* out, int32_t capacity) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  if (!d || !d->device.last_scored()) return SEGCAL_ERROR_STATE;
+  int n = 0;
+  for (int i; n < capacity && (i = unexcited(d->device.analysis(), n)) >= 0; ++n) {
+    direction_to_c(d->device.analysis(), i, &out[n]);
+  }
+  return n;
+}
+
+int segcal_get_counters(const segcal_t* device, segcal_counters_t* out) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  const FaultCounts& f = d->device.faults();
+  const VioStatistics& v = d->device.vio_statistics();
+  const BuilderCounts& b = d->device.builder_counts();
+  *out = {f.imu_samples, f.imu_stamps_back, f.imu_gaps, f.imu_not_finite, f.imu_saturated, f.frames, f.frames_used,
+          f.frame_stamps_back, f.frames_dropped, f.frames_few_tracks, f.points_not_finite, std::uint32_t(v.restarts),
+          std::uint32_t(v.standstill_frames), std::uint32_t(v.updates), std::uint32_t(v.gated), f.segments_closed,
+          f.segments_discarded, b.ended_early, b.landmarks_left_out, b.points_left_out};
+  return SEGCAL_OK;
+}
+
+int segcal_get_point_residuals(const segcal_t* device, int32_t index, segcal_point_residual_t* out, int32_t capacity) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  const Segment<Real>* s = d ? find_slot(*d, index) : nullptr;
+  if (!s) return SEGCAL_ERROR_STATE;
+  int n = 0;
+  const Real sigma = d->device.options().model.pixel_sigma;
+  for (int o = 0; o < s->n_observations && n < capacity; ++o) {
+    const Observation& z = s->observation[o];
+    const State<Real>& x = s->states.x[z.keyframe];
+    Vec2<Real> r;
+    if (!reprojection_residual(d->device.theta().camera[z.camera], x.R_GI, x.p_GI, s->states.landmark[z.landmark],
+                               Vec2<Real>(Real(z.u), Real(z.v)), &r)) {
+      continue;
+    }
+    out[n++] = {keyframe_time(*s, z.keyframe), z.camera, static_cast<float>(r.x() / sigma), static_cast<float>(r.y() / sigma)};
+  }
+  return n;
+}
+
+int segcal_get_imu_residuals(const segcal_t* device, int32_t index, segcal_imu_residual_t* out, int32_t capacity) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  const Segment<Real>* s = d ? find_slot(*d, index) : nullptr;
+  if (!s) return SEGCAL_ERROR_STATE;
+  const MeasurementModel<Real>& model = d->device.options().model;
+  int n = 0;
+  for (int k = 1; k < s->n_keyframes && n < capacity; ++k) {
+    const State<Real>* x = s->states.x;
+    const ImuIntegral<Real> I = s->integrate(k, d->device.theta().imu, x[k - 1].b_a, x[k - 1].b_g, model.imu);
+    Vec<Real, 15> w;
+    if (!whiten_residual(I, model.imu, link_residual(I, x[k - 1], x[k], model.g), &w)) continue;
+    out[n].t_ns = keyframe_time(*s, k);
+    for (int i = 0; i < 3; ++i) {
+      out[n].rotation[i] = static_cast<float>(w(i));
+      out[n].velocity[i] = static_cast<float>(w(3 + i));
+      out[n].position[i] = static_cast<float>(w(6 + i));
+    }
+    ++n;
+  }
+  return n;
+}
+
+int segcal_get_keyframes(const segcal_t* device, int32_t index, segcal_state_t* out, int32_t capacity) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  const Segment<Real>* s = d ? find_slot(*d, index) : nullptr;
+  if (!s) return SEGCAL_ERROR_STATE;
+  const int n = s->n_keyframes < capacity ? s->n_keyframes : capacity;
+  for (int k = 0; k < n; ++k) state_to_c(s->states.x[k], keyframe_time(*s, k), &out[k]);
+  return n;
+}
+
+}  // extern "C"

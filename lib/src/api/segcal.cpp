@@ -1,0 +1,141 @@
+// The C API: checks arguments, converts, and calls the device. Feeding and working; results are in results.cpp.
+#include "segcal/segcal.h"
+
+#include <cstring>
+#include <new>
+
+#include "api/convert.h"
+#include "api/handle.h"
+
+namespace SEGCAL_NS {
+
+static_assert(sizeof(CDevice) <= SEGCAL_STORAGE_BYTES, "SEGCAL_STORAGE_BYTES is too small for the device");
+static_assert(alignof(CDevice) <= SEGCAL_STORAGE_ALIGNMENT, "SEGCAL_STORAGE_ALIGNMENT is too small for the device");
+
+namespace {
+
+int code(Taken taken) {
+  switch (taken) {
+    case Taken::ok: return SEGCAL_OK;
+    case Taken::waiting: return SEGCAL_WAITING;
+    case Taken::skipped: return SEGCAL_SKIPPED;
+    case Taken::tracking: return SEGCAL_TRACKING;
+    case Taken::lost: return SEGCAL_LOST;
+    case Taken::not_finite: return SEGCAL_ERROR_NOT_FINITE;
+    default: return SEGCAL_ERROR_STAMP;
+  }
+}
+
+int check_points(const CDevice& d, const segcal_point_t* points, std::int32_t n) {
+  if (!points && n > 0) return SEGCAL_ERROR_NULL;
+  if (n < 0 || n > kMaxFramePoints) return SEGCAL_ERROR_SIZE;
+  for (std::int32_t i = 0; i < n; ++i) {
+    if (points[i].camera < 0 || points[i].camera >= d.device.theta().n_cameras) return SEGCAL_ERROR_CAMERA;
+  }
+  return SEGCAL_OK;
+}
+
+void convert_points(const segcal_point_t* points, std::int32_t n, TrackPoint<Real>* out) {
+  for (std::int32_t i = 0; i < n; ++i) {
+    out[i] = {points[i].track_id, points[i].camera, Vec2<Real>(Real(points[i].u), Real(points[i].v))};
+  }
+}
+
+}  // namespace
+}  // namespace SEGCAL_NS
+
+using namespace SEGCAL_NS;
+
+extern "C" {
+
+uint32_t segcal_version(void) { return SEGCAL_VERSION; }
+
+size_t segcal_storage_bytes(void) { return sizeof(CDevice); }
+
+void segcal_memory(size_t* state_bytes, size_t* segment_bytes, size_t* workspace_bytes) {
+  if (state_bytes) *state_bytes = sizeof(CDevice);
+  if (segment_bytes) *segment_bytes = sizeof(Segment<Real>);
+  if (workspace_bytes) *workspace_bytes = Device<Real>::workspace_bytes();
+}
+
+int segcal_create(segcal_t** device, const segcal_config_t* config, void* storage, size_t storage_bytes) {
+  if (!device || !config || !storage) return SEGCAL_ERROR_NULL;
+  *device = nullptr;
+  if (storage_bytes < sizeof(CDevice)) return SEGCAL_ERROR_SIZE;
+  if (reinterpret_cast<std::uintptr_t>(storage) % SEGCAL_STORAGE_ALIGNMENT != 0) return SEGCAL_ERROR_ALIGNMENT;
+  DeviceOptions<Real> options;
+  if (!options_from_config(*config, &options)) return SEGCAL_ERROR_CONFIG;
+  std::memset(storage, 0, sizeof(CDevice));
+  CDevice* d = new (storage) CDevice;
+  d->device.create(options);
+  d->magic = CDevice::kMagic;
+  *device = reinterpret_cast<segcal_t*>(d);
+  return SEGCAL_OK;
+}
+
+int segcal_push_imu(segcal_t* device, const segcal_imu_t* sample) {
+  if (!sample) return SEGCAL_ERROR_NULL;
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  InertialReading<Real> reading;
+  for (int i = 0; i < 3; ++i) {
+    reading.gyro(i) = Real(sample->gyro[i]);
+    reading.accel(i) = Real(sample->accel[i]);
+  }
+  return code(d->device.push_imu(sample->t_ns, reading));
+}
+
+int segcal_push_tracks(segcal_t* device, int64_t t_ns, const segcal_point_t* points, int32_t n) {
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  const int error = check_points(*d, points, n);
+  if (error != SEGCAL_OK) return error;
+  convert_points(points, n, d->points);
+  return code(d->device.push_tracks(t_ns, d->points, n));
+}
+
+int segcal_push_keyframe(segcal_t* device, const segcal_state_t* state, const segcal_point_t* points, int32_t n) {
+  if (!state) return SEGCAL_ERROR_NULL;
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  const int error = check_points(*d, points, n);
+  if (error != SEGCAL_OK) return error;
+  State<Real> x;
+  if (!state_from_c(*state, &x)) return SEGCAL_ERROR_NOT_FINITE;
+  convert_points(points, n, d->points);
+  for (int32_t i = 0; i < n; ++i) {
+    if (!is_finite(d->points[i].uv.x()) || !is_finite(d->points[i].uv.y())) return SEGCAL_ERROR_NOT_FINITE;
+  }
+  return code(d->device.push_keyframe(state->t_ns, x, d->points, n));
+}
+
+int segcal_background(segcal_t* device, int32_t slices) {
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  if (slices < 0) return SEGCAL_ERROR_SIZE;
+  return d->device.background(slices);
+}
+
+int segcal_flush(segcal_t* device) {
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  d->device.flush();
+  return SEGCAL_OK;
+}
+
+int segcal_new_session(segcal_t* device) {
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  d->device.new_session();
+  return SEGCAL_OK;
+}
+
+int segcal_calibrate(segcal_t* device) {
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  if (d->device.database().size() == 0) return SEGCAL_ERROR_STATE;
+  d->device.calibrate();
+  return d->device.release().status == Status::calibrated ? SEGCAL_OK : SEGCAL_NO_RESULT;
+}
+
+}  // extern "C"

@@ -1,0 +1,219 @@
+// Cuts segments from the stream: collects keyframes, image points and raw IMU samples in fixed arrays, then sorts and
+// triangulates. More tracks than places: those seen most often stay. Everything left out is counted.
+#pragma once
+
+#include "segments/triangulation.h"
+#include "sensors/imu_history.h"
+#include "sensors/track_point.h"
+
+namespace SEGCAL_NS {
+
+/// What did not fit, since the start.
+struct BuilderCounts {
+  std::uint32_t landmarks_left_out = 0, points_left_out = 0, ended_early = 0, not_triangulated = 0;
+};
+
+template <class S>
+class SegmentBuilder {
+ public:
+  /// Starts an empty segment in `slot`. `continues`: its first keyframe follows the last one of the segment before
+  /// without a break, and the samples in between are kept.
+  void begin(Segment<S>* slot, std::uint32_t session, std::uint32_t serial, bool continues) {
+    segment_ = slot;
+    segment_->session = session;
+    segment_->serial = serial;
+    segment_->n_keyframes = segment_->n_landmarks = segment_->n_observations = 0;
+    segment_->lead_us = 0;
+    segment_->imu.clear();
+    if (!continues) last_keyframe_ns_ = kNever;
+  }
+  bool empty() const { return segment_->n_keyframes == 0; }
+  int keyframes() const { return segment_->n_keyframes; }
+  std::int64_t start_ns() const { return segment_->t0_ns; }
+  std::int64_t last_keyframe_ns() const { return last_keyframe_ns_; }
+  const BuilderCounts& counts() const { return counts_; }
+  void clear_counts() { counts_ = BuilderCounts{}; }
+
+  /// Adds a keyframe. False if it does not fit any more (keyframes or IMU samples): close the segment, begin the next.
+  bool add_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
+
+  /// Ends the segment: sorts, triangulates at theta, drops what cannot be used. False if nothing useful is left.
+  bool close(const Calibration<S>& theta, const MeasurementModel<S>& model);
+
+ private:
+  static constexpr std::int64_t kNever = INT64_MIN;
+  static constexpr int kDropped = 0xFFFF, kFewestKeyframes = 4, kFewestLandmarks = 5;
+  bool copy_imu(std::int64_t from_ns, std::int64_t to_ns, const ImuHistory<S>& imu);
+  int landmark_of(std::uint32_t track_id);
+  int free_landmark();
+  void remove_landmark(int j);
+  void sort_observations();
+  void index_observations(int fewest);
+
+  Segment<S>* segment_;
+  std::int64_t last_keyframe_ns_ = kNever;
+  std::uint8_t last_seen_[kMaxLandmarks];   // keyframe
+  std::uint16_t seen_[kMaxLandmarks];       // image points
+  BuilderCounts counts_;
+};
+
+template <class S>
+bool SegmentBuilder<S>::copy_imu(std::int64_t from_ns, std::int64_t to_ns, const ImuHistory<S>& imu) {
+  Segment<S>& s = *segment_;
+  for (int i = imu.at_or_before(from_ns); i < imu.size(); ++i) {
+    const std::int64_t offset_ns = imu.time(i) - s.t0_ns;
+    const std::int32_t t_us = static_cast<std::int32_t>((offset_ns + (offset_ns < 0 ? -500 : 500)) / 1000);
+    if (s.imu.size() > 0 && t_us <= s.imu.time(s.imu.size() - 1)) continue;
+    if (s.imu.full()) return false;
+    s.imu.push(t_us, imu.reading(i));
+    if (imu.time(i) >= to_ns) break;
+  }
+  return true;
+}
+
+template <class S>
+bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n,
+                                     const ImuHistory<S>& imu) {
+  Segment<S>& s = *segment_;
+  if (s.n_keyframes == kMaxKeyframes) return false;
+  if (empty()) {
+    s.t0_ns = t_ns;
+    const bool leads = last_keyframe_ns_ != kNever && imu.covers(last_keyframe_ns_, t_ns);
+    s.lead_us = leads ? static_cast<std::int32_t>((t_ns - last_keyframe_ns_ + 500) / 1000) : 0;
+    last_keyframe_ns_ = leads ? last_keyframe_ns_ : t_ns;
+  }
+  if (!copy_imu(last_keyframe_ns_, t_ns, imu)) {
+    ++counts_.ended_early;
+    return false;
+  }
+  const int k = s.n_keyframes++;
+  s.t_us[k] = static_cast<std::int32_t>((t_ns - s.t0_ns + 500) / 1000);
+  s.states.x[k] = state;
+  last_keyframe_ns_ = t_ns;
+  for (int i = 0; i < n; ++i) {
+    const int j = landmark_of(points[i].id);
+    if (j < 0) {
+      ++counts_.landmarks_left_out;
+    } else if (s.n_observations == kMaxObservations) {
+      ++counts_.points_left_out;
+    } else {
+      s.observation[s.n_observations++] = {static_cast<float>(points[i].uv.x()), static_cast<float>(points[i].uv.y()),
+                                           static_cast<std::uint16_t>(j), static_cast<std::uint8_t>(k),
+                                           static_cast<std::uint8_t>(points[i].camera)};
+      last_seen_[j] = static_cast<std::uint8_t>(k);
+      ++seen_[j];
+    }
+  }
+  return true;
+}
+
+/// The track's place; a new one for a new track; -1 if there is none.
+template <class S>
+int SegmentBuilder<S>::landmark_of(std::uint32_t track_id) {
+  for (int j = 0; j < segment_->n_landmarks; ++j) {
+    if (segment_->track_id[j] == track_id) return j;
+  }
+  const int j = free_landmark();
+  if (j < 0) return -1;
+  segment_->track_id[j] = track_id;
+  seen_[j] = 0;
+  last_seen_[j] = static_cast<std::uint8_t>(segment_->n_keyframes - 1);
+  return j;
+}
+
+/// A place for a new track: an unused one, or that of the ended track with the fewest points, if they are fewer than
+/// the new one can still collect.
+template <class S>
+int SegmentBuilder<S>::free_landmark() {
+  if (segment_->n_landmarks < kMaxLandmarks) return segment_->n_landmarks++;
+  const int now = segment_->n_keyframes - 1, remaining = kMaxKeyframes - now;
+  int worst = -1;
+  for (int j = 0; j < kMaxLandmarks; ++j) {
+    if (last_seen_[j] + 1 >= now || seen_[j] * 2 > remaining) continue;
+    if (worst < 0 || seen_[j] < seen_[worst]) worst = j;
+  }
+  if (worst >= 0) {
+    remove_landmark(worst);
+    ++counts_.landmarks_left_out;
+  }
+  return worst;
+}
+
+template <class S>
+void SegmentBuilder<S>::remove_landmark(int j) {
+  int kept = 0;
+  for (int o = 0; o < segment_->n_observations; ++o) {
+    if (segment_->observation[o].landmark != j) segment_->observation[kept++] = segment_->observation[o];
+  }
+  segment_->n_observations = kept;
+}
+
+/// Heap sort by landmark, then keyframe, then camera: in place, no recursion, the same order everywhere.
+template <class S>
+void SegmentBuilder<S>::sort_observations() {
+  Observation* o = segment_->observation;
+  const auto key = [](const Observation& z) { return (std::uint32_t(z.landmark) << 16) | (std::uint32_t(z.keyframe) << 8) | z.camera; };
+  const auto sift = [&](int root, int end) {
+    for (int child = 2 * root + 1; child < end; child = 2 * root + 1) {
+      if (child + 1 < end && key(o[child]) < key(o[child + 1])) ++child;
+      if (key(o[root]) >= key(o[child])) return;
+      const Observation swap = o[root];
+      o[root] = o[child];
+      o[child] = swap;
+      root = child;
+    }
+  };
+  const int n = segment_->n_observations;
+  for (int i = n / 2 - 1; i >= 0; --i) sift(i, n);
+  for (int end = n - 1; end > 0; --end) {
+    const Observation swap = o[0];
+    o[0] = o[end];
+    o[end] = swap;
+    sift(0, end);
+  }
+}
+
+/// first_observation from the sorted list; landmarks with fewer than `fewest` points vanish, the others move up.
+template <class S>
+void SegmentBuilder<S>::index_observations(int fewest) {
+  Segment<S>& s = *segment_;
+  int landmarks = 0, kept = 0;
+  for (int o = 0; o < s.n_observations;) {
+    const int j = s.observation[o].landmark;
+    int end = o;
+    while (end < s.n_observations && s.observation[end].landmark == j) ++end;
+    if (end - o >= fewest && j != kDropped) {
+      s.track_id[landmarks] = s.track_id[j];
+      s.states.landmark[landmarks] = s.states.landmark[j];
+      s.first_observation[landmarks] = static_cast<std::uint16_t>(kept);
+      for (int i = o; i < end; ++i) {
+        s.observation[kept] = s.observation[i];
+        s.observation[kept++].landmark = static_cast<std::uint16_t>(landmarks);
+      }
+      ++landmarks;
+    }
+    o = end;
+  }
+  s.n_landmarks = landmarks;
+  s.n_observations = kept;
+  s.first_observation[landmarks] = static_cast<std::uint16_t>(kept);
+}
+
+template <class S>
+bool SegmentBuilder<S>::close(const Calibration<S>& theta, const MeasurementModel<S>& model) {
+  Segment<S>& s = *segment_;
+  if (s.n_keyframes < kFewestKeyframes) return false;
+  sort_observations();
+  index_observations(3);
+  // Mean squared whitened residual under a robust cost: the intrinsics may still be off by several pixels.
+  const S limit = S(60);
+  for (int j = 0; j < s.n_landmarks; ++j) {
+    if (triangulate(&s, j, theta, model, limit)) continue;
+    ++counts_.not_triangulated;
+    for (int o = s.first_observation[j]; o < s.first_observation[j + 1]; ++o) s.observation[o].landmark = kDropped;
+  }
+  index_observations(1);
+  return s.n_landmarks >= kFewestLandmarks;
+}
+
+}  // namespace SEGCAL_NS

@@ -1,0 +1,116 @@
+// The start, part 1: inertial integrals from the first frame of the window to each other one.
+#pragma once
+
+#include "vio/standstill.h"
+
+namespace SEGCAL_NS {
+
+/// Motion from the first frame to one frame, in the first frame's axes, with its change by constant biases.
+template <class S>
+struct StartLink {
+  S t;                     ///< s
+  Mat3<S> dR;              ///< R_{I0 Ii}
+  Vec3<S> dv, dp;          ///< without gravity; m/s, m
+  Mat3<S> R_bg;            ///< right perturbation of dR by b_g
+  Mat<S, 3, 3> v_ba, v_bg, p_ba, p_bg;
+};
+
+/// Where the next start puts the device: yaw and place are not observable, so they are continued.
+template <class S>
+struct Origin {
+  Vec3<S> p_GI = Vec3<S>::Zero();
+  Vec3<S> forward = Vec3<S>(S(1), S(0), S(0));  ///< x axis of I seen in G
+
+  void remember(const State<S>& x) {
+    if (!is_finite(x.p_GI.squaredNorm()) || !is_finite(x.R_GI.sum())) return;
+    p_GI = x.p_GI;
+    forward = x.R_GI.col(0);
+  }
+
+  /// Attitude in which the vector `down` of I points along gravity and the x axis keeps its heading.
+  Mat3<S> attitude(const Vec3<S>& down, const Vec3<S>& g) const {
+    const Vec3<S> z = g / -square_root(g.squaredNorm());
+    const Vec3<S> up_I = down / -square_root(down.squaredNorm());
+    Vec3<S> y_G = cross<S>(z, forward), y_I = cross<S>(up_I, Vec3<S>(S(1), S(0), S(0)));
+    if (y_G.squaredNorm() < S(1e-4) || y_I.squaredNorm() < S(1e-4)) {
+      // x points up or down: any heading will do.
+      y_G = cross<S>(z, Vec3<S>(S(0), S(1), S(0)));
+      if (y_G.squaredNorm() < S(1e-4)) y_G = cross<S>(z, Vec3<S>(S(1), S(0), S(0)));
+      y_I = cross<S>(up_I, Vec3<S>(S(0), S(1), S(0)));
+      if (y_I.squaredNorm() < S(1e-4)) y_I = cross<S>(up_I, Vec3<S>(S(0), S(0), S(1)));
+    }
+    y_G /= square_root(y_G.squaredNorm());
+    y_I /= square_root(y_I.squaredNorm());
+    Mat3<S> A_G, A_I;
+    A_G << cross<S>(y_G, z), y_G, z;
+    A_I << cross<S>(y_I, up_I), y_I, up_I;
+    return renormalised<S>(A_G * A_I.transpose());
+  }
+};
+
+/// Memory of the start.
+template <class S>
+struct StartScratch {
+  StartLink<S> link[kWindow];
+  State<S> x0, best;       ///< state at the window's first frame, and the best one so far
+  CameraCalibration<S> best_camera[kMaxCameras];
+  S pixel_scale;           ///< what the fit says about pixel_sigma, 1..4
+  bool still;
+};
+
+template <class S>
+void copy_link(const ImuIntegral<S>& I, StartLink<S>* link) {
+  link->t = I.dt;
+  link->dR = I.dR;
+  link->dv = I.dv;
+  link->dp = I.dp;
+  link->R_bg = I.J_R.template leftCols<3>();
+  link->v_bg = I.J_v.template middleCols<3>(kInputBg);
+  link->v_ba = I.J_v.template middleCols<3>(kInputBa);
+  link->p_bg = I.J_p.template middleCols<3>(kInputBg);
+  link->p_ba = I.J_p.template middleCols<3>(kInputBa);
+}
+
+/// Integrates once over the whole window at x0's biases and keeps the integral at each frame.
+template <class S>
+void integrate_links(const Window<S>& w, const VioOptions<S>& options, const ImuHistory<S>& imu, StartScratch<S>* s) {
+  ImuIntegrator<S> integrator(w.theta.imu, s->x0.b_a, s->x0.b_g, options.noise);
+  std::int64_t t = w.pose[0].time;
+  integrator.start(imu.at(t));
+  copy_link(integrator.result(), &s->link[0]);
+  for (int i = 1; i < w.n_poses; ++i) {
+    const std::int64_t end = w.pose[i].time;
+    for (int k = imu.at_or_before(t) + 1; k < imu.size() && imu.time(k) < end; ++k) {
+      integrator.step(imu.reading(k), S(imu.time(k) - t) * S(1e-9));
+      t = imu.time(k);
+    }
+    if (end > t) integrator.step(imu.at(end), S(end - t) * S(1e-9));
+    t = end;
+    copy_link(integrator.result(), &s->link[i]);
+  }
+}
+
+/// The window's poses from x0 and the links; they are first estimates too.
+template <class S>
+void place_poses(Window<S>* w, const VioOptions<S>& options, const StartScratch<S>& s) {
+  for (int i = 0; i < w->n_poses; ++i) {
+    const StartLink<S>& link = s.link[i];
+    WindowPose<S>& pose = w->pose[i];
+    pose.R_GI = pose.R_first = renormalised<S>(s.x0.R_GI * link.dR);
+    pose.p_GI = pose.p_first = s.x0.p_GI + s.x0.v_GI * link.t + options.g * (link.t * link.t / S(2)) + s.x0.R_GI * link.dp;
+  }
+}
+
+/// Unit bearing of a track's point in I; false if it has none there.
+template <class S>
+bool bearing_in_imu(const Window<S>& w, const VioTrack<S>& track, int pose, Vec3<S>* f) {
+  if (!track.in(w.pose[pose].slot)) return false;
+  const CameraCalibration<S>& camera = w.theta.camera[track.camera];
+  Vec2<S> xy;
+  if (!unproject(camera, track.uv[w.pose[pose].slot], &xy)) return false;
+  const Vec3<S> h(xy.x(), xy.y(), S(1));
+  *f = camera.R_CI.transpose() * (h / square_root(h.squaredNorm()));
+  return true;
+}
+
+}  // namespace SEGCAL_NS

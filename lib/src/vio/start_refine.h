@@ -1,0 +1,189 @@
+// The start, part 4: Levenberg-Marquardt over the window.
+//
+// Over a second the inertial integral is far more precise than the image, so every pose is a function of the first state:
+// 15 columns, the extrinsics with their prior, and landmarks that are eliminated one by one. It only serves to find the
+// point at which the filter linearises: the filter then weighs inertial noise and image points once more, properly.
+#pragma once
+
+#include "vio/start_links.h"
+#include "vio/vio_update.h"
+
+namespace SEGCAL_NS {
+
+constexpr int kRefineColumns = kStateColumns + kExtrinsicColumns * kMaxCameras;
+static_assert(2 * packed_size(kRefineColumns + 1) <= packed_size(kFilterColumns + 1), "both fit where the filter saves R");
+
+/// d (pose i) / d x0, by (theta, p).
+template <class S>
+void pose_by_start(const State<S>& x0, const StartLink<S>& link, Mat<S, 6, kStateColumns>* D) {
+  D->setZero();
+  D->template block<3, 3>(0, 0) = link.dR.transpose();
+  D->template block<3, 3>(0, 12) = link.R_bg;
+  D->template block<3, 3>(3, 0) = -(x0.R_GI * skew(link.dp));
+  D->template block<3, 3>(3, 3).setIdentity();
+  D->template block<3, 3>(3, 6) = Mat3<S>::Identity() * link.t;
+  D->template block<3, 3>(3, 9) = x0.R_GI * link.p_ba;
+  D->template block<3, 3>(3, 12) = x0.R_GI * link.p_bg;
+}
+
+/// Prior rows of the first state and the extrinsics on the diagonal of an empty triangle whose first column is given by
+/// `column(i)` for state entry i and `extrinsic(c)`. Place and heading are held: nothing measures them.
+template <class S>
+void fold_start_prior(const Window<S>& w, const VioOptions<S>& options, const State<S>& x0, PackedTriangle<S>* R,
+                      int theta, int p, int motion, int extrinsic, S sigma_v, S* row, S* work) {
+  const int n = R->columns() - 1;
+  const auto fold = [&](int column, const Vec3<S>& a, S value, S sigma) {
+    for (int c = 0; c <= n; ++c) row[c] = S(0);
+    for (int c = 0; c < 3; ++c) row[column + c] = a(c) / sigma;
+    row[n] = -value / sigma;
+    fold_rows(*R, row, 1, n + 1, column, n, work);
+  };
+  const Mat3<S> I3 = Mat3<S>::Identity();
+  for (int i = 0; i < 3; ++i) {
+    fold(theta, x0.R_GI.row(i).transpose(), S(0), i == 2 ? S(1e-3) : S(0.5));  // error seen in G: roll, pitch, yaw
+    fold(p, I3.col(i), S(0), S(1e-3));
+    fold(motion, I3.col(i), S(0), sigma_v);
+    fold(motion + 3, I3.col(i), x0.b_a(i), options.sigma_b_a);
+    fold(motion + 6, I3.col(i), x0.b_g(i), options.sigma_b_g);
+  }
+  for (int c = 0; c < w.theta.n_cameras; ++c) {
+    const CameraCalibration<S>&now = w.theta.camera[c], &given = w.given.camera[c];
+    const Vec3<S> r = so3_log<S>(now.R_CI * given.R_CI.transpose()), dp = now.p_CI - given.p_CI;
+    for (int i = 0; i < 3; ++i) {
+      fold(extrinsic + kExtrinsicColumns * c, I3.col(i), r(i), options.sigma_r_CI);
+      fold(extrinsic + kExtrinsicColumns * c + 3, I3.col(i), dp(i), options.sigma_p_CI);
+    }
+  }
+}
+
+/// Cost and number of the window's image rows.
+template <class S>
+struct RefineFit {
+  S cost = S(0);  ///< robust, in units of pixel_sigma
+  int points = 0;
+  int tracks = 0;
+};
+
+/// One track's rows [l 3 | x0 15 | extrinsics | rhs] into the triangle, Huber weights beyond 2 sigma.
+template <class S>
+void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, const StartScratch<S>& s,
+                  PackedTriangle<S>* R, RefineFit<S>* fit) {
+  const TrackView<S> view = view_of(*w, track);
+  if (view.n < 4) return;
+  fit->points += view.n;
+  Landmark<S> l;
+  const int n = R->columns() - 1, stride = kLandmarkColumns + n + 1;
+  const CameraCalibration<S>& camera = w->theta.camera[track.camera];
+  S cost = S(0);
+  bool good = triangulate(*w, view, S(4) * options.pixel_sigma, w->block, &l);
+  for (int i = 0; good && i < view.n; ++i) {
+    const WindowPose<S>& pose = w->pose[view.pose[i]];
+    ReprojectionRows<S> rows;
+    good = reprojection_rows(camera, pose.R_GI, pose.p_GI, pose.R_GI, pose.p_GI, l, view.uv(*w, i), &rows);
+    if (!good) break;
+    const S e = square_root(rows.r.squaredNorm()) / options.pixel_sigma;
+    cost += e < S(2) ? e * e : S(4) * e - S(4);
+    const S weight = (e < S(2) ? S(1) : square_root(S(2) / e)) / options.pixel_sigma;
+    Mat<S, 6, kStateColumns> D;
+    pose_by_start(s.x0, s.link[view.pose[i]], &D);
+    const Mat<S, 2, kStateColumns> J = rows.J_pose * D;
+    for (int k = 0; k < 2; ++k) {
+      S* row = w->block + (2 * i + k) * stride;
+      for (int c = 0; c < stride; ++c) row[c] = S(0);
+      for (int c = 0; c < kLandmarkColumns; ++c) row[c] = weight * rows.J_l(k, c);
+      for (int c = 0; c < kStateColumns; ++c) row[3 + c] = weight * J(k, c);
+      for (int c = 0; c < kExtrinsicColumns; ++c) {
+        row[3 + kStateColumns + kExtrinsicColumns * track.camera + c] = weight * rows.J_camera(k, c);
+      }
+      row[3 + n] = -weight * rows.r(k);
+    }
+  }
+  const S worst = S(20) * S(view.n);  // a track that fits nowhere costs this much and pulls at nothing
+  if (!good || cost > worst) {
+    fit->cost += worst;
+    return;
+  }
+  fit->cost += cost;
+  ++fit->tracks;
+  reflect_leading_columns(w->block, 2 * view.n, stride, stride, kLandmarkColumns, w->work);
+  fold_rows(*R, w->block + 3 * stride + 3, 2 * view.n - 3, stride, 0, n, w->work);
+}
+
+/// Linearises the window at s->x0 and the present extrinsics.
+template <class S>
+RefineFit<S> linearise_start(Window<S>* w, const TrackTable<S>& tracks, const VioOptions<S>& options,
+                             const ImuHistory<S>& imu, StartScratch<S>* s, PackedTriangle<S>* R) {
+  integrate_links(*w, options, imu, s);
+  place_poses(w, options, *s);
+  R->clear();
+  fold_start_prior(*w, options, s->x0, R, 0, 3, 6, kStateColumns, S(3), w->block, w->work);
+  RefineFit<S> fit;
+  const int n = R->columns() - 1;
+  for (int j = 0; j < n; ++j) fit.cost += (*R)(j, n) * (*R)(j, n);
+  for (int k = 0; k < tracks.end(); ++k) {
+    if (tracks[k].used) refine_track(w, tracks[k], options, *s, R, &fit);
+  }
+  return fit;
+}
+
+/// The damped step: R with lambda times each column's squared norm added, in `damped`.
+template <class S>
+void damped_step(const PackedTriangle<S>& R, S lambda, S* damped_data, S* row, S* work, S* step) {
+  const int n = R.columns() - 1;
+  PackedTriangle<S> damped(damped_data, n + 1);
+  for (int j = 0; j <= n; ++j) {
+    for (int c = j; c <= n; ++c) damped.row(j)[c] = R(j, c);
+  }
+  for (int j = 0; j < n; ++j) {
+    S norm2 = S(0);
+    for (int k = 0; k <= j; ++k) norm2 += R(k, j) * R(k, j);
+    for (int c = 0; c <= n; ++c) row[c] = S(0);
+    row[j] = square_root(lambda * norm2);
+    fold_rows(damped, row, 1, n + 1, j, n, work);
+  }
+  for (int j = 0; j < n; ++j) step[j] = damped(j, n);
+  back_substitute(damped, n, step);
+}
+
+/// Moves x0 and the extrinsics by a step.
+template <class S>
+void take_start_step(Window<S>* w, const S* step, StartScratch<S>* s) {
+  s->x0.add(step);
+  for (int c = 0; c < w->theta.n_cameras; ++c) {
+    const S* d = step + kStateColumns + kExtrinsicColumns * c;
+    CameraCalibration<S>& camera = w->theta.camera[c];
+    camera.R_CI = renormalised<S>(so3_exp<S>(Vec3<S>(d[0], d[1], d[2])) * camera.R_CI);
+    camera.p_CI += Vec3<S>(d[3], d[4], d[5]);
+  }
+}
+
+/// Minimises over x0 and the extrinsics; the best ones stay in s->x0 and the window, with R linearised there.
+template <class S>
+RefineFit<S> refine_start(Window<S>* w, const TrackTable<S>& tracks, const VioOptions<S>& options,
+                          const ImuHistory<S>& imu, StartScratch<S>* s, PackedTriangle<S>* R) {
+  S* damped = w->saved + packed_size(kRefineColumns + 1);
+  RefineFit<S> fit = linearise_start(w, tracks, options, imu, s, R);
+  S lambda = S(1e-3), step[kRefineColumns];
+  for (int iteration = 0; iteration < 12; ++iteration) {
+    s->best = s->x0;
+    for (int c = 0; c < w->theta.n_cameras; ++c) s->best_camera[c] = w->theta.camera[c];
+    damped_step(*R, lambda, damped, w->block, w->work, step);
+    take_start_step(w, step, s);
+    const RefineFit<S> next = linearise_start(w, tracks, options, imu, s, R);
+    if (next.cost < fit.cost) {
+      const bool done = fit.cost - next.cost < S(1e-3) * fit.cost;
+      fit = next;
+      lambda *= S(0.1);
+      if (done) break;
+      continue;
+    }
+    lambda *= S(10);
+    s->x0 = s->best;
+    for (int c = 0; c < w->theta.n_cameras; ++c) w->theta.camera[c] = s->best_camera[c];
+    fit = linearise_start(w, tracks, options, imu, s, R);
+    if (lambda > S(10)) break;
+  }
+  return fit;
+}
+
+}  // namespace SEGCAL_NS

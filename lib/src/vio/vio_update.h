@@ -1,0 +1,145 @@
+// Features into the filter: landmark eliminated, gated, folded.
+#pragma once
+
+#include "vio/vio_triangulate.h"
+
+namespace SEGCAL_NS {
+
+constexpr int kMinTrackLength = 3;
+constexpr int kMaxFeaturesPerFrame = 30;  // bounds the time of a frame
+
+/// Upper 1 % point of chi-square (Wilson and Hilferty).
+template <class S>
+S chi_square_gate(int dof) {
+  const S k = S(2) / (S(9) * S(dof));
+  const S root = S(1) - k + S(2.326) * square_root(k);
+  return S(dof) * root * root * root;
+}
+
+/// Follows how large residuals are against their sigmas. A calibration that does not fit yet makes them all larger:
+/// then the pixel sigma grows with them, and shrinks again when they do.
+template <class S>
+struct ResidualMonitor {
+  S scale = S(1);       ///< factor on pixel_sigma, 1..4
+  S gated_share = S(0); ///< running share of features refused
+
+  /// `ratio`: Mahalanobis distance by degrees of freedom, at the present scale.
+  void note(S ratio, bool gated) {
+    gated_share += S(0.02) * ((gated ? S(1) : S(0)) - gated_share);
+    const S wanted = scale * scale * (ratio < S(6) ? ratio : S(6));
+    S square = scale * scale + S(0.02) * (wanted - scale * scale);
+    if (square < S(1)) square = S(1);
+    if (square > S(16)) square = S(16);
+    scale = square_root(square);
+  }
+  bool failing() const { return gated_share > S(0.7); }
+};
+
+/// Writes the rows of one feature into the block: the landmark's three columns just before the first pose's.
+/// Returns the number of rows, 0 where a point has no image.
+template <class S>
+int feature_rows(Window<S>* w, const TrackView<S>& view, const Landmark<S>& l, S pixel_sigma) {
+  const int camera_index = view.track->camera, n = w->columns();
+  const CameraCalibration<S>& camera = w->theta.camera[camera_index];
+  const int landmark = pose_column(view.pose[0]) - kLandmarkColumns;
+  const S weight = S(1) / pixel_sigma;
+  w->clear_block(2 * view.n);
+  for (int i = 0; i < view.n; ++i) {
+    const WindowPose<S>& pose = w->pose[view.pose[i]];
+    ReprojectionRows<S> rows;
+    Vec2<S> r;
+    // Jacobians at first estimates of pose and extrinsics, residual at the present ones.
+    if (!reprojection_rows(w->camera_first[camera_index], pose.R_first, pose.p_first, pose.R_first, pose.p_first, l,
+                           view.uv(*w, i), &rows)) return 0;
+    if (!reprojection_residual(camera, pose.R_GI, pose.p_GI, l, view.uv(*w, i), &r)) return 0;
+    for (int k = 0; k < 2; ++k) {
+      S* row = w->block + (2 * i + k) * kBlockStride;
+      for (int c = 0; c < kLandmarkColumns; ++c) row[landmark + c] = rows.J_l(k, c) * weight;
+      for (int c = 0; c < kPoseColumns; ++c) row[pose_column(view.pose[i]) + c] = rows.J_pose(k, c) * weight;
+      for (int c = 0; c < kExtrinsicColumns; ++c) row[extrinsic_column(camera_index) + c] = rows.J_camera(k, c) * weight;
+      row[n] = -r(k) * weight;
+    }
+  }
+  return 2 * view.n;
+}
+
+/// Eliminates the landmark and folds the rest into R, unless the gate refuses it: the residual that R cannot absorb is
+/// the innovation's Mahalanobis distance, given the features folded before it.
+template <class S>
+bool fold_feature(Window<S>* w, const TrackView<S>& view, int rows, ResidualMonitor<S>* monitor) {
+  const int first = pose_column(view.pose[0]), landmark = first - kLandmarkColumns, n = w->columns();
+  reflect_leading_columns(w->block + landmark, rows, kBlockStride, n + 1 - landmark, kLandmarkColumns, w->work);
+  for (int i = 0; i < w->triangle_size(); ++i) w->saved[i] = w->triangle[i];
+  const int dof = rows - kLandmarkColumns;
+  const S distance = fold_block(w, w->block + kLandmarkColumns * kBlockStride, dof, first);
+  const bool accepted = distance < chi_square_gate<S>(dof);
+  if (!accepted) {
+    for (int i = 0; i < w->triangle_size(); ++i) w->triangle[i] = w->saved[i];
+  }
+  if (is_finite(distance)) monitor->note(distance / S(dof), !accepted);
+  return accepted;
+}
+
+/// One track into R. False: not enough points, no landmark, or gated.
+template <class S>
+bool use_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
+               VioStatistics* statistics) {
+  const TrackView<S> view = view_of(*w, track);
+  if (view.n < kMinTrackLength) return false;
+  const S sigma = options.pixel_sigma * monitor->scale;
+  Landmark<S> l;
+  int rows = 0;
+  if (triangulate(*w, view, sigma, w->block, &l)) rows = feature_rows(w, view, l, sigma);
+  if (rows == 0) {
+    ++statistics->not_triangulated;
+    return false;
+  }
+  const bool accepted = fold_feature(w, view, rows, monitor);
+  ++(accepted ? statistics->updates : statistics->gated);
+  return accepted;
+}
+
+/// Uses the tracks that `due` names, at most `limit`, and updates the state. Ended tracks leave the table; a track that
+/// lives on begins anew with its next point, since each point is used once. Returns the number of features used.
+template <class S, class Due>
+int use_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
+               VioStatistics* statistics, int limit, Due due) {
+  int used = 0, tried = 0;
+  for (int i = 0; i < tracks->end(); ++i) {
+    VioTrack<S>& track = (*tracks)[i];
+    if (!track.used || !due(track)) continue;
+    if (tried < limit && track.length() >= kMinTrackLength) {
+      ++tried;
+      used += use_track(w, track, options, monitor, statistics) ? 1 : 0;
+      track.slots = 0;
+    }
+    if (!track.alive) track.used = false;
+  }
+  if (used) apply_update(w);
+  return used;
+}
+
+template <class S>
+int use_ended_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
+                     VioStatistics* statistics) {
+  return use_tracks(w, tracks, options, monitor, statistics, kMaxFeaturesPerFrame,
+                    [](const VioTrack<S>& track) { return !track.alive; });
+}
+
+/// Also the tracks that the oldest pose sees: it is about to leave.
+template <class S>
+int use_leaving_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
+                       VioStatistics* statistics) {
+  const int slot = w->pose[0].slot;
+  return use_tracks(w, tracks, options, monitor, statistics, kMaxFeaturesPerFrame,
+                    [slot](const VioTrack<S>& track) { return !track.alive || track.in(slot); });
+}
+
+/// Right after the start, when the window is all there is.
+template <class S>
+int use_all_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
+                   VioStatistics* statistics) {
+  return use_tracks(w, tracks, options, monitor, statistics, kMaxVioTracks, [](const VioTrack<S>&) { return true; });
+}
+
+}  // namespace SEGCAL_NS
