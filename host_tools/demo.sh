@@ -8,20 +8,18 @@ segcal=${1:?usage: demo.sh SEGCAL FOLDER}
 folder=${2:?usage: demo.sh SEGCAL FOLDER}
 source_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 data=${SEGCAL_DATA:-$source_folder/../shared/data}
-python=$source_folder/.venv/bin/python
-[ -x "$python" ] || python=python3
 answer=0
 
 step() { printf '\n$ segcal %s\n' "$*"; "$segcal" "$@"; }
 
-# replay_and_report RECORDING OUT [OPTION...]: exit code 1 of replay is an answer, worth a report; others stop here.
+# replay_and_report RECORDING OUT [OPTION...]: replay prints the calibration. Its exit code 1 is an answer, worth a report;
+# others stop here.
 replay_and_report() {
   local recording=$1 out=$2 code=0
   step replay "$recording" "${@:3}" --out "$out" || code=$?
   [ "$code" -le 1 ] || exit "$code"
   [ "$code" -eq 0 ] || answer=1
   step report "$out"
-  "$python" "$source_folder/host_tools/print_calibration.py" "$out/result.json"
   echo "report: $out/report.html"
 }
 

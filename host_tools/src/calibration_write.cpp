@@ -48,15 +48,6 @@ void append_camera(std::string& text, std::size_t index, const CameraCalibration
   text += '\n';
 }
 
-void append_entry(std::string& text, const char* name, double value, const char* unit) {
-  text += name;
-  text += ": ";
-  append_number(text, value);
-  text += "  # ";
-  text += unit;
-  text += '\n';
-}
-
 }  // namespace
 
 void write_camchain(const std::filesystem::path& file, const Calibration& calibration) {
@@ -67,11 +58,11 @@ void write_camchain(const std::filesystem::path& file, const Calibration& calibr
 
 void write_imu_yaml(const std::filesystem::path& file, const Calibration& calibration, const ImuNoise& noise) {
   std::string text = "rostopic: /imu0\n";
-  append_entry(text, "update_rate", noise.rate_hz, "Hz");
-  append_entry(text, "accelerometer_noise_density", noise.accel_noise_density, "m/s^2/sqrt(Hz)");
-  append_entry(text, "accelerometer_random_walk", noise.accel_random_walk, "m/s^3/sqrt(Hz)");
-  append_entry(text, "gyroscope_noise_density", noise.gyro_noise_density, "rad/s/sqrt(Hz)");
-  append_entry(text, "gyroscope_random_walk", noise.gyro_random_walk, "rad/s^2/sqrt(Hz)");
+  append_yaml_entry(text, "update_rate", noise.rate_hz, "Hz");
+  append_yaml_entry(text, "accelerometer_noise_density", noise.accel_noise_density, "m/s^2/sqrt(Hz)");
+  append_yaml_entry(text, "accelerometer_random_walk", noise.accel_random_walk, "m/s^3/sqrt(Hz)");
+  append_yaml_entry(text, "gyroscope_noise_density", noise.gyro_noise_density, "rad/s/sqrt(Hz)");
+  append_yaml_entry(text, "gyroscope_random_walk", noise.gyro_random_walk, "rad/s^2/sqrt(Hz)");
   text += "model: scale-misalignment\n";
   text += "# measurement = M C x + bias, x in the frame of the IMU (the gyroscope's), C_gyro_i the identity\n";
   text += "gyroscopes:\n";

@@ -77,4 +77,13 @@ void append_fixed(std::string& text, double value, int decimals) {
   text.append(digits, static_cast<std::size_t>(length));
 }
 
+void append_yaml_entry(std::string& text, std::string_view name, double value, std::string_view unit) {
+  text += name;
+  text += ": ";
+  append_number(text, value);
+  text += "  # ";
+  text += unit;
+  text += '\n';
+}
+
 }  // namespace host

@@ -19,4 +19,7 @@ void append_number(std::string& text, std::int64_t value);
 /// Appends with a fixed number of decimals, for values whose last digits mean nothing (pixels, for instance).
 void append_fixed(std::string& text, double value, int decimals);
 
+/// Appends the line "NAME: VALUE  # UNIT".
+void append_yaml_entry(std::string& text, std::string_view name, double value, std::string_view unit);
+
 }  // namespace host

@@ -29,22 +29,13 @@ std::string imu_text(const ImuData& imu) {
   return text;
 }
 
-void append_entry(std::string& text, const char* name, double value, const char* unit) {
-  text += name;
-  text += ": ";
-  append_number(text, value);
-  text += "  # ";
-  text += unit;
-  text += '\n';
-}
-
 std::string sensor_text(const ImuNoise& noise) {
   std::string text = "sensor_type: imu\n";
-  append_entry(text, "rate_hz", noise.rate_hz, "Hz");
-  append_entry(text, "gyroscope_noise_density", noise.gyro_noise_density, "rad/s/sqrt(Hz)");
-  append_entry(text, "gyroscope_random_walk", noise.gyro_random_walk, "rad/s^2/sqrt(Hz)");
-  append_entry(text, "accelerometer_noise_density", noise.accel_noise_density, "m/s^2/sqrt(Hz)");
-  append_entry(text, "accelerometer_random_walk", noise.accel_random_walk, "m/s^3/sqrt(Hz)");
+  append_yaml_entry(text, "rate_hz", noise.rate_hz, "Hz");
+  append_yaml_entry(text, "gyroscope_noise_density", noise.gyro_noise_density, "rad/s/sqrt(Hz)");
+  append_yaml_entry(text, "gyroscope_random_walk", noise.gyro_random_walk, "rad/s^2/sqrt(Hz)");
+  append_yaml_entry(text, "accelerometer_noise_density", noise.accel_noise_density, "m/s^2/sqrt(Hz)");
+  append_yaml_entry(text, "accelerometer_random_walk", noise.accel_random_walk, "m/s^3/sqrt(Hz)");
   return text;
 }
 

@@ -31,10 +31,11 @@ inline void fail_column(const Id& id, int column, int row, double expected, doub
   fail_case(id.add("column", column), text);
 }
 
-/// `f(delta)` gives the function's value (in double) after the step delta; `typical` holds the size of each variable.
+/// `f(delta)` gives the function's value (in double) after the step delta; `typical` holds the size of each variable,
+/// `inside` the largest number that the function handles where that is more than its value.
 template <class S, class F>
-void check_differences(const Id& id, const Eigen::MatrixXd& J, const Eigen::VectorXd& typical, F f) {
-  const double size = f(Eigen::VectorXd::Zero(J.cols()).eval()).cwiseAbs().maxCoeff();
+void check_differences(const Id& id, const Eigen::MatrixXd& J, const Eigen::VectorXd& typical, F f, double inside = 0) {
+  const double size = std::max(inside, f(Eigen::VectorXd::Zero(J.cols()).eval()).cwiseAbs().maxCoeff());
   for (int c = 0; c < J.cols(); ++c) {
     if (!selected(id.add("column", c).text())) continue;
     const double h = Differences<S>::step * typical(c);

@@ -36,12 +36,12 @@ Camera make_camera(Distortion model, const Vec<double, 4>& coefficients) {
   return camera;
 }
 
-/// Every model; fov also where its formula has 0/0 (w = 0), at small w and on both sides of the series' threshold.
+/// Every model; fov also where its formula has 0/0 (w = 0), at small w and on both sides of each type's threshold.
 std::vector<NamedCamera> cameras() {
   std::vector<NamedCamera> list;
-  const double widths[] = {0, 1e-8, 1e-4, 0.05, 0.2999, 0.3001, 0.92, 1.6};
-  const char* names[] = {"fov_0", "fov_1e-8", "fov_1e-4", "fov_0.05", "fov_0.2999", "fov_0.3001", "fov", "fov_1.6"};
-  for (int i = 0; i < 8; ++i) list.push_back({names[i], make_camera(Distortion::fov, {widths[i], 0, 0, 0})});
+  const double widths[] = {0, 1e-8, 1e-4, 0.05, 0.0999, 0.1001, 0.2999, 0.3001, 0.92, 1.6};
+  const char* names[] = {"fov_0", "fov_1e-8", "fov_1e-4", "fov_0.05", "fov_0.0999", "fov_0.1001", "fov_0.2999", "fov_0.3001", "fov", "fov_1.6"};
+  for (int i = 0; i < 10; ++i) list.push_back({names[i], make_camera(Distortion::fov, {widths[i], 0, 0, 0})});
   list.push_back({"radtan", make_camera(Distortion::radtan, {-0.05, 0.008, 3e-4, -2e-4})});
   list.push_back({"pinhole", make_camera(Distortion::radtan, {0, 0, 0, 0})});
   list.push_back({"equidistant", make_camera(Distortion::equidistant, {-0.01, 0.04, -0.03, 0.006})});

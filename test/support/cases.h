@@ -7,6 +7,9 @@
 #pragma once
 
 #include <unity.h>
+// Unity defines these as macros where <math.h> did not; C++ headers declare functions of these names.
+#undef isinf
+#undef isnan
 
 #include <cmath>
 #include <cstdio>

@@ -35,9 +35,13 @@ struct Scene {
   double seconds = 20;
   double rest_until = 0;        ///< s at rest at the beginning
   double rest_from = 1e9;       ///< s; from here it stands still again
+  double sway = 0;              ///< m, and rad: a hand that tries to hold still
   double pixel_noise = 0.5;
   double gyro_bias = 0.02, accel_bias = 0.1;
   double r_CI_error = 0.01, p_CI_error = 0.005;  ///< sigma of the filter's initial extrinsics
+  double focal_error = 0;       ///< share of f; sigma of the filter's initial intrinsics, 0: exact and not estimated
+  double centre_error = 6;      ///< px
+  double distortion_error = 0.02;
   double outliers = 0;          ///< share of tracks that slide over the image
   int tracks = 60;
 };
@@ -54,11 +58,12 @@ class Path {
       }
     }
   }
-  Vec3<double> position(double t) const { return Vec3<double>(wave(0, t), wave(1, t), 0.6 * wave(2, t)); }
+  Vec3<double> position(double t) const { return Vec3<double>(wave(0, t), wave(1, t), 0.6 * wave(2, t)) + sway(t); }
   Mat3<double> attitude(double t) const {
     const double s = warped(t);
     const Mat3<double> yaw = so3_exp<double>(Vec3<double>(0, 0, 0.15 * s + 2 * wave(5, t)));
-    return yaw * so3_exp<double>(Vec3<double>(0, wave(4, t), 0)) * so3_exp<double>(Vec3<double>(wave(3, t), 0, 0));
+    return yaw * so3_exp<double>(Vec3<double>(0, wave(4, t), 0)) * so3_exp<double>(Vec3<double>(wave(3, t), 0, 0)) *
+           so3_exp<double>(sway(t + 0.3));
   }
   Vec3<double> velocity(double t) const { return (position(t + 1e-4) - position(t - 1e-4)) / 2e-4; }
   Vec3<double> acceleration(double t) const {
@@ -85,6 +90,9 @@ class Path {
       sum += amplitude_[i][k] * std::sin(6.2831853 * frequency_[i][k] * warped(t) + phase_[i][k]);
     }
     return sum;
+  }
+  Vec3<double> sway(double t) const {
+    return scene_.sway * Vec3<double>(std::sin(5.0 * t), std::sin(6.3 * t + 1), std::sin(4.1 * t + 2));
   }
   Scene scene_;
   double frequency_[6][2], phase_[6][2], amplitude_[6][2];
@@ -193,6 +201,13 @@ inline Recording simulate(const Scene& scene) {
   out.truth = out.initial = simulated_device();
   out.initial.camera[0].R_CI = so3_exp<double>(random.normal3(scene.r_CI_error)) * out.truth.camera[0].R_CI;
   out.initial.camera[0].p_CI += random.normal3(scene.p_CI_error);
+  if (scene.focal_error > 0) {
+    const double f = random.normal(scene.focal_error);
+    CameraCalibration<double>& camera = out.initial.camera[0];
+    camera.intrinsics += Vec<double, 4>(256 * (f + random.normal(0.2 * scene.focal_error)), 256 * f,
+                                        random.normal(scene.centre_error), random.normal(scene.centre_error));
+    camera.distortion(0) += random.normal(scene.distortion_error);
+  }
   std::vector<State<double>> biases;
   simulate_imu(scene, path, &random, &out, &biases);
   std::vector<SimulatedTrack> tracks;
@@ -263,6 +278,9 @@ VioOptions<S> options_for(const Scene& scene) {
   options.pixel_sigma = static_cast<S>(scene.pixel_noise);
   options.sigma_r_CI = static_cast<S>(scene.r_CI_error);
   options.sigma_p_CI = static_cast<S>(scene.p_CI_error);
+  options.sigma_focal = static_cast<S>(scene.focal_error);
+  options.sigma_centre = static_cast<S>(scene.centre_error);
+  options.sigma_distortion = static_cast<S>(scene.distortion_error);
   return options;
 }
 

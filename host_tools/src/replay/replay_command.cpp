@@ -1,5 +1,7 @@
 // segcal replay: recordings in, calibration out.
-#include <cmath>
+#include <unistd.h>
+
+#include <cstdio>
 #include <iostream>
 
 #include "commands.h"
@@ -17,12 +19,14 @@ struct Arguments {
   ReplayOptions replay;
 };
 
+/// One line that counts on a terminal, a line per quarter in a log.
 void show_progress(double fraction) {
   static int last = -1;
-  const int percent = static_cast<int>(100 * fraction);
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  const int step = terminal ? 1 : 25, percent = static_cast<int>(100 * fraction) / step * step;
   if (percent == last) return;
   last = percent;
-  std::cerr << "\rreplay " << percent << " %" << (percent == 100 ? "\n" : "") << std::flush;
+  std::cerr << (terminal ? "\r" : "") << "replay " << percent << " %" << (!terminal || percent == 100 ? "\n" : "") << std::flush;
 }
 
 std::vector<Recording> read_sessions(const Arguments& a) {

@@ -67,8 +67,8 @@ class Device {
   const VioStatistics& vio_statistics() const { return vio_.statistics(); }
   const BuilderCounts& builder_counts() const { return builder_.counts(); }
   const InformationAnalysis<S>& analysis() const { return analysis_; }
-  const Segment<S>* last_scored() const { return last_scored_ < 0 ? nullptr : &database_.slot(last_scored_); }
-  bool last_kept() const { return last_kept_; }
+  /// What was said about the segment scored last; its slot may already hold the next one.
+  const SegmentSummary<S>& last_scored() const { return last_; }
   /// Directions over all kept segments after calibrate().
   const InformationAnalysis<S>& joint_analysis() const { return joint_; }
   static constexpr std::size_t workspace_bytes() {
@@ -101,9 +101,10 @@ class Device {
   State<S> state_;
   std::int64_t state_time_, last_imu_, last_frame_, pending_time_, next_keyframe_;
   TrackPoint<S> pending_[kMaxFramePoints];
-  std::int32_t pending_count_, last_scored_;
+  std::int32_t pending_count_;
+  SegmentSummary<S> last_;
   std::uint32_t session_, serial_;
-  bool calibrated_, calibration_due_, was_full_, last_kept_, own_odometry_;
+  bool calibrated_, calibration_due_, was_full_, own_odometry_;
 };
 
 template <class S>
@@ -118,8 +119,8 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   release_ = Release<S>{};
   joint_.n = analysis_.n = 0;
   session_ = serial_ = 0;
-  last_scored_ = -1;
-  calibrated_ = calibration_due_ = was_full_ = last_kept_ = own_odometry_ = false;
+  last_ = SegmentSummary<S>{};
+  calibrated_ = calibration_due_ = was_full_ = own_odometry_ = false;
   restart_filter();
 }
 
@@ -289,9 +290,9 @@ void Device<S>::score() {
   eliminator_.extract(&segment.information);
   analyse(segment.information, prior_.sigma, &analysis_);
   segment.metrics = metrics_of(&analysis_, prior_.sigma, options_.sigma_ref);
-  last_scored_ = static_cast<std::int32_t>(&segment - &database_.slot(0));
-  last_kept_ = database_.offer();
-  if (last_kept_ && database_.full() && !was_full_) {
+  last_ = summary_of(segment);
+  last_.kept = database_.offer();
+  if (last_.kept && database_.full() && !was_full_) {
     was_full_ = true;
     calibration_due_ = true;  // paper, Alg. 1: enough segments
   }

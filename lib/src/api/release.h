@@ -23,23 +23,47 @@ template <class S>
 struct Release {
   Status status = Status::insufficient;
   Calibration<S> theta;
-  S sigma[kMaxTheta];
+  S sigma[kMaxTheta];          ///< of theta's columns (rotations: small rotations)
+  S printed_sigma[kMaxTheta];  ///< of the values as printed (rotations: components of the rotation vector)
   Verdict verdict[kMaxTheta];
   S noise_scale = S(1);
-  SegmentInformation<S> information;  ///< of all kept segments together, prior not included
 };
 
-/// Sigma of entry i of theta from the triangle R: the length of R^-T e_i.
+/// Sigma of the combination sum_k weight[k] theta[first + k] from the triangle R: the length of R^-T a.
 template <class S>
-S marginal_sigma(const PackedTriangle<S>& R, int n, int i, S* work) {
+S marginal_sigma(const PackedTriangle<S>& R, int n, int first, const S* weight, int count, S* work) {
   S sum2 = S(0);
-  for (int r = i; r < n; ++r) {
-    S sum = r == i ? S(1) : S(0);
-    for (int c = i; c < r; ++c) sum -= R(c, r) * work[c];
+  for (int r = first; r < n; ++r) {
+    S sum = r < first + count ? weight[r - first] : S(0);
+    for (int c = first; c < r; ++c) sum -= R(c, r) * work[c];
     work[r] = R(r, r) == S(0) ? S(0) : sum / R(r, r);
     sum2 += work[r] * work[r];
   }
   return square_root(sum2);
+}
+
+/// Sigmas of a rotation's three printed numbers, the rotation vector's components. Theta's columns are the small rotation
+/// Exp(d) R; Log(Exp(d) R) moves by J_l^-1(Log R) d.
+template <class S>
+void rotation_vector_sigmas(const PackedTriangle<S>& R, int n, int first, const Mat3<S>& rotation, S* out, S* work) {
+  const Mat3<S> J = so3_right_jacobian_inverse<S>(Vec3<S>(-so3_log<S>(rotation)));  // left is right of the negative
+  for (int i = 0; i < 3; ++i) {
+    const S row[3] = {J(i, 0), J(i, 1), J(i, 2)};
+    out[i] = marginal_sigma(R, n, first, row, 3, work);
+  }
+}
+
+/// Sigmas as printed beside the values: those of theta's columns, and of the rotation vectors where a value is one.
+template <class S>
+void printed_sigmas(const PackedTriangle<S>& R, const Calibration<S>& theta, S scale, const S* column_sigma, S* out, S* work) {
+  const int n = theta.columns();
+  for (int i = 0; i < n; ++i) out[i] = column_sigma[i];
+  const auto rotation = [&](int first, const Mat3<S>& matrix) {
+    rotation_vector_sigmas(R, n, first, matrix, out + first, work);
+    for (int i = 0; i < 3; ++i) out[first + i] *= scale;
+  };
+  for (int c = 0; c < theta.n_cameras; ++c) rotation(theta.camera_column(c), theta.camera[c].R_CI);
+  rotation(n - 3, theta.imu.R_AI);
 }
 
 /// Moves theta so that the fixed entries stand at the prior's mean and the rest is optimal given that.
@@ -77,14 +101,16 @@ void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseR
   out->noise_scale = ratio > S(1) ? square_root(ratio) : S(1);
   int observed = 0;
   for (int i = 0; i < n; ++i) {
-    const S sigma = marginal_sigma(R, n, i, work) * out->noise_scale;
+    const S one = S(1);
+    const S sigma = marginal_sigma(R, n, i, &one, 1, work) * out->noise_scale;
     out->sigma[i] = sigma < prior.sigma[i] ? sigma : prior.sigma[i];
     const S relative = out->sigma[i] / prior.sigma[i];
     out->verdict[i] = relative < rules.observed ? Verdict::observed : relative < rules.weak ? Verdict::weak : Verdict::fixed;
     observed += out->verdict[i] == Verdict::observed ? 1 : 0;
   }
+  printed_sigmas(R, calibrator->theta(), out->noise_scale, out->sigma, out->printed_sigma, work);
   const bool plausible = ratio > rules.least_chi2_per_dof && ratio < rules.most_chi2_per_dof;
-  const bool fell = fit.cost <= fit.start_cost && is_finite(fit.cost);
+  const bool fell = fit.cost <= fit.start_cost * S(1.0001) && is_finite(fit.cost);  // a fit that begins at its minimum may round up
   out->theta = calibrator->theta();
   if (!plausible || !fell || !fit.converged) {
     out->status = Status::failed;

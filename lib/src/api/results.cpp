@@ -5,7 +5,6 @@ namespace SEGCAL_NS {
 namespace {
 
 const Segment<Real>* find_slot(const CDevice& d, std::int32_t index) {
-  if (index == -1) return d.device.last_scored();
   if (index < 0 || index > SEGCAL_MAX_SEGMENTS || !d.device.database().kept(index)) return nullptr;
   return &d.device.database().slot(index);
 }
@@ -118,7 +117,7 @@ int segcal_get_result(const segcal_t* device, segcal_result_t* result) {
     segcal_parameter_t& p = result->parameter[i];
     p.value = value[i];
     p.initial = initial[i];
-    p.sigma = static_cast<double>(release.sigma[i]);
+    p.sigma = static_cast<double>(release.printed_sigma[i]);
     p.prior_sigma = static_cast<double>(d->device.options().prior_sigma[i]);
     p.verdict = static_cast<int32_t>(release.verdict[i]);
   }
@@ -148,28 +147,34 @@ int segcal_get_direction(const segcal_t* device, int32_t index, segcal_direction
 int segcal_get_segment(const segcal_t* device, int32_t index, segcal_segment_t* out) {
   if (!out) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
-  const Segment<Real>* s = d ? find_slot(*d, index) : nullptr;
-  if (!s) return SEGCAL_ERROR_STATE;
-  out->start_ns = s->t0_ns;
-  out->end_ns = keyframe_time(*s, s->n_keyframes - 1);
-  out->session = s->session;
-  out->serial = s->serial;
-  out->keyframes = s->n_keyframes;
-  out->landmarks = s->n_landmarks;
-  out->points = s->n_observations;
-  out->rank = s->metrics.rank;
-  out->A = static_cast<double>(s->metrics.A);
-  out->D = static_cast<double>(s->metrics.D);
-  out->E = static_cast<double>(s->metrics.E);
-  out->gain_nats = static_cast<double>(s->metrics.gain);
-  out->kept = index >= 0 || d->device.last_kept() ? 1 : 0;
+  if (!d) return SEGCAL_ERROR_STATE;
+  SegmentSummary<Real> s = d->device.last_scored();
+  if (index != -1) {
+    const Segment<Real>* slot = find_slot(*d, index);
+    s = slot ? summary_of(*slot) : SegmentSummary<Real>{};
+    s.kept = true;
+  }
+  if (!s.valid) return SEGCAL_ERROR_STATE;
+  out->start_ns = s.start_ns;
+  out->end_ns = s.end_ns;
+  out->session = s.session;
+  out->serial = s.serial;
+  out->keyframes = s.keyframes;
+  out->landmarks = s.landmarks;
+  out->points = s.points;
+  out->rank = s.metrics.rank;
+  out->A = static_cast<double>(s.metrics.A);
+  out->D = static_cast<double>(s.metrics.D);
+  out->E = static_cast<double>(s.metrics.E);
+  out->gain_nats = static_cast<double>(s.metrics.gain);
+  out->kept = s.kept ? 1 : 0;
   return SEGCAL_OK;
 }
 
 int segcal_get_segment_directions(const segcal_t* device, segcal_direction_t* out, int32_t capacity) {
   if (!out) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
-  if (!d || !d->device.last_scored()) return SEGCAL_ERROR_STATE;
+  if (!d || !d->device.last_scored().valid) return SEGCAL_ERROR_STATE;
   int n = 0;
   for (int i; n < capacity && (i = unexcited(d->device.analysis(), n)) >= 0; ++n) {
     direction_to_c(d->device.analysis(), i, &out[n]);

@@ -143,12 +143,11 @@ void Calibrator<S>::linearise(SegmentEliminator<S>* eliminator, S damping) {
 template <class S>
 void Calibrator<S>::step_back(SegmentEliminator<S>* eliminator, S damping, const S* theta_step) {
   const int n_theta = theta_.columns();
-  S last[kStateColumns], guest_step[kStateColumns];
+  S last[kStateColumns], guest_step[kStateColumns] = {};
   for (int i = count_ - 1; i >= 0; --i) {
     const bool has_guest = link_[i].join != Join::none;
-    if (!link_[i].passes_on) {
-      for (S& s : last) s = S(0);
-    }
+    // The step that the segment after this one found for our last keyframe; none hangs on it: none is known.
+    for (int c = 0; c < kStateColumns; ++c) last[c] = link_[i].passes_on ? guest_step[c] : S(0);
     if (has_guest) Chain<S>::solve_guest(kept_[i], n_theta, last, theta_step, guest_step);
     eliminator->eliminate(*segment_[i], guest(i), theta_, model_, damping);
     for (int c = 0; c < kStateColumns; ++c) {
@@ -158,7 +157,6 @@ void Calibrator<S>::step_back(SegmentEliminator<S>* eliminator, S damping, const
     for (int c = 0; c < n_theta; ++c) step_[eliminator->theta_column() + c] = theta_step[c];
     eliminator->back_substitute(step_, link_[i].passes_on ? eliminator->last_column() : eliminator->guest_column());
     eliminator->move(segment_[i], theta_, model_, damping, step_);
-    for (int c = 0; c < kStateColumns; ++c) last[c] = guest_step[c];
   }
 }
 
@@ -198,7 +196,7 @@ bool Calibrator<S>::iterate(SegmentEliminator<S>* eliminator, S* damping, S* cos
     *damping = *damping > S(0) ? *damping * S(4) : S(0.05);
     return *damping > S(1e4);
   }
-  const bool settled = fall < S(options.converged) && *cost - trial < S(1e-4) * *cost;
+  const bool settled = fall < S(options.converged) && *cost - trial < S(1e-3) * *cost;
   *cost = trial;
   *damping = *damping < S(0.05) ? S(0) : *damping * S(0.2);
   return settled;

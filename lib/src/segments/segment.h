@@ -37,6 +37,16 @@ struct Metrics {
   std::int32_t rank = 0;           ///< directions whose sigma falls below half the prior's
 };
 
+/// A segment's particulars without its measurements.
+template <class S>
+struct SegmentSummary {
+  bool valid = false, kept = false;
+  std::int64_t start_ns = 0, end_ns = 0;
+  std::uint32_t session = 0, serial = 0;
+  std::int32_t keyframes = 0, landmarks = 0, points = 0;
+  Metrics<S> metrics;
+};
+
 template <class S>
 struct Segment {
   std::int64_t t0_ns = 0;          ///< stamp of the first keyframe, IMU clock
@@ -63,5 +73,20 @@ struct Segment {
     return integrator.result();
   }
 };
+
+template <class S>
+SegmentSummary<S> summary_of(const Segment<S>& s) {
+  SegmentSummary<S> out;
+  out.valid = true;
+  out.start_ns = s.t0_ns;
+  out.end_ns = s.t0_ns + std::int64_t(s.t_us[s.n_keyframes - 1]) * 1000;
+  out.session = s.session;
+  out.serial = s.serial;
+  out.keyframes = s.n_keyframes;
+  out.landmarks = s.n_landmarks;
+  out.points = s.n_observations;
+  out.metrics = s.metrics;
+  return out;
+}
 
 }  // namespace SEGCAL_NS

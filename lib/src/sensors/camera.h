@@ -43,7 +43,7 @@ RadialFactor<S> fov_factor(S w, S q) {
   const S t = tangent(half);
   const S k = S(2) * t;
   S ratio, ratio_slope;  // k / w and its derivative by w; series where the quotient cancels
-  if (w < S(0.3)) {
+  if (w < (std::is_same_v<S, float> ? S(0.3) : S(0.1))) {
     ratio = S(1) + h2 * (S(1) / S(3) + h2 * (S(2) / S(15) + h2 * (S(17) / S(315) + h2 * S(62) / S(2835))));
     ratio_slope = half * (S(1) / S(3) + h2 * (S(4) / S(15) + h2 * (S(17) / S(105) + h2 * S(248) / S(2835))));
   } else {

@@ -74,7 +74,7 @@ struct ImuIntegral {
   Mat<S, 3, kGyroInputs> J_R; ///< right perturbation of dR by the gyroscope inputs
   Mat<S, 3, kInputs> J_v, J_p;
   Mat<S, 9, 9> P;             ///< covariance of (rotation, velocity, position)
-  Mat<S, 9, 6> P_b;           ///< their covariance with the bias walk (b_a, b_g) over the link
+  Mat<S, 9, 6> P_b;           ///< covariance of (truth minus integral) with the bias walk (b_a, b_g) over the link
 };
 
 /// Integrates readings one after the other with the trapezoidal rule in the first keyframe's frame.
@@ -239,9 +239,9 @@ template <class S>
 Mat<S, 15, 15> link_covariance(const ImuIntegral<S>& I, const ImuNoise<S>& noise) {
   Mat<S, 15, 15> Q = Mat<S, 15, 15>::Zero();
   Q.template topLeftCorner<9, 9>() = I.P;
-  // Residual is "state minus integral": the walk enters b1 - b0 with +, the integral's error with -.
-  Q.template topRightCorner<9, 6>() = -I.P_b;
-  Q.template bottomLeftCorner<6, 9>() = -I.P_b.transpose();
+  // Residual and P_b are both "truth minus integral": a bias that has grown by b1 - b0 makes the integral too large.
+  Q.template topRightCorner<9, 6>() = I.P_b;
+  Q.template bottomLeftCorner<6, 9>() = I.P_b.transpose();
   for (int i = 0; i < 3; ++i) {
     Q(9 + i, 9 + i) = noise.accel_walk * noise.accel_walk * I.dt;
     Q(12 + i, 12 + i) = noise.gyro_walk * noise.gyro_walk * I.dt;

@@ -38,18 +38,39 @@ ReadingSpread<S> reading_spread(const ImuHistory<S>& imu, std::int64_t t0, std::
   return out;
 }
 
-/// Share of the tracks seen at `slot` and again in `points` that moved less than `limit` px; 0 if fewer than 8.
+/// Common motion of image points between two frames: shift, and growth and roll about their centre. Averaged over the
+/// tracks, so that the tracker's noise does not look like motion and a slow motion does not hide in it.
 template <class S>
-S share_not_moved(const TrackTable<S>& tracks, int slot, const TrackPoint<S>* points, int n, S limit) {
-  int common = 0, still = 0;
-  for (int i = 0; i < n; ++i) {
-    const VioTrack<S>* track = tracks.find(points[i].id, points[i].camera);
-    if (!track || !track->in(slot)) continue;
-    ++common;
-    if ((track->uv[slot] - points[i].uv).squaredNorm() < limit * limit) ++still;
+class ImageMotion {
+ public:
+  void add(const Vec2<S>& from, const Vec2<S>& to) {
+    const Vec2<S> d = to - from;
+    ++seen_;
+    if (!(d.squaredNorm() < S(9))) return;  // 3 px: a mismatch, or no standstill
+    ++close_;
+    shift_ += d;
+    place_ += from;
+    along_ += d.dot(from);
+    across_ += from.x() * d.y() - from.y() * d.x();
+    square_ += from.squaredNorm();
   }
-  return common < 8 ? S(0) : S(still) / S(common);
-}
+
+  /// Less than `limit` px for a point at the usual distance from the centre; needs 8 tracks, most of them close.
+  bool none(S limit) const {
+    if (seen_ < 8 || S(close_) < S(0.7) * S(seen_)) return false;
+    const S n = S(close_);
+    const Vec2<S> d = shift_ / n, c = place_ / n;
+    const S spread = square_ / n - c.squaredNorm();
+    const S growth = along_ / n - d.dot(c), roll = across_ / n - (c.x() * d.y() - c.y() * d.x());
+    const S limit2 = limit * limit;
+    return d.squaredNorm() < limit2 && growth * growth < limit2 * spread && roll * roll < limit2 * spread;
+  }
+
+ private:
+  int seen_ = 0, close_ = 0;
+  Vec2<S> shift_ = Vec2<S>::Zero(), place_ = Vec2<S>::Zero();
+  S along_ = S(0), across_ = S(0), square_ = S(0);
+};
 
 /// The test with what it looks at.
 template <class S>
@@ -59,15 +80,28 @@ struct StillTest {
   const TrackTable<S>& tracks;
   const ImuHistory<S>& imu;
 
-  bool imu_quiet(std::int64_t t0, std::int64_t t1) const {
+  /// How much the IMU shakes, in units of what rest allows. A hand that holds still for a tenth of a second is not a
+  /// floor: look back a little further.
+  S shaking(std::int64_t t1) const {
+    const std::int64_t t0 = t1 - 300000000;
+    if (!imu.covers(t0, t1)) return S(1e3);
     const ReadingSpread<S> spread = reading_spread(imu, t0, t1);
-    return spread.samples > 4 && spread.gyro < options.still_gyro && spread.accel < options.still_accel;
+    if (spread.samples < 5) return S(1e3);
+    const S gyro = spread.gyro / options.still_gyro, accel = spread.accel / options.still_accel;
+    return gyro > accel ? gyro : accel;
   }
 
-  /// The newest pose against a frame at t1.
-  bool still(std::int64_t t0, std::int64_t t1, const TrackPoint<S>* points, int n) const {
-    if (window.now.v_GI.squaredNorm() > S(0.04) || !imu_quiet(t0, t1)) return false;
-    return share_not_moved(tracks, window.newest().slot, points, n, options.still_pixels * S(1.5)) > S(0.6);
+  /// The newest pose against a frame at t1. What stood a moment ago may shake (motors start) as long as the image stays:
+  /// it is compared with the frame in which the standstill began.
+  bool still(std::int64_t t1, bool stood_lately, const TrackPoint<S>* points, int n) const {
+    if (window.now.v_GI.squaredNorm() > S(0.04) || !(shaking(t1) < (stood_lately ? S(25) : S(1)))) return false;
+    const int slot = window.newest().slot;
+    ImageMotion<S> motion;
+    for (int i = 0; i < n; ++i) {
+      const VioTrack<S>* track = tracks.find(points[i].id, points[i].camera);
+      if (track && track->in(slot)) motion.add(track->uv[slot], points[i].uv);
+    }
+    return motion.none(options.still_pixels);
   }
 };
 
@@ -83,23 +117,25 @@ S fold_zero(Window<S>* w, int column, const Vec3<S>& value, S sigma) {
 }
 
 /// The newest state moves on to t1 without moving: same pose, velocity zero. What a thing on a floor may do between
-/// two frames is added to the link's noise. False, and nothing changed, if the filter does not believe it.
+/// two frames is added to the link's noise, more if it shakes. False, and nothing changed, if the filter does not
+/// believe it.
 template <class S>
 bool propagate_still(Window<S>* w, const VioOptions<S>& options, const ImuHistory<S>& imu, std::int64_t t0,
-                     std::int64_t t1) {
+                     std::int64_t t1, S shaking) {
   ImuIntegral<S> I = integral_between(*w, options, imu, w->now, t0, t1);
+  const S more = shaking < S(1) ? S(1) : S(2) * shaking;
   for (int i = 0; i < 3; ++i) {
-    I.P(i, i) += S(1e-8);          // 0.1 mrad
-    I.P(3 + i, 3 + i) += S(1e-6);  // 1 mm/s
-    I.P(6 + i, 6 + i) += S(1e-8);  // 0.1 mm
+    I.P(i, i) += more * more * S(2.5e-7);          // 0.5 mrad
+    I.P(3 + i, 3 + i) += more * more * S(2.5e-5);  // 5 mm/s
+    I.P(6 + i, 6 + i) += more * more * S(2.5e-7);  // 0.5 mm
   }
   link_rows<S>(I, w->now, w->now, w->now_first, w->now_first, options.g, &w->link);
   if (!whiten(I, options.noise, &w->link)) return false;
   for (int i = 0; i < w->triangle_size(); ++i) w->saved[i] = w->triangle[i];
   const int newest = w->n_poses - 1;
   S distance = fold_link(w, newest, newest);
-  distance += fold_zero(w, 0, w->now.v_GI, options.still_velocity_sigma);
-  if (!(distance < S(40))) {  // 9 degrees of freedom; generous, the start of a standstill is rough
+  distance += fold_zero(w, 0, w->now.v_GI, more * options.still_velocity_sigma);
+  if (!(distance < chi_square_gate<S>(kMotionColumns))) {
     for (int i = 0; i < w->triangle_size(); ++i) w->triangle[i] = w->saved[i];
     return false;
   }

@@ -82,10 +82,23 @@ Vec3<S> gravity_on_sphere(const Mat3<S>& R_g, const Vec3<S>& d, S magnitude, Vec
   return g;
 }
 
+/// Weight of a track by how it fits v0 and g: rows free of the landmark, residuals as angles, `sigma` of them (Cauchy).
+template <class S>
+S alignment_weight(const S* rows, int m, const Vec3<S>& v0, const Vec3<S>& g, S sigma) {
+  S sum = S(0);
+  for (int i = 0; i < m; ++i) {
+    const S* row = rows + i * kAlignmentColumns;
+    S e = row[9];
+    for (int c = 0; c < 3; ++c) e -= row[3 + c] * v0(c) + row[6 + c] * g(c);
+    sum += e * e;
+  }
+  return S(1) / square_root(S(1) + sum / (S(m) * S(9) * sigma * sigma));
+}
+
 /// Folds one track's rows, weighted by the distances that v0 and g imply once they are known.
 template <class S>
 bool fold_alignment_track(Window<S>* w, const StartScratch<S>& s, const VioTrack<S>& track, bool weighted,
-                          const Vec3<S>& v0, const Vec3<S>& g, PackedTriangle<S>* R) {
+                          const Vec3<S>& v0, const Vec3<S>& g, S sigma, PackedTriangle<S>* R) {
   int m = alignment_rows<S>(*w, s, track, nullptr, v0, g, w->block);
   if (m < 8) return false;
   if (weighted) {
@@ -94,20 +107,24 @@ bool fold_alignment_track(Window<S>* w, const StartScratch<S>& s, const VioTrack
     m = alignment_rows<S>(*w, s, track, &l, v0, g, w->block);
   }
   reflect_leading_columns(w->block, m, kAlignmentColumns, kAlignmentColumns, 3, w->work);
+  if (weighted) {
+    const S weight = alignment_weight(w->block + 3 * kAlignmentColumns, m - 3, v0, g, sigma);
+    for (int i = 3 * kAlignmentColumns; i < m * kAlignmentColumns; ++i) w->block[i] *= weight;
+  }
   fold_rows(*R, w->block + 3 * kAlignmentColumns + 3, m - 3, kAlignmentColumns, 0, 6, w->work);
   return true;
 }
 
 /// One pass: all tracks folded, v0 and g solved.
 template <class S>
-bool alignment_pass(Window<S>* w, const TrackTable<S>& tracks, const StartScratch<S>& s, bool weighted, S magnitude,
+bool alignment_pass(Window<S>* w, const TrackTable<S>& tracks, const StartScratch<S>& s, bool weighted, S sigma, S magnitude,
                     Vec3<S>* v0, Vec3<S>* g) {
   S data[packed_size(7)];
   PackedTriangle<S> R(data, 7);
   R.clear();
   int used = 0;
   for (int k = 0; k < tracks.end(); ++k) {
-    if (tracks[k].used && fold_alignment_track(w, s, tracks[k], weighted, *v0, *g, &R)) ++used;
+    if (tracks[k].used && fold_alignment_track(w, s, tracks[k], weighted, *v0, *g, sigma, &R)) ++used;
   }
   if (used < 6) return false;
   Mat3<S> R_g = Mat3<S>::Zero();
@@ -140,8 +157,9 @@ bool align(Window<S>* w, const TrackTable<S>& tracks, const VioOptions<S>& optio
            StartScratch<S>* s) {
   const S magnitude = square_root(options.g.squaredNorm());
   Vec3<S> g = mean_gravity(*w, *s, magnitude), v0 = Vec3<S>::Zero();
-  for (int pass = 0; pass < 4; ++pass) {
-    if (!alignment_pass(w, tracks, *s, pass > 0, magnitude, &v0, &g)) return false;
+  const S sigma = S(2) * options.pixel_sigma / w->theta.camera[0].intrinsics(0);
+  for (int pass = 0; pass < 5; ++pass) {
+    if (!alignment_pass(w, tracks, *s, pass > 0, sigma, magnitude, &v0, &g)) return false;
   }
   s->x0.R_GI = origin.attitude(g, options.g);
   s->x0.v_GI = s->x0.R_GI * v0;

@@ -26,34 +26,52 @@ void pose_by_start(const State<S>& x0, const StartLink<S>& link, Mat<S, 6, kStat
   D->template block<3, 3>(3, 12) = x0.R_GI * link.p_bg;
 }
 
-/// Prior rows of the first state and the extrinsics on the diagonal of an empty triangle whose first column is given by
-/// `column(i)` for state entry i and `extrinsic(c)`. Place and heading are held: nothing measures them.
+/// Where the prior's rows go: first columns of theta, p, motion (v, b_a, b_g) and cameras, and columns per camera.
+struct StartColumns {
+  int theta, p, motion, camera, per_camera;
+};
+
+/// One row `a / sigma` at `column` with right-hand side -value / sigma.
 template <class S>
-void fold_start_prior(const Window<S>& w, const VioOptions<S>& options, const State<S>& x0, PackedTriangle<S>* R,
-                      int theta, int p, int motion, int extrinsic, S sigma_v, S* row, S* work) {
+void fold_prior_row(PackedTriangle<S>* R, int column, const Vec3<S>& a, S value, S sigma, S* row, S* work) {
   const int n = R->columns() - 1;
-  const auto fold = [&](int column, const Vec3<S>& a, S value, S sigma) {
-    for (int c = 0; c <= n; ++c) row[c] = S(0);
-    for (int c = 0; c < 3; ++c) row[column + c] = a(c) / sigma;
-    row[n] = -value / sigma;
-    fold_rows(*R, row, 1, n + 1, column, n, work);
-  };
-  const Mat3<S> I3 = Mat3<S>::Identity();
-  for (int i = 0; i < 3; ++i) {
-    fold(theta, x0.R_GI.row(i).transpose(), S(0), i == 2 ? S(1e-3) : S(0.5));  // error seen in G: roll, pitch, yaw
-    fold(p, I3.col(i), S(0), S(1e-3));
-    fold(motion, I3.col(i), S(0), sigma_v);
-    fold(motion + 3, I3.col(i), x0.b_a(i), options.sigma_b_a);
-    fold(motion + 6, I3.col(i), x0.b_g(i), options.sigma_b_g);
-  }
+  for (int c = 0; c <= n; ++c) row[c] = S(0);
+  for (int c = 0; c < 3 && column + c < n; ++c) row[column + c] = a(c) / sigma;
+  row[n] = -value / sigma;
+  fold_rows(*R, row, 1, n + 1, column, n, work);
+}
+
+/// Prior of the cameras, at what was given from outside.
+template <class S>
+void fold_camera_prior(const Window<S>& w, const VioOptions<S>& options, PackedTriangle<S>* R, const StartColumns& at,
+                       S* row, S* work) {
   for (int c = 0; c < w.theta.n_cameras; ++c) {
     const CameraCalibration<S>&now = w.theta.camera[c], &given = w.given.camera[c];
     const Vec3<S> r = so3_log<S>(now.R_CI * given.R_CI.transpose()), dp = now.p_CI - given.p_CI;
-    for (int i = 0; i < 3; ++i) {
-      fold(extrinsic + kExtrinsicColumns * c, I3.col(i), r(i), options.sigma_r_CI);
-      fold(extrinsic + kExtrinsicColumns * c + 3, I3.col(i), dp(i), options.sigma_p_CI);
+    for (int i = 0; i < at.per_camera; ++i) {
+      const S sigma = camera_sigma(options, given, i);
+      if (sigma == S(0)) continue;
+      const S value = i < 3 ? r(i) : i < kExtrinsicColumns ? dp(i - 3) : S(0);
+      fold_prior_row<S>(R, at.camera + at.per_camera * c + i, Vec3<S>(S(1), S(0), S(0)), value, sigma, row, work);
     }
   }
+}
+
+/// Prior of the first state and the cameras. Place and heading are held: nothing measures them.
+template <class S>
+void fold_start_prior(const Window<S>& w, const VioOptions<S>& options, const State<S>& x0, PackedTriangle<S>* R,
+                      const StartColumns& at, S sigma_v, S* row, S* work) {
+  const Mat3<S> unit = Mat3<S>::Identity();
+  for (int i = 0; i < 3; ++i) {
+    const Vec3<S> error_in_G = x0.R_GI.row(i).transpose();  // roll, pitch, yaw
+    const Vec3<S> e = unit.col(i);
+    fold_prior_row<S>(R, at.theta, error_in_G, S(0), i == 2 ? S(1e-3) : S(0.5), row, work);
+    fold_prior_row<S>(R, at.p, e, S(0), S(1e-3), row, work);
+    fold_prior_row<S>(R, at.motion, e, S(0), sigma_v, row, work);
+    fold_prior_row<S>(R, at.motion + 3, e, x0.b_a(i), options.sigma_b_a, row, work);
+    fold_prior_row<S>(R, at.motion + 6, e, x0.b_g(i), options.sigma_b_g, row, work);
+  }
+  fold_camera_prior(w, options, R, at, row, work);
 }
 
 /// Cost and number of the window's image rows.
@@ -116,7 +134,7 @@ RefineFit<S> linearise_start(Window<S>* w, const TrackTable<S>& tracks, const Vi
   integrate_links(*w, options, imu, s);
   place_poses(w, options, *s);
   R->clear();
-  fold_start_prior(*w, options, s->x0, R, 0, 3, 6, kStateColumns, S(3), w->block, w->work);
+  fold_start_prior(*w, options, s->x0, R, {0, 3, 6, kStateColumns, kExtrinsicColumns}, S(3), w->block, w->work);
   RefineFit<S> fit;
   const int n = R->columns() - 1;
   for (int j = 0; j < n; ++j) fit.cost += (*R)(j, n) * (*R)(j, n);
@@ -184,6 +202,31 @@ RefineFit<S> refine_start(Window<S>* w, const TrackTable<S>& tracks, const VioOp
     if (lambda > S(10)) break;
   }
   return fit;
+}
+
+/// Tracks that do not fit the refined window are mismatches or things that move: they are not offered to the filter.
+template <class S>
+int discard_misfits(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, S pixel_scale) {
+  int discarded = 0;
+  const S sigma = options.pixel_sigma * pixel_scale;
+  for (int k = 0; k < tracks->end(); ++k) {
+    VioTrack<S>& track = (*tracks)[k];
+    const TrackView<S> view = view_of(*w, track);
+    if (!track.used || view.n < kMinTrackLength) continue;
+    Landmark<S> l;
+    S cost = S(0);
+    bool good = triangulate(*w, view, S(4) * sigma, w->block, &l);
+    for (int i = 0; good && i < view.n; ++i) {
+      const WindowPose<S>& pose = w->pose[view.pose[i]];
+      Vec2<S> r;
+      good = reprojection_residual(w->theta.camera[track.camera], pose.R_GI, pose.p_GI, l, view.uv(*w, i), &r);
+      if (good) cost += r.squaredNorm();
+    }
+    if (good && cost < S(2) * sigma * sigma * chi_square_gate<S>(2 * view.n - 3)) continue;
+    track.slots = 0;
+    ++discarded;
+  }
+  return discarded;
 }
 
 }  // namespace SEGCAL_NS

@@ -3,7 +3,8 @@
 // Mourikis and Roumeliotis 2007 (MSCKF): past camera poses stay in the state, landmarks are eliminated.
 // Wu et al. 2015 (square-root inverse filter): the state's information is an upper triangle R, which single precision
 // can hold. Huang et al. (first-estimate Jacobians): the filter must not learn its place or heading from nothing.
-// The extrinsics are states of the filter; all other calibration is taken as given (paper, Sec. IV-B).
+// The extrinsics are states of the filter (paper, Sec. IV-B); so are the intrinsics, unless switched off: a wrong focal
+// length would otherwise be explained by a wrong lever arm p_CI. The IMU's calibration is taken as given.
 #pragma once
 
 #include "vio/standstill.h"
@@ -23,7 +24,7 @@ class Vio {
   /// Forgets everything and waits for frames.
   void reset(const Calibration<S>& theta, const VioOptions<S>& options);
 
-  /// A new calibration for the running filter. Its extrinsics replace the filter's own, with the smaller prior.
+  /// A new calibration for the running filter. Its cameras replace the filter's own, with a smaller prior.
   void set_calibration(const Calibration<S>& theta);
 
   /// The next frame of all cameras, stamps in IMU time. `imu` must cover the time since the last frame up to t_ns.
@@ -36,7 +37,7 @@ class Vio {
   /// Covariance of state(), error order [theta p v b_a b_g].
   void covariance(Mat<S, kStateColumns, kStateColumns>* P) { state_covariance(&window_, P); }
 
-  /// The filter's estimate of the extrinsics, inside the calibration it runs with.
+  /// The calibration that the filter runs with; its cameras are the filter's own estimates.
   const Calibration<S>& calibration() const { return window_.theta; }
   const Mat3<S>& R_CI(int camera) const { return window_.theta.camera[camera].R_CI; }
   const Vec3<S>& p_CI(int camera) const { return window_.theta.camera[camera].p_CI; }
@@ -68,7 +69,10 @@ class Vio {
   Origin<S> origin_;  ///< where the next start places the device: the last place known
   VioStatistics statistics_;
   std::int64_t time_, last_update_;
+  std::int32_t moving_frames_;  ///< since the last standstill
   bool running_, still_;
+
+  static constexpr std::int32_t kLately = 20;  // two seconds
 };
 
 template <class S>
@@ -85,6 +89,7 @@ void Vio<S>::reset(const Calibration<S>& theta, const VioOptions<S>& options) {
 template <class S>
 void Vio<S>::forget() {
   running_ = still_ = false;
+  moving_frames_ = kLately;
   window_.clear();
   tracks_.clear(window_.theta.n_cameras);
 }
@@ -94,7 +99,7 @@ void Vio<S>::set_calibration(const Calibration<S>& theta) {
   window_.replace_calibration(theta);
   if (!running_) return;
   for (int c = 0; c < theta.n_cameras; ++c) {
-    replace_extrinsic_prior(&window_, c, options_.sigma_r_CI_calibrated, options_.sigma_p_CI_calibrated);
+    replace_camera_prior(&window_, c, options_);
   }
 }
 
@@ -130,6 +135,7 @@ VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n,
   if (!initialise(&window_, &tracks_, &start_, options_, origin_, imu)) return VioStatus::initialising;
   running_ = true;
   still_ = start_.still;
+  moving_frames_ = still_ ? 0 : kLately;
   ++statistics_.starts;
   monitor_ = ResidualMonitor<S>();
   monitor_.scale = start_.pixel_scale;
@@ -143,8 +149,9 @@ VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n,
 template <class S>
 VioStatus Vio<S>::track(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
   const StillTest<S> test{options_, window_, tracks_, imu};
-  still_ = test.still(time_, t_ns, points, n);
-  if (still_) still_ = propagate_still(&window_, options_, imu, time_, t_ns);
+  still_ = test.still(t_ns, moving_frames_ < kLately, points, n);
+  if (still_) still_ = propagate_still(&window_, options_, imu, time_, t_ns, test.shaking(t_ns));
+  moving_frames_ = still_ ? 0 : moving_frames_ + 1;
   if (still_) {
     ++statistics_.standstill_frames;
     last_update_ = t_ns;
@@ -184,7 +191,7 @@ bool Vio<S>::healthy() const {
   if (!is_finite(speed2) || !is_finite(place2) || !is_finite(x.R_GI.sum())) return false;
   if (speed2 > options_.max_speed * options_.max_speed) return false;
   if (x.b_g.squaredNorm() > S(1) || x.b_a.squaredNorm() > S(9)) return false;
-  if (S(time_ - last_update_) * S(1e-9) > S(2) * options_.max_gap_s) return false;
+  if (S(time_ - last_update_) * S(1e-9) > options_.max_blind_s) return false;
   return !monitor_.failing();
 }
 
@@ -192,7 +199,7 @@ template <class S>
 VioStatus Vio<S>::give_up() {
   ++statistics_.restarts;
   origin_.remember(window_.now);
-  window_.restore_extrinsics();
+  window_.restore_cameras();
   forget();
   return VioStatus::lost;
 }

@@ -16,7 +16,8 @@ bool open_window(Window<S>* w, const VioOptions<S>& options, const ImuHistory<S>
   PackedTriangle<S> R = w->R();
   R.clear();
   for (int c = 0; c < w->theta.n_cameras; ++c) w->camera_first[c] = w->theta.camera[c];
-  fold_start_prior(*w, options, x0, &R, pose_column(0), pose_column(0) + 3, 0, extrinsic_column(0), sigma_v, w->block,
+  fold_start_prior(*w, options, x0, &R,
+                   {pose_column(0), pose_column(0) + 3, 0, camera_column(0), kMaxCameraColumns}, sigma_v, w->block,
                    w->work);
   w->now = w->now_first = x0;
   for (int i = 1; i < w->n_poses; ++i) {
@@ -42,15 +43,13 @@ bool window_at_rest(const Window<S>& w, const TrackTable<S>& tracks, const VioOp
   if (S(t1 - t0) * S(1e-9) < S(0.45)) return false;
   const ReadingSpread<S> spread = reading_spread(imu, t0, t1);
   if (spread.gyro > options.still_gyro || spread.accel > options.still_accel) return false;
-  int common = 0, still = 0;
+  const int first = w.pose[0].slot, last = w.newest().slot;
+  ImageMotion<S> motion;
   for (int k = 0; k < tracks.end(); ++k) {
     const VioTrack<S>& track = tracks[k];
-    if (!track.used || !track.in(w.pose[0].slot) || !track.in(w.newest().slot)) continue;
-    ++common;
-    const S limit = S(1.5) * options.still_pixels;
-    if ((track.uv[w.pose[0].slot] - track.uv[w.newest().slot]).squaredNorm() < limit * limit) ++still;
+    if (track.used && track.in(first) && track.in(last)) motion.add(track.uv[first], track.uv[last]);
   }
-  return common >= 8 && S(still) > S(0.7) * S(common);
+  return motion.none(options.still_pixels);
 }
 
 /// What rest tells: v = 0, b_g = mean rate, and mean specific force = R_IG (-g) + b_a.
@@ -131,8 +130,12 @@ bool start_in_motion(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& o
   estimate_gyro_bias(*w, *tracks, options, imu, s);
   if (!align(w, *tracks, options, origin, s)) return false;
   PackedTriangle<S> R(w->saved, kStateColumns + kExtrinsicColumns * w->theta.n_cameras + 1);
-  const RefineFit<S> fit = refine_start(w, *tracks, options, imu, s, &R);
+  RefineFit<S> fit = refine_start(w, *tracks, options, imu, s, &R);
   if (!acceptable(w, fit, R, s)) return false;
+  if (discard_misfits(w, tracks, options, s->pixel_scale) > 0) {
+    fit = refine_start(w, *tracks, options, imu, s, &R);
+    if (!acceptable(w, fit, R, s)) return false;
+  }
   return open_window(w, options, imu, s->x0, S(3));
 }
 

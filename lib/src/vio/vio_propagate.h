@@ -90,13 +90,13 @@ int propagate(Window<S>* w, const VioOptions<S>& options, const ImuHistory<S>& i
 template <class S>
 void close_gap(Window<S>* w) {
   PackedTriangle<S> R = w->R();
-  const int n = w->columns(), last = pose_column(kWindow - 1), extrinsics = extrinsic_column(0);
+  const int n = w->columns(), last = pose_column(kWindow - 1), cameras = camera_column(0);
   for (int j = kMotionColumns; j < last; ++j) {
     for (int c = j; c < last; ++c) R.row(j)[c] = R(j + kPoseColumns, c + kPoseColumns);
-    for (int c = last; c < extrinsics; ++c) R.row(j)[c] = S(0);
-    for (int c = extrinsics; c <= n; ++c) R.row(j)[c] = R(j + kPoseColumns, c);
+    for (int c = last; c < cameras; ++c) R.row(j)[c] = S(0);
+    for (int c = cameras; c <= n; ++c) R.row(j)[c] = R(j + kPoseColumns, c);
   }
-  for (int j = last; j < extrinsics; ++j) {
+  for (int j = last; j < cameras; ++j) {
     for (int c = j; c <= n; ++c) R.row(j)[c] = S(0);
   }
 }
@@ -106,7 +106,7 @@ template <class S>
 void drop_oldest(Window<S>* w) {
   constexpr int rows = kMotionColumns + kPoseColumns;
   PackedTriangle<S> R = w->R();
-  const int n = w->columns(), last = pose_column(kWindow - 1), extrinsics = extrinsic_column(0);
+  const int n = w->columns(), last = pose_column(kWindow - 1), cameras = camera_column(0);
   w->clear_block(rows);
   for (int j = 0; j < rows; ++j) {
     S* row = w->block + j * kBlockStride;
@@ -119,8 +119,8 @@ void drop_oldest(Window<S>* w) {
   for (int j = 0; j < kMotionColumns; ++j) {
     const S* row = w->block + (kPoseColumns + j) * kBlockStride + kPoseColumns;  // columns counted after the pose
     for (int c = j; c < last; ++c) R.row(j)[c] = row[c];
-    for (int c = last; c < extrinsics; ++c) R.row(j)[c] = S(0);
-    for (int c = extrinsics; c <= n; ++c) R.row(j)[c] = row[c - kPoseColumns];
+    for (int c = last; c < cameras; ++c) R.row(j)[c] = S(0);
+    for (int c = cameras; c <= n; ++c) R.row(j)[c] = row[c - kPoseColumns];
   }
   w->forget_oldest();
 }

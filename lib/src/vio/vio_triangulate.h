@@ -59,11 +59,17 @@ bool guess_landmark(const Window<S>& w, const TrackView<S>& view, Landmark<S>* l
   return true;
 }
 
-/// One normal step of the landmark alone: rows [J_l 3 | -r] reduced by reflections in `rows` (2 n x 4).
+/// Landmarks are taken to be some metres away, or anywhere beyond: inverse distance 0 with this sigma, 1/m. It hardly
+/// touches a landmark with parallax; without parallax it keeps the noise of the points from becoming a near landmark,
+/// which would then seem to tell about the camera's translation.
+template <class S>
+constexpr S kInverseDistanceSigma = S(5);
+
+/// One normal step of the landmark alone: rows [J_l 3 | -r] reduced by reflections in `rows` (2 n + 1 x 4).
 /// `cost` is the sum of squares before the step.
 template <class S>
-bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<S>& l, S* rows, S* work, S* step,
-                   S* pivot_rho, S* cost) {
+bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<S>& l, S pixel_sigma, S* rows,
+                   S* work, S* step, S* pivot_rho, S* cost) {
   const CameraCalibration<S>& camera = w.theta.camera[view.track->camera];
   *cost = S(0);
   for (int i = 0; i < view.n; ++i) {
@@ -76,27 +82,32 @@ bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<
     }
     *cost += row.r.squaredNorm();
   }
-  reflect_leading_columns(rows, 2 * view.n, 4, 4, 3, work);
+  const S prior = pixel_sigma / kInverseDistanceSigma<S>;
+  S* last = rows + 8 * view.n;
+  last[0] = last[1] = S(0);
+  last[2] = prior;
+  last[3] = -prior * l.rho;
+  *cost += last[3] * last[3];
+  reflect_leading_columns(rows, 2 * view.n + 1, 4, 4, 3, work);
   *pivot_rho = absolute(rows[2 * 4 + 2]);
   for (int j = 2; j >= 0; --j) {
     S sum = rows[j * 4 + 3];
     for (int c = j + 1; c < 3; ++c) sum -= rows[j * 4 + c] * step[c];
     const S p = rows[j * 4 + j];
-    // Without parallax the distance stays where it is: the landmark is a direction.
-    step[j] = absolute(p) > S(j == 2 ? 1e-1 : 1e-6) ? sum / p : S(0);
+    step[j] = absolute(p) > S(1e-6) ? sum / p : S(0);
   }
   return true;
 }
 
-/// Fits the landmark to its observations at the window's estimates. `scratch` holds 8 kWindow + 4 entries.
+/// Fits the landmark to its observations at the window's estimates. `scratch` holds 8 kWindow + 8 entries.
 /// False: no convergence, behind a camera, closer than 5 cm.
 template <class S>
 bool triangulate(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l) {
   if (!guess_landmark(w, view, l)) return false;
-  S* work = scratch + 8 * kWindow;
+  S* work = scratch + 8 * kWindow + 4;
   S step[3], pivot, cost = S(0), last = S(-1);
   for (int iteration = 0; iteration < 6; ++iteration) {
-    if (!landmark_step(w, view, *l, scratch, work, step, &pivot, &cost)) return false;
+    if (!landmark_step(w, view, *l, pixel_sigma, scratch, work, step, &pivot, &cost)) return false;
     const S limit = S(0.5) * (absolute(l->rho) + S(0.2));
     if (step[2] > limit) step[2] = limit;
     if (step[2] < -limit) step[2] = -limit;

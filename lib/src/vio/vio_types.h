@@ -18,16 +18,19 @@ struct VioOptions {
   S frame_interval_s = S(0.1);     ///< frames closer than this to the last one used are skipped
   S sigma_r_CI = S(0.05);          ///< rad; extrinsic rotation before any calibration
   S sigma_p_CI = S(0.03);          ///< m
-  S sigma_r_CI_calibrated = S(0.005);  ///< rad; after set_calibration()
-  S sigma_p_CI_calibrated = S(0.005);  ///< m
+  S sigma_focal = S(0.04);         ///< share of f; 0: the intrinsics are taken as exact
+  S sigma_centre = S(10);          ///< px
+  S sigma_distortion = S(0.05);    ///< of each coefficient
+  S calibrated_share = S(0.15);    ///< after set_calibration() these five sigmas are this much of what they were
   S sigma_b_a = S(0.2);            ///< m/s^2; bias of an unknown device
   S sigma_b_g = S(0.1);            ///< rad/s
   S still_velocity_sigma = S(0.005);  ///< m/s; what "stands still" may hide
-  S still_pixels = S(0.5);         ///< px; median motion of the tracks below which the camera may stand still
-  S still_accel = S(0.15);         ///< m/s^2; standard deviation of the accelerometer at rest, at most
-  S still_gyro = S(0.02);          ///< rad/s; the same for the gyroscope
+  S still_pixels = S(0.4);         ///< px; common motion of the tracks below which the camera may stand still
+  S still_accel = S(0.1);          ///< m/s^2; standard deviation of the accelerometer at rest, at most
+  S still_gyro = S(0.012);         ///< rad/s; the same for the gyroscope
   S max_speed = S(10);             ///< m/s; faster: the filter has diverged
-  S max_gap_s = S(0.6);            ///< s between processed frames, or without usable features; longer: start again
+  S max_gap_s = S(0.6);            ///< s between processed frames; longer: start again
+  S max_blind_s = S(2);            ///< s without a usable feature; longer: start again
 };
 
 enum class VioStatus : std::int32_t {

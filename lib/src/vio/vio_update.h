@@ -8,14 +8,6 @@ namespace SEGCAL_NS {
 constexpr int kMinTrackLength = 3;
 constexpr int kMaxFeaturesPerFrame = 30;  // bounds the time of a frame
 
-/// Upper 1 % point of chi-square (Wilson and Hilferty).
-template <class S>
-S chi_square_gate(int dof) {
-  const S k = S(2) / (S(9) * S(dof));
-  const S root = S(1) - k + S(2.326) * square_root(k);
-  return S(dof) * root * root * root;
-}
-
 /// Follows how large residuals are against their sigmas. A calibration that does not fit yet makes them all larger:
 /// then the pixel sigma grows with them, and shrinks again when they do.
 template <class S>
@@ -38,17 +30,18 @@ struct ResidualMonitor {
 /// Writes the rows of one feature into the block: the landmark's three columns just before the first pose's.
 /// Returns the number of rows, 0 where a point has no image.
 template <class S>
-int feature_rows(Window<S>* w, const TrackView<S>& view, const Landmark<S>& l, S pixel_sigma) {
+int feature_rows(Window<S>* w, const TrackView<S>& view, const Landmark<S>& l, S pixel_sigma,
+                 int camera_columns) {
   const int camera_index = view.track->camera, n = w->columns();
   const CameraCalibration<S>& camera = w->theta.camera[camera_index];
   const int landmark = pose_column(view.pose[0]) - kLandmarkColumns;
   const S weight = S(1) / pixel_sigma;
-  w->clear_block(2 * view.n);
+  w->clear_block(2 * view.n + 1);
   for (int i = 0; i < view.n; ++i) {
     const WindowPose<S>& pose = w->pose[view.pose[i]];
     ReprojectionRows<S> rows;
     Vec2<S> r;
-    // Jacobians at first estimates of pose and extrinsics, residual at the present ones.
+    // Jacobians at first estimates of pose and camera, residual at the present ones.
     if (!reprojection_rows(w->camera_first[camera_index], pose.R_first, pose.p_first, pose.R_first, pose.p_first, l,
                            view.uv(*w, i), &rows)) return 0;
     if (!reprojection_residual(camera, pose.R_GI, pose.p_GI, l, view.uv(*w, i), &r)) return 0;
@@ -56,11 +49,14 @@ int feature_rows(Window<S>* w, const TrackView<S>& view, const Landmark<S>& l, S
       S* row = w->block + (2 * i + k) * kBlockStride;
       for (int c = 0; c < kLandmarkColumns; ++c) row[landmark + c] = rows.J_l(k, c) * weight;
       for (int c = 0; c < kPoseColumns; ++c) row[pose_column(view.pose[i]) + c] = rows.J_pose(k, c) * weight;
-      for (int c = 0; c < kExtrinsicColumns; ++c) row[extrinsic_column(camera_index) + c] = rows.J_camera(k, c) * weight;
+      for (int c = 0; c < camera_columns; ++c) row[camera_column(camera_index) + c] = rows.J_camera(k, c) * weight;
       row[n] = -r(k) * weight;
     }
   }
-  return 2 * view.n;
+  S* distance = w->block + 2 * view.n * kBlockStride;
+  distance[landmark + 2] = S(1) / kInverseDistanceSigma<S>;
+  distance[n] = -l.rho / kInverseDistanceSigma<S>;
+  return 2 * view.n + 1;
 }
 
 /// Eliminates the landmark and folds the rest into R, unless the gate refuses it: the residual that R cannot absorb is
@@ -87,9 +83,10 @@ bool use_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& opti
   const TrackView<S> view = view_of(*w, track);
   if (view.n < kMinTrackLength) return false;
   const S sigma = options.pixel_sigma * monitor->scale;
+  const int camera_columns = options.sigma_focal > S(0) ? kMaxCameraColumns : kExtrinsicColumns;
   Landmark<S> l;
   int rows = 0;
-  if (triangulate(*w, view, sigma, w->block, &l)) rows = feature_rows(w, view, l, sigma);
+  if (triangulate(*w, view, sigma, w->block, &l)) rows = feature_rows(w, view, l, sigma, camera_columns);
   if (rows == 0) {
     ++statistics->not_triangulated;
     return false;

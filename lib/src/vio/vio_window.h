@@ -1,7 +1,7 @@
 // The filter's state and its square-root information.
 //
-// Columns of the triangle R: [v b_a b_g of the newest state 9 | poses, oldest first, 6 each | extrinsics 6 per camera |
-// right-hand side]. With this order everything that leaves the state stands at the front: the old motion when time
+// Columns of the triangle R: [v b_a b_g of the newest state 9 | poses, oldest first, 6 each | cameras 14 each
+// (extrinsics, intrinsics) | right-hand side]. With this order everything that leaves the state stands at the front: the old motion when time
 // moves on, and the oldest pose after a swap of the first 15 rows. Places without a pose are zero rows and columns.
 // R delta = d, where delta is the error of the estimates; after an update the estimates have moved and d is zero.
 #pragma once
@@ -15,14 +15,15 @@ namespace SEGCAL_NS {
 constexpr int kWindow = SEGCAL_MAX_CLONES + 1;  // past poses and the newest
 constexpr int kPoseColumns = 6;                 // theta, p
 constexpr int kMotionColumns = 9;               // v, b_a, b_g
-constexpr int kFilterColumns = kMotionColumns + kPoseColumns * kWindow + kExtrinsicColumns * kMaxCameras;
+constexpr int kFilterColumns = kMotionColumns + kPoseColumns * kWindow + kMaxCameraColumns * kMaxCameras;
 constexpr int kLinkRows = 15;
 // The scratch block holds a link with the leading rows of R and room for the new motion, or the rows of one feature.
 constexpr int kBlockStride = kFilterColumns + 1 + kMotionColumns;
-constexpr int kBlockRows = 2 * kWindow > kLinkRows + kMotionColumns ? 2 * kWindow : kLinkRows + kMotionColumns;
+constexpr int kFeatureRows = 2 * kWindow + 1;  // the last one: what is known about distances
+constexpr int kBlockRows = kFeatureRows > kLinkRows + kMotionColumns ? kFeatureRows : kLinkRows + kMotionColumns;
 
 constexpr int pose_column(int i) { return kMotionColumns + kPoseColumns * i; }
-constexpr int extrinsic_column(int camera) { return pose_column(kWindow) + kExtrinsicColumns * camera; }
+constexpr int camera_column(int camera) { return pose_column(kWindow) + kMaxCameraColumns * camera; }
 /// Column of entry i of the newest state's errors [theta p v b_a b_g], its pose being number `newest`.
 constexpr int state_column(int i, int newest) { return i < kPoseColumns ? pose_column(newest) + i : i - kPoseColumns; }
 
@@ -36,9 +37,9 @@ struct WindowPose {
 
 template <class S>
 struct Window {
-  Calibration<S> theta;              ///< the extrinsics in it are the filter's estimates
+  Calibration<S> theta;              ///< its cameras are the filter's estimates
   Calibration<S> given;              ///< as given from outside
-  CameraCalibration<S> camera_first[kMaxCameras];  ///< theta's cameras at the extrinsics' first estimates
+  CameraCalibration<S> camera_first[kMaxCameras];  ///< theta's cameras at their first estimates
   WindowPose<S> pose[kWindow];
   State<S> now, now_first;           ///< newest state; its pose is that of newest()
   std::int32_t n_poses;
@@ -48,7 +49,7 @@ struct Window {
   S work[kBlockStride];
   ImuRows<S> link;
 
-  int columns() const { return extrinsic_column(theta.n_cameras); }
+  int columns() const { return camera_column(theta.n_cameras); }
   PackedTriangle<S> R() { return PackedTriangle<S>(triangle, columns() + 1); }
   int triangle_size() const { return packed_size(columns() + 1); }
   WindowPose<S>& newest() { return pose[n_poses - 1]; }
@@ -59,7 +60,7 @@ struct Window {
     clear();
   }
 
-  /// No poses, no information; the extrinsics' first estimates are the present ones.
+  /// No poses, no information; the cameras' first estimates are the present ones.
   void clear() {
     n_poses = 0;
     R().clear();
@@ -72,8 +73,8 @@ struct Window {
     for (int c = 0; c < theta.n_cameras; ++c) camera_first[c] = theta.camera[c];
   }
 
-  /// Extrinsics of a lost filter are not to be trusted.
-  void restore_extrinsics() { replace_calibration(Calibration<S>(given)); }
+  /// The cameras of a lost filter are not to be trusted.
+  void restore_cameras() { replace_calibration(Calibration<S>(given)); }
 
   /// A pose at `time` without an estimate yet; returns its slot. There must be room.
   int append_empty(std::int64_t time) {
@@ -97,6 +98,14 @@ struct Window {
     for (int i = 0; i < rows * kBlockStride; ++i) block[i] = S(0);
   }
 };
+
+/// Upper 1 % point of chi-square (Wilson and Hilferty).
+template <class S>
+S chi_square_gate(int dof) {
+  const S k = S(2) / (S(9) * S(dof));
+  const S root = S(1) - k + S(2.326) * square_root(k);
+  return S(dof) * root * root * root;
+}
 
 /// Folds `rows` rows of the block (absolute columns, zero before `first`) into R.
 /// Returns the squared norm of what R cannot absorb: the innovation's Mahalanobis distance if d was zero.
@@ -135,8 +144,10 @@ void apply_update(Window<S>* w) {
   w->now.b_g += three(6);
   for (int c = 0; c < w->theta.n_cameras; ++c) {
     CameraCalibration<S>& camera = w->theta.camera[c];
-    camera.R_CI = renormalised<S>(so3_exp<S>(three(extrinsic_column(c))) * camera.R_CI);
-    camera.p_CI += three(extrinsic_column(c) + 3);
+    camera.R_CI = renormalised<S>(so3_exp<S>(three(camera_column(c))) * camera.R_CI);
+    camera.p_CI += three(camera_column(c) + 3);
+    for (int i = 0; i < 4; ++i) camera.intrinsics(i) += d[camera_column(c) + kExtrinsicColumns + i];
+    for (int i = 0; i < 4; ++i) camera.distortion(i) += d[camera_column(c) + kExtrinsicColumns + 4 + i];
   }
 }
 
@@ -174,20 +185,31 @@ void state_covariance(Window<S>* w, Mat<S, kStateColumns, kStateColumns>* P) {
 template <class S>
 void extrinsics_sigma(Window<S>* w, int camera, Vec<S, kExtrinsicColumns>* sigma) {
   for (int i = 0; i < kExtrinsicColumns; ++i) {
-    covariance_factor(w->R(), w->columns(), extrinsic_column(camera) + i, w->block);
+    covariance_factor(w->R(), w->columns(), camera_column(camera) + i, w->block);
     (*sigma)(i) = square_root(factor_product<S>(w->block, w->block, w->columns()));
   }
 }
 
-/// What was learnt about the extrinsics is replaced by a prior at their new values; the poses, given the extrinsics,
-/// are believed as before. (The extrinsics stand last: their own rows hold exactly their marginal information.)
+/// Prior sigma of column i of camera c; 0: the column is not estimated.
 template <class S>
-void replace_extrinsic_prior(Window<S>* w, int camera, S sigma_r, S sigma_p) {
+S camera_sigma(const VioOptions<S>& options, const CameraCalibration<S>& camera, int i) {
+  if (i < 3) return options.sigma_r_CI;
+  if (i < kExtrinsicColumns) return options.sigma_p_CI;
+  if (options.sigma_focal == S(0) || i >= camera.columns()) return S(0);
+  if (i < kExtrinsicColumns + 2) return options.sigma_focal * camera.intrinsics(0);
+  return i < kExtrinsicColumns + 4 ? options.sigma_centre : options.sigma_distortion;
+}
+
+/// What was learnt about a camera is replaced by a prior at its new values; the poses, given the camera, are believed
+/// as before. (The cameras stand last: their own rows hold exactly their marginal information.)
+template <class S>
+void replace_camera_prior(Window<S>* w, int camera, const VioOptions<S>& options) {
   PackedTriangle<S> R = w->R();
-  for (int i = 0; i < kExtrinsicColumns; ++i) {
-    const int j = extrinsic_column(camera) + i;
+  for (int i = 0; i < kMaxCameraColumns; ++i) {
+    const int j = camera_column(camera) + i;
     for (int c = j; c <= w->columns(); ++c) R.row(j)[c] = S(0);
-    R.row(j)[j] = S(1) / (i < 3 ? sigma_r : sigma_p);
+    const S sigma = options.calibrated_share * camera_sigma(options, w->theta.camera[camera], i);
+    if (sigma > S(0)) R.row(j)[j] = S(1) / sigma;
   }
 }
 

@@ -1,6 +1,7 @@
 // The C API of one profile behind host::Core. Compiled once per profile; all names that depend on capacities are in
 // that profile's own namespace.
-#include <cmath>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 

@@ -1,0 +1,186 @@
+// The same least-squares problem as the core's elimination, stacked as one dense matrix and solved by Eigen in double.
+//
+// Columns: for each segment [states 15 K | landmarks 3 L], then theta; the right-hand side apart. Only the rows of single
+// measurements (reprojection_rows, link_rows) come from the core; order, whitening, weights and priors are written here.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <vector>
+
+#include "calibration/prior.h"
+#include "segments/elimination.h"
+
+namespace test {
+
+using namespace SEGCAL_NS;
+
+class DenseProblem {
+ public:
+  DenseProblem(const std::vector<const Segment<double>*>& segments, const Calibration<double>& theta,
+               const MeasurementModel<double>& model, double damping)
+      : segments_(segments), theta_(theta), model_(model), damping_(damping) {
+    for (const Segment<double>* s : segments) {
+      first_.push_back(nuisance_);
+      nuisance_ += kStateColumns * s->n_keyframes + 3 * s->n_landmarks;
+    }
+    for (std::size_t i = 0; i < segments.size(); ++i) add_segment(static_cast<int>(i));
+  }
+
+  int state_column(int s, int k) const { return first_[s] + kStateColumns * k; }
+  int landmark_column(int s, int j) const { return state_column(s, segments_[s]->n_keyframes) + 3 * j; }
+  int theta_column() const { return nuisance_; }
+  int columns() const { return nuisance_ + theta_.columns(); }
+
+  /// Segment s hangs on the segment before it.
+  void join(int s, Join how, double gap_s) {
+    const Segment<double>& segment = *segments_[s];
+    const int k = segments_[s - 1]->n_keyframes - 1;
+    const State<double>&guest = segments_[s - 1]->states.x[k], &x = segment.states.x[0];
+    if (how == Join::imu) {
+      add_link(segment.integrate(0, theta_.imu, guest.b_a, guest.b_g, model_.imu), guest, x, state_column(s - 1, k),
+               state_column(s, 0));
+      return;
+    }
+    for (int i = 0; i < 6; ++i) {
+      const double w = 1 / ((i < 3 ? model_.imu.accel_walk : model_.imu.gyro_walk) * std::sqrt(gap_s));
+      const double r = i < 3 ? x.b_a(i) - guest.b_a(i) : x.b_g(i - 3) - guest.b_g(i - 3);
+      Eigen::VectorXd row = Eigen::VectorXd::Zero(columns());
+      row(state_column(s, 0) + 9 + i) = w;
+      row(state_column(s - 1, k) + 9 + i) = -w;
+      add_row(row, -w * r);
+    }
+  }
+
+  /// Position and yaw of a segment's first keyframe are held.
+  void hold_gauge(int s) {
+    const State<double>& x = segments_[s]->states.x[0];
+    const Vec3<double> up = x.R_GI.transpose() * -model_.g.normalized();
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(columns());
+    row.segment<3>(state_column(s, 0)) = 1e3 * up;
+    add_row(row, 0);
+    for (int i = 0; i < 3; ++i) add_single(state_column(s, 0) + 3 + i, 1e3, 0);
+  }
+
+  void add_bias_prior(int s) {
+    const State<double>& x = segments_[s]->states.x[0];
+    for (int i = 0; i < 3; ++i) {
+      add_single(state_column(s, 0) + 9 + i, 1 / model_.bias_a_sigma, x.b_a(i));
+      add_single(state_column(s, 0) + 12 + i, 1 / model_.bias_g_sigma, x.b_g(i));
+    }
+  }
+
+  void add_theta_prior(const ThetaPrior<double>& prior) {
+    double offset[kMaxTheta];
+    difference(prior.mean, theta_, offset);
+    for (int i = 0; i < theta_.columns(); ++i) add_single(theta_column() + i, 1 / prior.sigma[i], offset[i]);
+  }
+
+  /// [theta | rhs] after all other columns have been eliminated: any number of rows, no triangle.
+  Eigen::MatrixXd reduced() const {
+    Eigen::MatrixXd left(rows_.size(), nuisance_), right(rows_.size(), theta_.columns() + 1);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      left.row(i) = rows_[i].head(nuisance_).transpose();
+      right.row(i) << rows_[i].tail(theta_.columns()).transpose(), rhs_[i];
+    }
+    right.applyOnTheLeft(Eigen::HouseholderQR<Eigen::MatrixXd>(left).householderQ().adjoint());
+    return right.bottomRows(right.rows() - nuisance_);
+  }
+
+  /// The step of every unknown.
+  Eigen::VectorXd solution() const {
+    Eigen::MatrixXd A(rows_.size(), columns());
+    Eigen::VectorXd b(rows_.size());
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      A.row(i) = rows_[i].transpose();
+      b(i) = rhs_[i];
+    }
+    return A.householderQr().solve(b);
+  }
+
+ private:
+  void add_row(const Eigen::VectorXd& row, double rhs) {
+    rows_.push_back(row);
+    rhs_.push_back(rhs);
+  }
+  /// weight (x + step - 0): one variable with its present value.
+  void add_single(int column, double weight, double value) {
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(columns());
+    row(column) = weight;
+    add_row(row, -weight * value);
+  }
+
+  void add_segment(int s) {
+    const Segment<double>& segment = *segments_[s];
+    for (int i = 0; i < 3; ++i) add_single(state_column(s, 0) + 6 + i, 1 / model_.velocity_sigma, segment.states.x[0].v_GI(i));
+    for (int k = 0; k < segment.n_keyframes; ++k) damp_state(state_column(s, k));
+    for (int k = 0; k + 1 < segment.n_keyframes; ++k) {
+      const State<double>*x = segment.states.x + k;
+      add_link(segment.integrate(k + 1, theta_.imu, x[0].b_a, x[0].b_g, model_.imu), x[0], x[1], state_column(s, k),
+               state_column(s, k + 1));
+    }
+    for (int j = 0; j < segment.n_landmarks; ++j) add_landmark(s, j);
+  }
+
+  void damp_state(int column) {
+    if (damping_ == 0) return;
+    const double typical[5] = {0.01, 0.02, 0.05, 0.05, 0.005};
+    for (int i = 0; i < kStateColumns; ++i) add_single(column + i, damping_ / typical[i / 3], 0);
+  }
+
+  void add_landmark(int s, int j) {
+    const Segment<double>& segment = *segments_[s];
+    const Landmark<double>& l = segment.states.landmark[j];
+    add_single(landmark_column(s, j) + 2, 1 / model_.inverse_depth_sigma, l.rho);
+    if (damping_ > 0) {
+      for (int i = 0; i < 3; ++i) add_single(landmark_column(s, j) + i, damping_ / 0.02, 0);
+    }
+    for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) add_observation(s, j, segment.observation[o]);
+  }
+
+  void add_observation(int s, int j, const Observation& z) {
+    const State<double>& x = segments_[s]->states.x[z.keyframe];
+    ReprojectionRows<double> rows;
+    if (!reprojection_rows<double>(theta_.camera[z.camera], x.R_GI, x.p_GI, x.R_GI, x.p_GI,
+                                   segments_[s]->states.landmark[j], Vec2<double>(z.u, z.v), &rows)) {
+      return;
+    }
+    const double e = rows.r.norm() / model_.pixel_sigma;
+    const double scale = std::sqrt(e > model_.huber ? model_.huber / e : 1.0) / model_.pixel_sigma;
+    const int n_camera = theta_.camera[z.camera].columns();
+    for (int i = 0; i < 2; ++i) {
+      Eigen::VectorXd row = Eigen::VectorXd::Zero(columns());
+      row.segment<3>(landmark_column(s, j)) = scale * rows.J_l.row(i).transpose();
+      row.segment<6>(state_column(s, z.keyframe)) = scale * rows.J_pose.row(i).transpose();
+      row.segment(theta_column() + theta_.camera_column(z.camera), n_camera) = scale * rows.J_camera.row(i).head(n_camera).transpose();
+      add_row(row, -scale * rows.r(i));
+    }
+  }
+
+  void add_link(const ImuIntegral<double>& I, const State<double>& x0, const State<double>& x1, int column0, int column1) {
+    ImuRows<double> rows;
+    link_rows(I, x0, x1, x0, x1, model_.g, &rows);
+    const Eigen::MatrixXd Q = link_covariance(I, model_.imu);
+    const Eigen::LLT<Eigen::MatrixXd> llt(Q);
+    const Eigen::MatrixXd J = llt.matrixL().solve(Eigen::MatrixXd(rows.J));
+    const Eigen::VectorXd r = llt.matrixL().solve(Eigen::VectorXd(rows.r));
+    for (int i = 0; i < 15; ++i) {
+      Eigen::VectorXd row = Eigen::VectorXd::Zero(columns());
+      row.segment<15>(column0) = J.row(i).head<15>().transpose();
+      row.segment<15>(column1) = J.row(i).segment<15>(15).transpose();
+      row.segment<15>(theta_column() + theta_.imu_column()) = J.row(i).tail<15>().transpose();
+      add_row(row, -r(i));
+    }
+  }
+
+  std::vector<const Segment<double>*> segments_;
+  Calibration<double> theta_;
+  MeasurementModel<double> model_;
+  double damping_;
+  int nuisance_ = 0;
+  std::vector<int> first_;
+  std::vector<Eigen::VectorXd> rows_;
+  std::vector<double> rhs_;
+};
+
+}  // namespace test

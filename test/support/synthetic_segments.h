@@ -1,0 +1,193 @@
+// Segments with known truth: a device shaken along a known path, its raw IMU samples, image points of random landmarks,
+// and disturbed states to start from. Noise and devices as DESIGN, section 4.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "path.h"
+#include "segments/triangulation.h"
+
+namespace test {
+
+/// What to simulate. Times in seconds.
+struct SyntheticOptions {
+  std::uint32_t seed = 1;
+  Distortion model = Distortion::fov;
+  int segments = 4, keyframes = 20, landmarks = 100;
+  double keyframe_interval = 0.2;
+  double gap = 0;               ///< 0: each segment's IMU samples begin at the last keyframe of the one before
+  double move = 1, turn = 1;    ///< how much of the path's translation and rotation is used
+  double device = 1;            ///< the device's true values: this times the usual deviation from nominal
+  double start_error = 1;       ///< of the states that the segments begin with
+};
+
+inline Calibration<double> nominal_calibration(Distortion model) {
+  Calibration<double> theta;
+  CameraCalibration<double>& camera = theta.camera[0];
+  camera.model = model;
+  camera.intrinsics << 256, 256, 320, 240;
+  camera.distortion.setZero();
+  if (model == Distortion::fov) camera.distortion(0) = 0.92;
+  if (model == Distortion::radtan) camera.distortion << -0.05, 0.01, 0, 0;
+  if (model == Distortion::equidistant) camera.distortion << -0.01, 0.01, 0, 0;
+  camera.R_CI << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  camera.p_CI << 0.02, -0.03, 0.05;
+  return theta;
+}
+
+/// Deviations of real devices from nominal (DESIGN, section 4).
+inline std::vector<double> device_sigmas(const Calibration<double>& theta) {
+  std::vector<double> s;
+  const auto put = [&s](int n, double value) { s.insert(s.end(), n, value); };
+  put(3, 0.012);
+  put(3, 0.004);
+  put(4, 1.0);
+  put(theta.camera[0].distortion_columns(), 0.004);
+  put(3, 0.004);
+  put(3, 0.002);
+  put(9, 0.012);
+  return s;
+}
+
+class SyntheticSession {
+ public:
+  explicit SyntheticSession(const SyntheticOptions& options)
+      : options_(options), random_(options.seed), nominal(nominal_calibration(options.model)), truth(nominal) {
+    draw_device();
+    path_ = random_path(&random_, options_.move, options_.turn);
+    draw_imu();
+    for (int s = 0; s < options_.segments; ++s) {
+      segments.push_back(std::make_unique<Segment<double>>());
+      fill(s, segments.back().get());
+    }
+  }
+
+ private:
+  SyntheticOptions options_;
+  Random random_;
+  Path path_;
+  std::vector<InertialReading<double>> imu_;   ///< sample i at i * kPeriod
+  std::vector<Vec3<double>> b_a_, b_g_;
+  static constexpr double kPeriod = 0.005;
+
+ public:
+  Calibration<double> nominal, truth;
+  MeasurementModel<double> model;
+  std::vector<std::unique_ptr<Segment<double>>> segments;
+
+ private:
+  double duration() const { return (options_.keyframes - 1) * options_.keyframe_interval; }
+  double start_of(int s) const {
+    return 0.5 + s * (duration() + (options_.gap > 0 ? options_.gap : options_.keyframe_interval));
+  }
+
+  void draw_device() {
+    const std::vector<double> sigma = device_sigmas(nominal);
+    double step[kMaxTheta];
+    for (std::size_t i = 0; i < sigma.size(); ++i) step[i] = options_.device * random_.normal(sigma[i]);
+    add_step(&truth, step);
+  }
+
+  void draw_imu() {
+    const int count = static_cast<int>((start_of(options_.segments) + 1) / kPeriod);
+    const double white = 1 / std::sqrt(kPeriod), walk = std::sqrt(kPeriod);
+    Vec3<double> b_a = random_.vector(0.05), b_g = random_.vector(0.005);
+    for (int i = 0; i < count; ++i) {
+      b_a += random_.vector(model.imu.accel_walk * walk);
+      b_g += random_.vector(model.imu.gyro_walk * walk);
+      InertialReading<double> reading = measure(path_, truth.imu, b_a, b_g, i * kPeriod);
+      reading.gyro += random_.vector(model.imu.gyro * white);
+      reading.accel += random_.vector(model.imu.accel * white);
+      imu_.push_back(reading);
+      b_a_.push_back(b_a);
+      b_g_.push_back(b_g);
+    }
+  }
+
+  void fill(int s, Segment<double>* segment) {
+    const double t0 = start_of(s);
+    const bool joined = options_.gap == 0;
+    segment->t0_ns = std::llround(t0 * 1e9);
+    segment->serial = static_cast<std::uint32_t>(joined ? s : 2 * s);
+    segment->session = 0;
+    segment->n_keyframes = options_.keyframes;
+    segment->lead_us = joined && s > 0 ? static_cast<std::int32_t>(std::llround(options_.keyframe_interval * 1e6)) : 0;
+    store_imu(t0, segment);
+    for (int k = 0; k < options_.keyframes; ++k) {
+      segment->t_us[k] = static_cast<std::int32_t>(std::llround(k * options_.keyframe_interval * 1e6));
+      segment->states.x[k] = disturbed(t0 + k * options_.keyframe_interval);
+    }
+    see_landmarks(t0, segment);
+    for (int j = 0; j < segment->n_landmarks; ++j) triangulate(segment, j, nominal, model, 1e6);
+  }
+
+  void store_imu(double t0, Segment<double>* segment) {
+    segment->imu.clear();
+    const int first = static_cast<int>((t0 - segment->lead_us * 1e-6) / kPeriod + 1e-6);
+    const int last = static_cast<int>((t0 + duration()) / kPeriod + 1.5);
+    for (int i = first; i <= last; ++i) {
+      segment->imu.push(static_cast<std::int32_t>(std::llround((i * kPeriod - t0) * 1e6)), imu_[i]);
+    }
+  }
+
+  State<double> disturbed(double t) {
+    State<double> x = path_.state(t);
+    const double e = options_.start_error;
+    x.R_GI = x.R_GI * so3_exp<double>(random_.vector(0.003 * e));
+    x.p_GI += random_.vector(0.01 * e);
+    x.v_GI += random_.vector(0.03 * e);
+    const std::size_t i = static_cast<std::size_t>(t / kPeriod + 0.5);
+    // Biases are unknown to those who start: zero unless the start is asked to be exact.
+    if (e == 0) {
+      x.b_a = b_a_[i];
+      x.b_g = b_g_[i];
+    }
+    return x;
+  }
+
+  /// Landmarks are drawn in the image of some keyframe and followed over a few keyframes around it.
+  void see_landmarks(double t0, Segment<double>* segment) {
+    segment->n_landmarks = segment->n_observations = 0;
+    segment->first_observation[0] = 0;
+    for (int tries = 0; tries < 50 * options_.landmarks && segment->n_landmarks < options_.landmarks; ++tries) {
+      const int seen_from = random_.index(options_.keyframes);
+      const Vec2<double> uv(random_.uniform(30, 610), random_.uniform(30, 450));
+      const double depth = random_.uniform(0.8, 5.8);
+      Vec2<double> xy;
+      if (!unproject(truth.camera[0], uv, &xy)) continue;
+      const CameraCalibration<double>& camera = truth.camera[0];
+      const State<double> x = path_.state(t0 + seen_from * options_.keyframe_interval);
+      const Vec3<double> in_C(xy.x() * depth, xy.y() * depth, depth);
+      const Vec3<double> in_G = x.p_GI + x.R_GI * (camera.R_CI.transpose() * (in_C - camera.p_CI));
+      const int half = random_.index(9) + 1;
+      follow(t0, in_G, std::max(0, seen_from - half), std::min(options_.keyframes, seen_from + half + 1), segment);
+    }
+  }
+
+  void follow(double t0, const Vec3<double>& l, int first, int end, Segment<double>* segment) {
+    const int begin = segment->n_observations;
+    int n = begin;
+    for (int k = first; k < end && n < kMaxObservations; ++k) {
+      Vec2<double> uv;
+      if (!image_of(l, t0 + k * options_.keyframe_interval, &uv)) continue;
+      segment->observation[n++] = {static_cast<float>(uv.x() + random_.normal(model.pixel_sigma)),
+                                   static_cast<float>(uv.y() + random_.normal(model.pixel_sigma)),
+                                   static_cast<std::uint16_t>(segment->n_landmarks), static_cast<std::uint8_t>(k), 0};
+    }
+    if (n - begin < 3) return;
+    segment->n_observations = n;
+    segment->track_id[segment->n_landmarks] = static_cast<std::uint32_t>(segment->n_landmarks);
+    segment->first_observation[++segment->n_landmarks] = static_cast<std::uint16_t>(n);
+  }
+
+  bool image_of(const Vec3<double>& l, double t, Vec2<double>* uv) const {
+    const State<double> x = path_.state(t);
+    const CameraCalibration<double>& camera = truth.camera[0];
+    const Vec3<double> in_C = camera.R_CI * (x.R_GI.transpose() * (l - x.p_GI)) + camera.p_CI;
+    if (!project(camera, in_C, uv)) return false;
+    return uv->x() > 0 && uv->x() < 639 && uv->y() > 0 && uv->y() < 479;
+  }
+};
+
+}  // namespace test
