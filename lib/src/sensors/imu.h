@@ -212,8 +212,9 @@ void ImuIntegrator<S>::propagate_noise(const Mat3<S>& Et, const Mat3<S>& Jr, con
   Mat<S, 9, 6> GB = G;
   GB.template leftCols<3>() *= va;
   GB.template rightCols<3>() *= vg;
-  const Mat<S, 9, 9> X = C * G.transpose();
-  P += X + X.transpose() + GB * G.transpose();
+  // lazyProduct: beyond 8 rows Eigen would take its blocked product, which allocates.
+  const Mat<S, 9, 9> X = C.lazyProduct(G.transpose());
+  P += X + X.transpose() + GB.lazyProduct(G.transpose());
   C += GB;
 
   const S qa = noise_.accel * noise_.accel, qg = noise_.gyro * noise_.gyro;

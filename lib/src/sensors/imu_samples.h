@@ -22,13 +22,29 @@ int at_or_before(const Samples& samples, Time t) {
   return low;
 }
 
+/// Sample i with the trapezoidal rule's error taken out beforehand: x_i - (x_{i+1} - 2 x_i + x_{i-1}) / 12. Summed by
+/// trapezoids these give Euler and Maclaurin's corrected rule, fourth order in the sampling period; summed raw samples
+/// lose (2 pi f dt)^2 / 12 of a motion at frequency f, 8e-5 at 1 Hz and 200 Hz, which would pass for gyroscope scale.
+/// Samples at the ends, and beside an uneven period, stay as they are.
+template <class S, class Samples>
+InertialReading<S> corrected_reading(const Samples& samples, int i) {
+  const InertialReading<S> x = samples.reading(i);
+  if (i == 0 || i + 1 >= samples.size()) return x;
+  const S before = S(samples.time(i) - samples.time(i - 1)), after = S(samples.time(i + 1) - samples.time(i));
+  if (absolute(before - after) > S(0.1) * before) return x;
+  const InertialReading<S> a = samples.reading(i - 1), b = samples.reading(i + 1);
+  const S twelfth = S(1) / S(12);
+  return {x.gyro - twelfth * ((b.gyro - x.gyro) - (x.gyro - a.gyro)),
+          x.accel - twelfth * ((b.accel - x.accel) - (x.accel - a.accel))};
+}
+
 /// The reading at t by linear interpolation; t must lie within the samples.
 template <class S, class Samples, class Time>
 InertialReading<S> reading_at(const Samples& samples, Time t) {
   const int i = at_or_before(samples, t);
-  if (samples.time(i) == t || i + 1 == samples.size()) return samples.reading(i);
+  if (samples.time(i) == t || i + 1 == samples.size()) return corrected_reading<S>(samples, i);
   const S u = S(t - samples.time(i)) / S(samples.time(i + 1) - samples.time(i));
-  return interpolate<S>(samples.reading(i), samples.reading(i + 1), u);
+  return interpolate<S>(corrected_reading<S>(samples, i), corrected_reading<S>(samples, i + 1), u);
 }
 
 /// Integrates from t0 to t1 > t0; both must lie within the samples. `tick_s`: seconds per tick.
@@ -37,7 +53,7 @@ void integrate_samples(const Samples& samples, Time t0, Time t1, S tick_s, ImuIn
   integrator->start(reading_at<S>(samples, t0));
   Time t = t0;
   for (int i = at_or_before(samples, t0) + 1; i < samples.size() && samples.time(i) < t1; ++i) {
-    integrator->step(samples.reading(i), S(samples.time(i) - t) * tick_s);
+    integrator->step(corrected_reading<S>(samples, i), S(samples.time(i) - t) * tick_s);
     t = samples.time(i);
   }
   integrator->step(reading_at<S>(samples, t1), S(t1 - t) * tick_s);

@@ -91,17 +91,25 @@ struct StillTest {
     return gyro > accel ? gyro : accel;
   }
 
-  /// The newest pose against a frame at t1. What stood a moment ago may shake (motors start) as long as the image stays:
-  /// it is compared with the frame in which the standstill began.
-  bool still(std::int64_t t1, bool stood_lately, const TrackPoint<S>* points, int n) const {
-    if (window.now.v_GI.squaredNorm() > S(0.04) || !(shaking(t1) < (stood_lately ? S(25) : S(1)))) return false;
-    const int slot = window.newest().slot;
+  /// No common motion between the frame of a pose and the points of the present one.
+  bool image_stays(const WindowPose<S>& pose, const TrackPoint<S>* points, int n) const {
     ImageMotion<S> motion;
     for (int i = 0; i < n; ++i) {
       const VioTrack<S>* track = tracks.find(points[i].id, points[i].camera);
-      if (track && track->in(slot)) motion.add(track->uv[slot], points[i].uv);
+      if (track && track->in(pose.slot)) motion.add(track->uv[pose.slot], points[i].uv);
     }
     return motion.none(options.still_pixels);
+  }
+
+  /// The newest pose against a frame at t1. A quiet IMU and an image that stays since the last frame are enough. If the
+  /// IMU shakes (touching down, motors that start) the image must have stayed for half a second; in a standstill it
+  /// is compared with the frame in which that began anyway.
+  bool still(std::int64_t t1, bool stands_already, const TrackPoint<S>* points, int n) const {
+    if (window.now.v_GI.squaredNorm() > S(0.04)) return false;
+    const S shakes = shaking(t1);
+    if (!(shakes < S(25)) || !image_stays(window.newest(), points, n)) return false;
+    if (shakes < S(1) || stands_already) return true;
+    return window.n_poses >= 5 && image_stays(window.pose[window.n_poses - 5], points, n);
   }
 };
 

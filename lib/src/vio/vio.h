@@ -69,10 +69,7 @@ class Vio {
   Origin<S> origin_;  ///< where the next start places the device: the last place known
   VioStatistics statistics_;
   std::int64_t time_, last_update_;
-  std::int32_t moving_frames_;  ///< since the last standstill
   bool running_, still_;
-
-  static constexpr std::int32_t kLately = 20;  // two seconds
 };
 
 template <class S>
@@ -89,7 +86,6 @@ void Vio<S>::reset(const Calibration<S>& theta, const VioOptions<S>& options) {
 template <class S>
 void Vio<S>::forget() {
   running_ = still_ = false;
-  moving_frames_ = kLately;
   window_.clear();
   tracks_.clear(window_.theta.n_cameras);
 }
@@ -135,7 +131,6 @@ VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n,
   if (!initialise(&window_, &tracks_, &start_, options_, origin_, imu)) return VioStatus::initialising;
   running_ = true;
   still_ = start_.still;
-  moving_frames_ = still_ ? 0 : kLately;
   ++statistics_.starts;
   monitor_ = ResidualMonitor<S>();
   monitor_.scale = start_.pixel_scale;
@@ -149,9 +144,8 @@ VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n,
 template <class S>
 VioStatus Vio<S>::track(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
   const StillTest<S> test{options_, window_, tracks_, imu};
-  still_ = test.still(t_ns, moving_frames_ < kLately, points, n);
+  still_ = test.still(t_ns, still_, points, n);
   if (still_) still_ = propagate_still(&window_, options_, imu, time_, t_ns, test.shaking(t_ns));
-  moving_frames_ = still_ ? 0 : moving_frames_ + 1;
   if (still_) {
     ++statistics_.standstill_frames;
     last_update_ = t_ns;
