@@ -41,7 +41,7 @@ int complain(const std::string& message) {
 
 int run(int argc, char** argv) {
   CLI::App app("segcal keeps a camera and IMU calibrated, from recordings or in firmware.", "segcal");
-  app.set_version_flag("--version", "segcal " SEGCAL_VERSION);
+  app.set_version_flag("--version", "segcal " SEGCAL_PROGRAM_VERSION);
   app.require_subcommand(1);
 
   int exit_code = 0;

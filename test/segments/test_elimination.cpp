@@ -133,7 +133,7 @@ void check_back_substitution(const Id& id, const Session& session, double dampin
   DenseProblem dense = dense_single(session, damping);
   dense.add_theta_prior(prior_of(session.nominal));
   const Eigen::VectorXd expected = dense.solution();
-  std::vector<double> step(e->columns());
+  std::vector<double> step(e->theta_column() + session.nominal.columns());
   for (int c = 0; c < session.nominal.columns(); ++c) step[e->theta_column() + c] = expected(dense.theta_column() + c);
   e->back_substitute(step.data(), e->theta_column());
   const int states = kStateColumns * moved->n_keyframes;

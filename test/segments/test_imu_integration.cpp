@@ -84,6 +84,43 @@ void test_integral_in_float() {
   test::check_near(Id().add("check", "float"), "difference", 0, error.norm(), 2e-5);
 }
 
+/// Samples of the path as a container keeps them, not rounded; ticks of a microsecond.
+struct PathSamples {
+  int count, period_us;
+  Path path;
+  int size() const { return count; }
+  std::int32_t time(int i) const { return i * period_us; }
+  InertialReading<double> reading(int i) const { return measure(path, device(), biases(), time(i) * 1e-6); }
+};
+
+/// Residual of the true states over [0.2 s, 1.2 s] by way of a container, which takes the trapezoids' error out first.
+Vec<double, 15> stored_residual(const Path& path, int period_us) {
+  const PathSamples samples = {1400000 / period_us, period_us, path};
+  const State<double> b = biases();
+  ImuIntegrator<double> integrator(device(), b.b_a, b.b_g, ImuNoise<double>());
+  integrate_samples<double>(samples, 200000, 1200000, 1e-6, &integrator);
+  return link_residual<double>(integrator.result(), path.state(0.2), path.state(1.2), kGravity);
+}
+
+void test_stored_samples_are_corrected() {
+  // Against the raw samples at 200 Hz: what is left are products of the motion about different axes (coning, sculling).
+  const Vec<double, 15> raw = path_residual<double>(0.2, 1.0, 200), r = stored_residual(make_path(), 5000);
+  const Id id = Id().add("check", "corrected");
+  test::check_near(id, "rotation", 0, r.head<3>().norm(), 0.2 * raw.head<3>().norm());
+  test::check_near(id, "rotation", 0, r.head<3>().norm(), 2e-6);
+  test::check_near(id, "velocity", 0, r.segment<3>(3).norm(), 2e-4);
+  test::check_near(id, "position", 0, r.segment<3>(6).norm(), 1e-4);
+}
+
+void test_correction_is_of_fourth_order_about_one_axis() {
+  Path path = make_path();
+  path.turn[0] = path.turn[1] = test::Wave();
+  for (int period_us : {5000, 10000}) {
+    const double fine = stored_residual(path, period_us).head<3>().norm(), coarse = stored_residual(path, 2 * period_us).head<3>().norm();
+    test::check_between(Id().add("check", "fourth_order").add("period", period_us), "ratio of errors", 14, coarse / fine, 18);
+  }
+}
+
 /// Noise with a bias walk strong enough for its part of the covariance to be as large as that of the white noise.
 ImuNoise<double> strong_walk() {
   ImuNoise<double> noise;
@@ -252,6 +289,8 @@ int main(int argc, char** argv) {
   RUN_TEST(test_integral_follows_the_path);
   RUN_TEST(test_integral_is_of_second_order);
   RUN_TEST(test_integral_in_float);
+  RUN_TEST(test_stored_samples_are_corrected);
+  RUN_TEST(test_correction_is_of_fourth_order_about_one_axis);
   RUN_TEST(test_covariance_of_white_noise);
   RUN_TEST(test_covariance_with_bias_walk);
   RUN_TEST(test_store_keeps_samples);

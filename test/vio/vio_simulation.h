@@ -1,5 +1,5 @@
-// A small simulated device for the filter's tests: a smooth path, an IMU with noise and walking biases, and a camera that
-// tracks points which it picked at random. Everything is drawn from one seed.
+// A small simulated device for the filter's tests: a smooth path, an IMU with noise and walking biases, and a camera
+// that tracks points which it picked at random. Everything is drawn from one seed.
 #pragma once
 
 #include <cmath>

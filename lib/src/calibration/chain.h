@@ -31,8 +31,9 @@ class Chain {
   void add(SegmentEliminator<S>* segment, bool has_guest, bool passes_on, GuestRows<S>* kept, PackedTriangle<S>* theta) {
     // What came from the left stands in the rows of "last" of the segment before: its separator is our guest.
     take_from_left();
-    if (passes_on) fold_segment_rows(segment, segment->last_column(), kStateColumns, kStateColumns);
-    if (has_guest) fold_segment_rows(segment, segment->guest_column(), kStateColumns, 0);
+    const ReducedLayout& at = segment->layout();
+    if (passes_on) fold_segment_rows(segment, at.last(), kStateColumns);
+    if (has_guest) fold_segment_rows(segment, at.guest(), 0);
     if (has_guest) keep(kept);
     fold_theta(segment, theta);
     if (!passes_on) link().clear();
@@ -71,10 +72,10 @@ class Chain {
   }
 
   /// Folds 15 rows of the segment's R that begin at column `from`; they stand at column `to` of the link triangle.
-  void fold_segment_rows(SegmentEliminator<S>* segment, int from, int rows, int to) {
+  void fold_segment_rows(SegmentEliminator<S>* segment, int from, int to) {
     PackedTriangle<S> R = segment->R(), L = link();
-    const int guest = segment->guest_column(), theta = segment->theta_column();
-    for (int i = 0; i < rows; ++i) {
+    const int guest = segment->layout().guest(), theta = segment->layout().theta();
+    for (int i = 0; i < kStateColumns; ++i) {
       const S* r = R.row(from + i);
       for (int c = 0; c < width(); ++c) block_[c] = S(0);
       for (int c = i; c < kStateColumns; ++c) block_[to + c] = r[from + c];
@@ -96,7 +97,8 @@ class Chain {
   void fold_theta(SegmentEliminator<S>* segment, PackedTriangle<S>* theta) {
     PackedTriangle<S> R = segment->R(), L = link();
     for (int i = 0; i <= n_theta_; ++i) {
-      fold_theta_row(R.row(segment->theta_column() + i) + segment->theta_column(), i, theta);
+      const int first = segment->layout().theta();
+      fold_theta_row(R.row(first + i) + first, i, theta);
       S* from_link = L.row(2 * kStateColumns + i) + 2 * kStateColumns;
       fold_theta_row(from_link, i, theta);
       for (int c = i; c <= n_theta_; ++c) from_link[c] = S(0);

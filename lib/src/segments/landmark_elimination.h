@@ -1,25 +1,17 @@
 // One landmark's rows, eliminated alone: three reflections clear its columns, and what is left (the left null space)
 // has pose and camera columns only (DESIGN, section 4, step 1; Mourikis and Roumeliotis 2007, Sec. III-D).
 //
-// Columns of the block: [landmark 3 | poses 6 K | camera columns | -r]. Rows: one for the prior on the inverse depth,
-// three for damping if there is any, two per image point.
+// Columns of the block: [landmark 3 | the reduced system's], right-hand side -r. Rows: one for the prior on the inverse
+// depth, three for damping if there is any, two per image point.
 #pragma once
 
-#include "segments/segment.h"
+#include "segments/reduced_system.h"
 #include "segments/weights.h"
 
 namespace SEGCAL_NS {
 
-constexpr int kMaxAllCameraColumns = kMaxCameras * kMaxCameraColumns;
-constexpr int kVisualColumns = 6 * kMaxKeyframes + kMaxAllCameraColumns + 1;
-constexpr int kLandmarkBlockWidth = kLandmarkColumns + kVisualColumns;
+constexpr int kLandmarkBlockWidth = kLandmarkColumns + kReducedColumns;
 constexpr int kLandmarkBlockRows = 2 * kMaxKeyframes * kMaxCameras + 4;
-
-/// Where the visual columns of a segment stand: [poses 6 K | cameras].
-struct VisualLayout {
-  int poses, cameras;
-  int width() const { return poses + cameras + 1; }
-};
 
 /// What the fit of one landmark amounts to.
 template <class S>
@@ -37,27 +29,27 @@ class LandmarkBlock {
   /// Writes the whitened rows of landmark j at the segment's current states. `damping`: 0 for none, else the square root
   /// of lambda times one over the landmark's typical step.
   LandmarkFit<S> build(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                       const VisualLayout& layout, S damping);
+                       const ReducedLayout& layout, S damping);
   /// The three reflections; afterwards rows [3, rows) are free of the landmark.
   void eliminate(LandmarkFit<S>* fit, const MeasurementModel<S>& model, S* work);
   /// Rows after elimination, beginning at the first pose column.
   S* rest() { return data_ + kLandmarkColumns * stride_ + kLandmarkColumns; }
   int stride() const { return stride_; }
-  /// Landmark step for given steps of poses and cameras (`step`, layout.poses + layout.cameras entries).
+  /// Landmark step for given steps of poses and cameras (`step`, in the reduced layout).
   void solve(const S* step, S* landmark_step) const;
 
  private:
   S* row(int i) { return data_ + i * stride_; }
   const S* row(int i) const { return data_ + i * stride_; }
   bool add_observation(const Segment<S>& segment, int j, const Observation& o, const Calibration<S>& theta,
-                       const MeasurementModel<S>& model, const VisualLayout& layout, LandmarkFit<S>* fit);
+                       const MeasurementModel<S>& model, const ReducedLayout& layout, LandmarkFit<S>* fit);
   int stride_ = 0, rows_ = 0;
   S data_[kLandmarkBlockRows * kLandmarkBlockWidth];
 };
 
 template <class S>
 bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const Observation& o, const Calibration<S>& theta,
-                                       const MeasurementModel<S>& model, const VisualLayout& layout, LandmarkFit<S>* fit) {
+                                       const MeasurementModel<S>& model, const ReducedLayout& layout, LandmarkFit<S>* fit) {
   const State<S>& x = segment.states.x[o.keyframe];
   const Landmark<S>& l = segment.states.landmark[j];
   ReprojectionRows<S> rows;
@@ -70,8 +62,8 @@ bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const O
   fit->robust_cost += robust.cost;
   if (robust.weight == S(0)) return false;
   const S scale = square_root(robust.weight) * inverse_sigma;
-  const int pose = kLandmarkColumns + 6 * o.keyframe;
-  const int camera = kLandmarkColumns + layout.poses + theta.camera_column(o.camera);
+  const int pose = kLandmarkColumns + layout.pose(o.keyframe);
+  const int camera = kLandmarkColumns + layout.theta() + theta.camera_column(o.camera);
   const int n_camera = theta.camera[o.camera].columns();
   for (int i = 0; i < 2; ++i) {
     S* r = row(rows_ + i);
@@ -87,7 +79,7 @@ bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const O
 
 template <class S>
 LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const Calibration<S>& theta,
-                                       const MeasurementModel<S>& model, const VisualLayout& layout, S damping) {
+                                       const MeasurementModel<S>& model, const ReducedLayout& layout, S damping) {
   LandmarkFit<S> fit;
   stride_ = kLandmarkColumns + layout.width();
   const int priors = damping > S(0) ? 4 : 1;

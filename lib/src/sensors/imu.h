@@ -30,6 +30,7 @@ struct State {
   }
 };
 constexpr int kStateColumns = 15;
+constexpr int kPoseColumns = 6;  ///< the first six: theta and p
 
 /// Continuous-time noise densities.
 template <class S>

@@ -1,7 +1,7 @@
 // Standing still: no new pose, no drift.
 //
-// While the IMU is quiet and the image does not move, the newest pose simply stays the newest pose: the window keeps its
-// baseline, and the inertial link from the pose to itself tells biases and gravity. Image motion is measured
+// While the IMU is quiet and the image does not move, the newest pose simply stays the newest pose: the window keeps
+// its baseline, and the inertial link from the pose to itself tells biases and gravity. Image motion is measured
 // against the frame in which the pose was last added, so a slow drift adds up and ends the standstill.
 #pragma once
 

@@ -117,8 +117,8 @@ bool fold_alignment_track(Window<S>* w, const StartScratch<S>& s, const VioTrack
 
 /// One pass: all tracks folded, v0 and g solved.
 template <class S>
-bool alignment_pass(Window<S>* w, const TrackTable<S>& tracks, const StartScratch<S>& s, bool weighted, S sigma, S magnitude,
-                    Vec3<S>* v0, Vec3<S>* g) {
+bool alignment_pass(Window<S>* w, const TrackTable<S>& tracks, const StartScratch<S>& s, bool weighted, S sigma,
+                    S magnitude, Vec3<S>* v0, Vec3<S>* g) {
   S data[packed_size(7)];
   PackedTriangle<S> R(data, 7);
   R.clear();

@@ -1,8 +1,8 @@
 // The start, part 2: gyroscope bias from image points.
 //
 // Two frames with known relative rotation R see a point along f1 and f2; the three vectors f1, R f2 and the camera's
-// displacement lie in one plane: t' (f1 x R f2) = 0 (Kneip and Lynen 2013). R comes from the gyroscope, so the only unknowns
-// are its bias, common to all pairs, and one direction t per pair, which is eliminated.
+// displacement lie in one plane: t' (f1 x R f2) = 0 (Kneip and Lynen 2013). R comes from the gyroscope, so the only
+// unknowns are its bias, common to all pairs, and one direction t per pair, which is eliminated.
 #pragma once
 
 #include "vio/start_links.h"

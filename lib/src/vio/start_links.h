@@ -97,7 +97,8 @@ void place_poses(Window<S>* w, const VioOptions<S>& options, const StartScratch<
     const StartLink<S>& link = s.link[i];
     WindowPose<S>& pose = w->pose[i];
     pose.R_GI = pose.R_first = renormalised<S>(s.x0.R_GI * link.dR);
-    pose.p_GI = pose.p_first = s.x0.p_GI + s.x0.v_GI * link.t + options.g * (link.t * link.t / S(2)) + s.x0.R_GI * link.dp;
+    const Vec3<S> fall = options.g * (link.t * link.t / S(2));
+    pose.p_GI = pose.p_first = s.x0.p_GI + s.x0.v_GI * link.t + fall + s.x0.R_GI * link.dp;
   }
 }
 

@@ -1,7 +1,7 @@
 // The start, part 4: Levenberg-Marquardt over the window.
 //
-// Over a second the inertial integral is far more precise than the image, so every pose is a function of the first state:
-// 15 columns, the extrinsics with their prior, and landmarks that are eliminated one by one. It only serves to find the
+// Over a second the inertial integral is far more precise than the image, so every pose is a function of the first
+// state: 15 columns, the extrinsics with their prior, and landmarks that are eliminated one by one. It only serves to find the
 // point at which the filter linearises: the filter then weighs inertial noise and image points once more, properly.
 #pragma once
 
@@ -11,7 +11,8 @@
 namespace SEGCAL_NS {
 
 constexpr int kRefineColumns = kStateColumns + kExtrinsicColumns * kMaxCameras;
-static_assert(2 * packed_size(kRefineColumns + 1) <= packed_size(kFilterColumns + 1), "both fit where the filter saves R");
+static_assert(2 * packed_size(kRefineColumns + 1) <= packed_size(kFilterColumns + 1),
+              "both fit where the filter saves R");
 
 /// d (pose i) / d x0, by (theta, p).
 template <class S>

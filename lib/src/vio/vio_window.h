@@ -1,9 +1,10 @@
 // The filter's state and its square-root information.
 //
 // Columns of the triangle R: [v b_a b_g of the newest state 9 | poses, oldest first, 6 each | cameras 14 each
-// (extrinsics, intrinsics) | right-hand side]. With this order everything that leaves the state stands at the front: the old motion when time
-// moves on, and the oldest pose after a swap of the first 15 rows. Places without a pose are zero rows and columns.
-// R delta = d, where delta is the error of the estimates; after an update the estimates have moved and d is zero.
+// (extrinsics, intrinsics) | right-hand side]. With this order everything that leaves the state stands at the front:
+// the old motion when time moves on, and the oldest pose after a swap of the first 15 rows. Places without a pose are
+// zero rows and columns. R delta = d, where delta is the error of the estimates; after an update the estimates have
+// moved and d is zero.
 #pragma once
 
 #include "math/qr.h"
@@ -13,7 +14,6 @@
 namespace SEGCAL_NS {
 
 constexpr int kWindow = SEGCAL_MAX_CLONES + 1;  // past poses and the newest
-constexpr int kPoseColumns = 6;                 // theta, p
 constexpr int kMotionColumns = 9;               // v, b_a, b_g
 constexpr int kFilterColumns = kMotionColumns + kPoseColumns * kWindow + kMaxCameraColumns * kMaxCameras;
 constexpr int kLinkRows = 15;

@@ -1,0 +1,188 @@
+// Velocities and biases of a segment's keyframes, eliminated in time order (DESIGN, section 4, step 2).
+//
+// An IMU link ties keyframe k to k + 1. Its 15 rows meet the nine rows that earlier links left on keyframe k's velocity
+// and biases; nine reflections finish keyframe k, nine more leave the rows of keyframe k + 1, and the six that remain
+// touch poses, guest and theta only and go to the reduced system. Columns of a row:
+// [vb k 9 | vb k + 1 9 | guest 15 | IMU part of theta 15 | rhs | poses 6 K]; poses last, so that only those seen so far cost.
+#pragma once
+
+#include "segments/reduced_system.h"
+
+namespace SEGCAL_NS {
+
+template <class S>
+class VelocityBiasChain {
+ public:
+  static constexpr int kNext = kVelocityBiasColumns;
+  static constexpr int kGuest = 2 * kVelocityBiasColumns;
+  static constexpr int kImu = kGuest + kStateColumns;
+  static constexpr int kRhs = kImu + kImuColumns;
+  static constexpr int kPoses = kRhs + 1;
+  static constexpr int kWidth = kPoses + kPoseColumns * kMaxKeyframes;
+
+  void begin() {
+    current_ = 0;
+    links_ = 0;
+    stored_ = 0;
+    for (S& v : now_) v = S(0);
+  }
+  /// Links folded so far.
+  int links() const { return links_; }
+
+  /// A row on one velocity or bias column (0..8) of the current keyframe.
+  void add_scalar(int column, S weight, S rhs, ReducedSystem<S>* rest) {
+    clear(1);
+    block_[column] = weight;
+    block_[kRhs] = rhs;
+    fold_into_current(1, rest);
+  }
+
+  /// Bias walk from the guest to the current keyframe, six rows.
+  void add_bias_link(const Vec3<S>& d_ba, const Vec3<S>& d_bg, S weight_a, S weight_g, ReducedSystem<S>* rest) {
+    clear(6);
+    for (int i = 0; i < 6; ++i) {
+      const S w = i < 3 ? weight_a : weight_g;
+      S* r = block_ + i * kWidth;
+      r[3 + i] = w;
+      r[kGuest + 9 + i] = -w;
+      r[kRhs] = -w * (i < 3 ? d_ba(i) : d_bg(i - 3));
+    }
+    fold_into_current(6, rest);
+  }
+
+  /// Link from the guest (the segment before) to the first keyframe.
+  void add_guest_link(const ImuRows<S>& rows, ReducedSystem<S>* rest) {
+    clear(15);
+    for (int i = 0; i < 15; ++i) {
+      S* r = block_ + i * kWidth;
+      for (int c = 0; c < kStateColumns; ++c) r[kGuest + c] = rows.J(i, c);
+      put_state(rows, i, kStateColumns, 0, 0);
+      put_theta(rows, i);
+    }
+    ++links_;
+    fold_into_current(15, rest);
+  }
+
+  /// Link from the current keyframe to the next one, which becomes the current one.
+  void add_link(const ImuRows<S>& rows, ReducedSystem<S>* rest) {
+    clear(15);
+    for (int i = 0; i < 15; ++i) {
+      put_state(rows, i, 0, 0, current_);
+      put_state(rows, i, kStateColumns, kNext, current_ + 1);
+      put_theta(rows, i);
+    }
+    ++links_;
+    ++current_;
+    const int n = active_width();
+    eliminate_current(15, n);
+    store(n);
+    // The next keyframe's nine columns, within the block; its first nine rows become the rows of the current keyframe.
+    reflect_leading_columns(block_ + kNext, 15, kWidth, n - kNext, kVelocityBiasColumns, work_);
+    take_next(n);
+    hand_over(kVelocityBiasColumns, 15, rest);
+  }
+
+  /// The last keyframe stays in the reduced system: its rows go there.
+  void finish(ReducedSystem<S>* rest) {
+    const ReducedLayout& at = rest->layout();
+    for (int i = 0; i < kVelocityBiasColumns; ++i) {
+      const S* r = now_ + i * kWidth;
+      S* out = block_ + i * kReducedColumns;
+      spread(r, at, out);
+      for (int c = 0; c < kVelocityBiasColumns; ++c) out[at.last() + kPoseColumns + c] = c < i ? S(0) : r[c];
+    }
+    rest->fold(block_, kVelocityBiasColumns, kReducedColumns, 0);
+  }
+
+  /// Steps of velocity and biases of keyframes K - 2 down to 0. `x`: step in the reduced layout, complete.
+  /// `out`: nine entries per keyframe, `stride` apart; that of the last keyframe is filled in already.
+  void back_substitute(const S* x, const ReducedLayout& at, S* out, int stride) const {
+    const S* rows = kept_ + stored_;
+    for (int k = at.keyframes - 2; k >= 0; --k) {
+      const int n = kPoses + kPoseColumns * (k + 2);
+      rows -= kVelocityBiasColumns * n;
+      S* v = out + k * stride;
+      const S* next = out + (k + 1) * stride;
+      for (int i = kVelocityBiasColumns - 1; i >= 0; --i) {
+        const S* r = rows + i * n;
+        S sum = r[kRhs];
+        for (int c = i + 1; c < kVelocityBiasColumns; ++c) sum -= r[c] * v[c];
+        for (int c = 0; c < kVelocityBiasColumns; ++c) sum -= r[kNext + c] * next[c];
+        for (int c = 0; c < at.guest_columns; ++c) sum -= r[kGuest + c] * x[at.guest() + c];
+        for (int c = 0; c < kImuColumns; ++c) sum -= r[kImu + c] * x[at.imu() + c];
+        for (int c = kPoses; c < n; ++c) sum -= r[c] * x[c - kPoses];
+        v[i] = r[i] == S(0) ? S(0) : sum / r[i];
+      }
+    }
+  }
+
+ private:
+  /// Columns in use: poses up to the current keyframe.
+  int active_width() const { return kPoses + kPoseColumns * (current_ + 1); }
+  void clear(int rows) {
+    for (int c = 0; c < rows * kWidth; ++c) block_[c] = S(0);
+  }
+  void put_state(const ImuRows<S>& rows, int i, int from, int to, int keyframe) {
+    S* r = block_ + i * kWidth;
+    for (int c = 0; c < kPoseColumns; ++c) r[kPoses + kPoseColumns * keyframe + c] = rows.J(i, from + c);
+    for (int c = 0; c < kVelocityBiasColumns; ++c) r[to + c] = rows.J(i, from + kPoseColumns + c);
+  }
+  void put_theta(const ImuRows<S>& rows, int i) {
+    S* r = block_ + i * kWidth;
+    for (int c = 0; c < kImuColumns; ++c) r[kImu + c] = rows.J(i, 2 * kStateColumns + c);
+    r[kRhs] = -rows.r(i);
+  }
+  /// Nine reflections against the rows of the current keyframe's velocity and biases.
+  void eliminate_current(int m, int n) {
+    for (int j = 0; j < kVelocityBiasColumns; ++j) reflect_column(now_ + j * kWidth, block_, m, kWidth, j, n, work_);
+  }
+  void fold_into_current(int m, ReducedSystem<S>* rest) {
+    eliminate_current(m, active_width());
+    hand_over(0, m, rest);
+  }
+  /// Keeps the finished rows of the keyframe before the current one for back-substitution.
+  void store(int n) {
+    for (int i = 0; i < kVelocityBiasColumns; ++i) {
+      for (int c = 0; c < n; ++c) kept_[stored_ + i * n + c] = c < i ? S(0) : now_[i * kWidth + c];
+    }
+    stored_ += kVelocityBiasColumns * n;
+  }
+  void take_next(int n) {
+    for (int i = 0; i < kVelocityBiasColumns; ++i) {
+      S* to = now_ + i * kWidth;
+      const S* from = block_ + i * kWidth;
+      for (int c = 0; c < kVelocityBiasColumns; ++c) to[c] = c < i ? S(0) : from[kNext + c];
+      for (int c = kNext; c < kGuest; ++c) to[c] = S(0);
+      for (int c = kGuest; c < n; ++c) to[c] = from[c];
+      for (int c = n; c < kWidth; ++c) to[c] = S(0);
+    }
+  }
+  /// A row's guest, theta, rhs and poses in the reduced layout.
+  static void spread(const S* r, const ReducedLayout& at, S* out) {
+    for (int c = 0; c < at.width(); ++c) out[c] = S(0);
+    for (int c = 0; c < kPoseColumns * at.keyframes; ++c) out[c] = r[kPoses + c];
+    for (int c = 0; c < at.guest_columns; ++c) out[at.guest() + c] = r[kGuest + c];
+    for (int c = 0; c < kImuColumns; ++c) out[at.imu() + c] = r[kImu + c];
+    out[at.rhs()] = r[kRhs];
+  }
+  /// Rows [first, last) of the block have no velocity or bias left: they are the reduced system's.
+  void hand_over(int first, int last, ReducedSystem<S>* rest) {
+    for (int i = first; i < last; i += kPoseColumns) {
+      const int rows = last - i < kPoseColumns ? last - i : kPoseColumns;
+      for (int r = 0; r < rows; ++r) spread(block_ + (i + r) * kWidth, rest->layout(), spread_ + r * kReducedColumns);
+      rest->fold(spread_, rows, kReducedColumns, 0);
+    }
+  }
+
+  static constexpr int kBlockRows = 15;
+  static constexpr int kBlockSize = kBlockRows * kWidth > 9 * kReducedColumns ? kBlockRows * kWidth : 9 * kReducedColumns;
+  static constexpr int kKept = kVelocityBiasColumns * (kMaxKeyframes * kPoses + 3 * kMaxKeyframes * (kMaxKeyframes + 1));
+  int current_ = 0, links_ = 0, stored_ = 0;
+  S now_[kVelocityBiasColumns * kWidth];
+  S block_[kBlockSize];
+  S spread_[kPoseColumns * kReducedColumns];
+  S work_[kWidth];
+  S kept_[kKept];
+};
+
+}  // namespace SEGCAL_NS
