@@ -1,147 +1,12 @@
-// The C API as firmware uses it: storage of any content, error codes for bad arguments and bad data, a state that stays
-// valid after each of them.
-#include <cmath>
-#include <cstdlib>
-#include <cstring>
-#include <limits>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include "../support/cases.h"
-#include "../support/synthetic_stream.h"
-
-using test::Id;
-using test::SyntheticStream;
+// Error codes of the C API: bad storage, configuration, pointers, data, and calls at the wrong time.
+#include "api_fixture.h"
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}
 
 namespace {
 
-/// Aligned memory of the caller, filled with one byte.
-class Storage {
- public:
-  explicit Storage(int fill, std::size_t offset = 0) : bytes_(segcal_storage_bytes() + 2 * SEGCAL_STORAGE_ALIGNMENT) {
-    std::memset(bytes_.data(), fill, bytes_.size());
-    const std::uintptr_t address = reinterpret_cast<std::uintptr_t>(bytes_.data());
-    data = bytes_.data() + (SEGCAL_STORAGE_ALIGNMENT - address % SEGCAL_STORAGE_ALIGNMENT) % SEGCAL_STORAGE_ALIGNMENT + offset;
-  }
-  unsigned char* data;
-
- private:
-  std::vector<unsigned char> bytes_;
-};
-
-segcal_t* create(Storage* storage, const segcal_config_t& config) {
-  segcal_t* device = nullptr;
-  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_create(&device, &config, storage->data, segcal_storage_bytes()));
-  TEST_ASSERT_NOT_NULL(device);
-  return device;
-}
-
-const SyntheticStream& stream() {
-  static const SyntheticStream instance(201, 9);
-  return instance;
-}
-
-enum class Way { tracks, keyframes };
-
-/// Data that must be refused, at one moment of the stream.
-void push_rubbish(segcal_t* device, const segcal_imu_t& now, const SyntheticStream::Frame& frame) {
-  segcal_imu_t bad = now;
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STAMP, segcal_push_imu(device, &now));
-  bad.t_ns = now.t_ns - 123456;
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STAMP, segcal_push_imu(device, &bad));
-  bad = now;
-  bad.t_ns += 1;
-  for (float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-    bad.gyro[1] = value;
-    TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NOT_FINITE, segcal_push_imu(device, &bad));
-    bad.gyro[1] = 0;
-    bad.accel[2] = -value;
-    TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NOT_FINITE, segcal_push_imu(device, &bad));
-    bad.accel[2] = 0;
-  }
-  std::vector<segcal_point_t> points = frame.points;
-  const int n = static_cast<int>(points.size());
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STAMP, segcal_push_tracks(device, frame.state.t_ns, points.data(), n));
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_push_tracks(device, now.t_ns + 1, nullptr, n));
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_push_tracks(device, now.t_ns + 1, points.data(), -1));
-  points[0].camera = 7;
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_CAMERA, segcal_push_tracks(device, now.t_ns + 1, points.data(), n));
-  segcal_state_t state = frame.state;
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_CAMERA, segcal_push_keyframe(device, &state, points.data(), n));
-  points[0].camera = 0;
-  state.p_GI[0] = std::nan("");
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NOT_FINITE, segcal_push_keyframe(device, &state, points.data(), n));
-}
-
-void push_frame(segcal_t* device, const SyntheticStream::Frame& frame, Way way) {
-  const int n = static_cast<int>(frame.points.size());
-  const int code = way == Way::tracks ? segcal_push_tracks(device, frame.state.t_ns, frame.points.data(), n)
-                                      : segcal_push_keyframe(device, &frame.state, frame.points.data(), n);
-  TEST_ASSERT_GREATER_OR_EQUAL_INT(0, code);
-}
-
-/// The whole stream, calibration at the end; with rubbish in between where asked.
-void feed(segcal_t* device, Way way, bool rubbish) {
-  for (std::size_t i = 0; i < stream().imu.size(); ++i) {
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(0, segcal_push_imu(device, &stream().imu[i]));
-    if (i % 20 == 0) push_frame(device, stream().frames[i / 20], way);
-    if (rubbish && i > 20 && i % 100 == 3) push_rubbish(device, stream().imu[i], stream().frames[i / 20]);
-  }
-  segcal_flush(device);
-  segcal_background(device, 1);
-}
-
-/// All that a run tells, as text with every bit.
-std::string answers(segcal_t* device) {
-  std::string text;
-  char line[160];
-  const auto add = [&](const char* name, double value) {
-    std::snprintf(line, sizeof line, "%s %a\n", name, value);
-    text += line;
-  };
-  segcal_state_t state;
-  if (segcal_get_state(device, &state) == SEGCAL_OK) {
-    for (double v : state.p_GI) add("p", v);
-    for (double v : state.b_g) add("b_g", v);
-  }
-  static segcal_result_t result;
-  add("calibrate", segcal_calibrate(device));
-  if (segcal_get_result(device, &result) != SEGCAL_OK) return text;
-  for (int i = 0; i < result.n_parameters; ++i) {
-    add(result.parameter[i].name, result.parameter[i].value);
-    add("sigma", result.parameter[i].sigma);
-  }
-  add("chi2", result.chi2);
-  add("segments", result.segments);
-  for (int i = 0; i <= SEGCAL_MAX_SEGMENTS; ++i) {
-    segcal_segment_t segment;
-    if (segcal_get_segment(device, i, &segment) == SEGCAL_OK) add("A", segment.A);
-  }
-  return text;
-}
-
-std::string run(int fill, Way way, bool rubbish) {
-  Storage storage(fill);
-  segcal_t* device = create(&storage, SyntheticStream::config());
-  feed(device, way, rubbish);
-  return answers(device);
-}
-
-void check_same_answers(Way way) {
-  const std::string clean = run(0, way, false);
-  const Id id = Id().add("way", way == Way::tracks ? "tracks" : "keyframes");
-  test::check_true(id, "nothing was calibrated", clean.find("segments") != std::string::npos);
-  test::check_true(id.add("storage", "0xFF"), "another result", run(0xFF, way, false) == clean);
-  test::check_true(id.add("storage", "0xA5"), "another result", run(0xA5, way, false) == clean);
-  test::check_true(id.add("storage", "rubbish"), "refused data changed the result", run(0, way, true) == clean);
-}
-
-void test_storage_content_and_refused_data_change_nothing_with_keyframes() { check_same_answers(Way::keyframes); }
-void test_storage_content_and_refused_data_change_nothing_with_tracks() { check_same_answers(Way::tracks); }
+using namespace test;
 
 void test_refused_data_are_counted() {
   Storage storage(0xFF);
@@ -183,21 +48,6 @@ void test_storage_is_checked() {
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_create(&device, nullptr, storage.data, size));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_create(nullptr, &config, storage.data, size));
   TEST_ASSERT_TRUE(size <= SEGCAL_STORAGE_BYTES);
-}
-
-void test_nothing_is_written_behind_the_storage() {
-  const std::size_t size = segcal_storage_bytes();
-  std::vector<unsigned char> bytes(size + 4096, 0x5A);
-  void* place = bytes.data();
-  std::size_t space = bytes.size();
-  TEST_ASSERT_NOT_NULL(std::align(SEGCAL_STORAGE_ALIGNMENT, size, place, space));
-  segcal_t* device = nullptr;
-  const segcal_config_t config = SyntheticStream::config();
-  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_create(&device, &config, place, size));
-  feed(device, Way::keyframes, false);
-  segcal_calibrate(device);
-  const unsigned char* end = static_cast<unsigned char*>(place) + size;
-  for (const unsigned char* p = end; p < bytes.data() + bytes.size(); ++p) TEST_ASSERT_EQUAL_HEX8(0x5A, *p);
 }
 
 /// One wrong value in an otherwise good configuration.
@@ -326,8 +176,5 @@ int main(int argc, char** argv) {
   RUN_TEST(test_calls_too_early);
   RUN_TEST(test_refused_data_are_counted);
   RUN_TEST(test_points_that_are_no_numbers_are_dropped);
-  RUN_TEST(test_nothing_is_written_behind_the_storage);
-  RUN_TEST(test_storage_content_and_refused_data_change_nothing_with_keyframes);
-  RUN_TEST(test_storage_content_and_refused_data_change_nothing_with_tracks);
   return UNITY_END();
 }

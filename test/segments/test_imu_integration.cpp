@@ -1,4 +1,4 @@
-// Re-integration of raw samples: the integral itself, its covariance (against Monte Carlo), and the packed store.
+// Re-integration of raw samples: the integral itself, and its covariance against Monte Carlo.
 #include "../support/cast.h"
 #include "../support/cases.h"
 #include "../support/path.h"
@@ -212,70 +212,15 @@ void test_covariance_of_white_noise() {
 
 void test_covariance_with_bias_walk() { check_covariance("walk", strong_walk()); }
 
-template <class S>
-void check_store() {
-  ImuStore<S> store;
-  store.clear();
-  test::Random random(32);
-  const Id id = Id().add("check", "store").type<S>();
-  // Half a step, and in float what 21 bits lose beside 24.
-  const double slack = 1 + 16 * double(std::numeric_limits<S>::epsilon()) * kPackedLimit;
-  for (int i = 0; i < 500; ++i) {
-    const InertialReading<S> in = {(random.vector(8)).cast<S>(), (random.vector(30)).cast<S>()};
-    store.push(i * 5000 - 100, in);
-    const InertialReading<S> out = store.reading(i);
-    test::check_near(id.add("i", i), "stamp", i * 5000 - 100, store.time(i), 0);
-    test::check_near(id.add("i", i), "gyro", 0, double((out.gyro - in.gyro).cwiseAbs().maxCoeff()), 0.5 * kGyroStep * slack);
-    test::check_near(id.add("i", i), "accel", 0, double((out.accel - in.accel).cwiseAbs().maxCoeff()), 0.5 * kAccelStep * slack);
-  }
-}
-
-template <class S>
-void check_clipping() {
-  const double limit = kGyroStep * kPackedLimit;
-  const Vec3<S> huge(S(1e9), S(-1e9), S(limit * 1.001));
-  const Vec3<S> clipped = unpack_vector<S>(pack_vector(huge, kGyroStep), kGyroStep);
-  const Id id = Id().add("check", "clipping").type<S>();
-  test::check_near(id, "high", limit, clipped.x(), 1e-5);
-  test::check_near(id, "low", -limit, clipped.y(), 1e-5);
-  test::check_near(id, "just above", limit, clipped.z(), 1e-5);
-  // Neighbouring fields must not touch each other.
-  for (int i = 0; i < 3; ++i) {
-    const Vec3<S> one = unpack_vector<S>(pack_vector<S>(S(-kGyroStep) * Vec3<S>::Unit(i), kGyroStep), kGyroStep);
-    test::check_near(id.add("field", i), "one step", 0, double((one + S(kGyroStep) * Vec3<S>::Unit(i)).norm()), 1e-10);
-  }
-  const Vec3<S> nan = Vec3<S>::Constant(std::numeric_limits<S>::quiet_NaN());
-  test::check_true(id, "not-a-number is stored as a number", unpack_vector<S>(pack_vector(nan, kGyroStep), kGyroStep).allFinite());
-}
-
-void test_store_keeps_samples() {
-  check_store<float>();
-  check_store<double>();
-  check_clipping<float>();
-  check_clipping<double>();
-}
-
-void test_store_refuses_more_than_it_holds() {
-  static ImuStore<float> store;
-  store.clear();
-  for (int i = 0; i < SEGCAL_MAX_IMU_SAMPLES + 10; ++i) store.push(i, {Vec3<float>::Zero(), Vec3<float>::Zero()});
-  TEST_ASSERT_TRUE(store.full());
-  TEST_ASSERT_EQUAL_INT(SEGCAL_MAX_IMU_SAMPLES, store.size());
-  TEST_ASSERT_EQUAL_INT(SEGCAL_MAX_IMU_SAMPLES - 1, store.time(store.size() - 1));
-}
-
 void test_integration_between_samples() {
   // Ends that fall between two samples are interpolated: two parts give the same as the whole.
-  static ImuStore<double> store;
-  store.clear();
-  const Path path = make_path();
-  for (int i = 0; i <= 100; ++i) store.push(i * 5000, measure(path, ImuCalibration<double>(), State<double>(), i * 0.005));
-  const auto angle = [&](int from, int to) {
-    ImuIntegrator<double> integrator(ImuCalibration<double>(), Vec3<double>::Zero(), Vec3<double>::Zero(), ImuNoise<double>());
-    integrate_samples<double>(store, from, to, 1e-6, &integrator);
+  const PathSamples samples = {100, 5000, make_path()};
+  const auto integral = [&](int from, int to) {
+    ImuIntegrator<double> integrator(device(), biases().b_a, biases().b_g, ImuNoise<double>());
+    integrate_samples<double>(samples, from, to, 1e-6, &integrator);
     return integrator.result();
   };
-  const ImuIntegral<double> whole = angle(1200, 401300), a = angle(1200, 203700), b = angle(203700, 401300);
+  const ImuIntegral<double> whole = integral(1200, 401300), a = integral(1200, 203700), b = integral(203700, 401300);
   test::check_near(Id().add("check", "split"), "duration", whole.dt, a.dt + b.dt, 1e-12);
   // The split adds one point to a piecewise linear signal; the rotation's trapezoid differs in third order only.
   test::check_near(Id().add("check", "split"), "rotation", 0, (a.dR * b.dR - whole.dR).norm(), 1e-6);
@@ -293,8 +238,6 @@ int main(int argc, char** argv) {
   RUN_TEST(test_correction_is_of_fourth_order_about_one_axis);
   RUN_TEST(test_covariance_of_white_noise);
   RUN_TEST(test_covariance_with_bias_walk);
-  RUN_TEST(test_store_keeps_samples);
-  RUN_TEST(test_store_refuses_more_than_it_holds);
   RUN_TEST(test_integration_between_samples);
   return UNITY_END();
 }

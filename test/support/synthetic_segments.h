@@ -84,7 +84,7 @@ class SyntheticSession {
 
   void draw_device() {
     const std::vector<double> sigma = device_sigmas(nominal);
-    double step[kMaxTheta];
+    double step[kMaxTheta] = {};
     for (std::size_t i = 0; i < sigma.size(); ++i) step[i] = options_.device * random_.normal(sigma[i]);
     add_step(&truth, step);
   }

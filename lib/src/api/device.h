@@ -114,7 +114,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   prior_.mean = options.theta;
   for (int i = 0; i < kMaxTheta; ++i) prior_.sigma[i] = options.prior_sigma[i];
   database_.reset(options.keep_segments, options.metric, options.strategy, options.least_gain, options.seed);
-  builder_.clear_counts();
+  builder_.reset(options.gyro_range, options.accel_range);
   faults_ = FaultCounts{};
   release_ = Release<S>{};
   joint_.n = analysis_.n = 0;

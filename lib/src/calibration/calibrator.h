@@ -149,13 +149,15 @@ void Calibrator<S>::step_back(SegmentEliminator<S>* eliminator, S damping, const
     // The step that the segment after this one found for our last keyframe; none hangs on it: none is known.
     for (int c = 0; c < kStateColumns; ++c) last[c] = link_[i].passes_on ? guest_step[c] : S(0);
     if (has_guest) Chain<S>::solve_guest(kept_[i], n_theta, last, theta_step, guest_step);
-    eliminator->eliminate(*segment_[i], guest(i), theta_, model_, damping);
+    const GuestLink<S> g = guest(i);
+    eliminator->eliminate(*segment_[i], g, theta_, model_, damping);
     for (int c = 0; c < kStateColumns; ++c) {
       step_[eliminator->last_column() + c] = last[c];
       if (has_guest) step_[eliminator->guest_column() + c] = guest_step[c];
     }
     for (int c = 0; c < n_theta; ++c) step_[eliminator->theta_column() + c] = theta_step[c];
-    eliminator->back_substitute(step_, link_[i].passes_on ? eliminator->last_column() : eliminator->guest_column());
+    eliminator->back_substitute(*segment_[i], g, theta_, model_, damping, step_,
+                                link_[i].passes_on ? eliminator->last_column() : eliminator->guest_column());
     eliminator->move(segment_[i], theta_, model_, damping, step_);
   }
 }

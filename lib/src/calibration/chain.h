@@ -73,7 +73,7 @@ class Chain {
 
   /// Folds 15 rows of the segment's R that begin at column `from`; they stand at column `to` of the link triangle.
   void fold_segment_rows(SegmentEliminator<S>* segment, int from, int to) {
-    PackedTriangle<S> R = segment->R(), L = link();
+    PackedTriangle<S> R = segment->reduced().R(), L = link();
     const int guest = segment->layout().guest(), theta = segment->layout().theta();
     for (int i = 0; i < kStateColumns; ++i) {
       const S* r = R.row(from + i);
@@ -82,7 +82,7 @@ class Chain {
       if (from != guest) {
         for (int c = guest; c < theta; ++c) block_[c - guest] = r[c];
       }
-      for (int c = 0; c <= n_theta_; ++c) block_[2 * kStateColumns + c] = r[theta + c];
+      segment->reduced().to_theta_order(r, 0, block_ + 2 * kStateColumns);
       fold_rows(L, block_, 1, width(), 0, width(), work_);
     }
   }
@@ -95,10 +95,10 @@ class Chain {
   }
 
   void fold_theta(SegmentEliminator<S>* segment, PackedTriangle<S>* theta) {
-    PackedTriangle<S> R = segment->R(), L = link();
+    PackedTriangle<S> L = link();
     for (int i = 0; i <= n_theta_; ++i) {
-      const int first = segment->layout().theta();
-      fold_theta_row(R.row(first + i) + first, i, theta);
+      segment->reduced().theta_row(i, block_);
+      fold_rows(*theta, block_, 1, n_theta_ + 1, 0, n_theta_ + 1, work_);
       S* from_link = L.row(2 * kStateColumns + i) + 2 * kStateColumns;
       fold_theta_row(from_link, i, theta);
       for (int c = i; c <= n_theta_; ++c) from_link[c] = S(0);

@@ -48,10 +48,15 @@ inline void add_scaled(S* __restrict y, S a, const S* __restrict x, int first, i
 template <class S>
 constexpr S smallest_square = std::is_same_v<S, float> ? S(1e-30) : S(1e-200);
 
+/// Columns [first, last) that are known to be zero in every row of a fold, and so are not worked on.
+struct ColumnGap {
+  int first = 0, last = 0;
+};
+
 /// One Householder reflection: clears column j of the m rows of `block` (`stride` apart) against row r, and applies
 /// itself to columns (j, n) of all of them. Column j of the block is left as it was: nobody reads it again.
 template <class S>
-inline void reflect_column(S* r, S* block, int m, int stride, int j, int n, S* work) {
+inline void reflect_column(S* r, S* block, int m, int stride, int j, int n, S* work, ColumnGap gap = {}) {
   S below = S(0);
   for (int i = 0; i < m; ++i) below += block[i * stride + j] * block[i * stride + j];
   if (below < smallest_square<S>) return;  // nothing to clear; the inverse below would overflow
@@ -59,26 +64,35 @@ inline void reflect_column(S* r, S* block, int m, int stride, int j, int n, S* w
   const S alpha = r[j] > S(0) ? -norm : norm;
   const S v0 = r[j] - alpha;             // no cancellation: alpha has the other sign
   const S scale = S(-1) / (alpha * v0);  // 2 / v'v, since v'v = -2 alpha v0
-  for (int c = j + 1; c < n; ++c) work[c] = v0 * r[c];
-  for (int i = 0; i < m; ++i) {
-    const S b = block[i * stride + j];
-    if (b != S(0)) add_scaled(work, b, block + i * stride, j + 1, n);
+  const int ranges[2][2] = {{j + 1, gap.first > j ? gap.first : j + 1}, {gap.last > j ? gap.last : j + 1, n}};
+  for (const int(&range)[2] : ranges) {
+    const int first = range[0], last = range[1];
+    if (first >= last) continue;
+    for (int c = first; c < last; ++c) work[c] = v0 * r[c];
+    for (int i = 0; i < m; ++i) {
+      const S b = block[i * stride + j];
+      if (b != S(0)) add_scaled(work, b, block + i * stride, first, last);
+    }
+    for (int c = first; c < last; ++c) work[c] *= scale;
+    add_scaled(r, -v0, work, first, last);
+    for (int i = 0; i < m; ++i) {
+      const S b = block[i * stride + j];
+      if (b != S(0)) add_scaled(block + i * stride, -b, work, first, last);
+    }
   }
-  for (int c = j + 1; c < n; ++c) work[c] *= scale;
   r[j] = alpha;
-  add_scaled(r, -v0, work, j + 1, n);
-  for (int i = 0; i < m; ++i) {
-    const S b = block[i * stride + j];
-    if (b != S(0)) add_scaled(block + i * stride, -b, work, j + 1, n);
-  }
 }
 
 /// Folds the rows of `block` (m rows, row-major, `stride` apart) into R.
 /// Columns before `first` of the block are zero; columns [first, pivots) are eliminated (pivots < n leaves rows whose
-/// columns [pivots, n) hold what remains). `work` holds n entries. The block is destroyed.
+/// columns [pivots, n) hold what remains). `gap`: columns that are zero in R and in the block, so far. `work` holds n
+/// entries. The block is destroyed.
 template <class S>
-void fold_rows(PackedTriangle<S>& R, S* block, int m, int stride, int first, int pivots, S* work) {
-  for (int j = first; j < pivots; ++j) reflect_column(R.row(j), block, m, stride, j, R.columns(), work);
+void fold_rows(PackedTriangle<S>& R, S* block, int m, int stride, int first, int pivots, S* work, ColumnGap gap = {}) {
+  for (int j = first; j < pivots; ++j) {
+    if (j == gap.first && gap.last > j) j = gap.last;
+    if (j < pivots) reflect_column(R.row(j), block, m, stride, j, R.columns(), work, gap);
+  }
 }
 
 /// Clears the `columns` leading columns of a dense block in place (m rows of width n, row-major). Afterwards rows

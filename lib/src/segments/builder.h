@@ -24,7 +24,7 @@ class SegmentBuilder {
     segment_->serial = serial;
     segment_->n_keyframes = segment_->n_landmarks = segment_->n_observations = 0;
     segment_->lead_us = 0;
-    segment_->imu.clear();
+    segment_->imu.clear(gyro_range_, accel_range_);
     if (!continues) last_keyframe_ns_ = kNever;
   }
   bool empty() const { return segment_->n_keyframes == 0; }
@@ -32,7 +32,12 @@ class SegmentBuilder {
   std::int64_t start_ns() const { return segment_->t0_ns; }
   std::int64_t last_keyframe_ns() const { return last_keyframe_ns_; }
   const BuilderCounts& counts() const { return counts_; }
-  void clear_counts() { counts_ = BuilderCounts{}; }
+  /// Forgets the counts; ranges of the sensors in rad/s and m/s^2.
+  void reset(S gyro_range, S accel_range) {
+    counts_ = BuilderCounts{};
+    gyro_range_ = gyro_range;
+    accel_range_ = accel_range;
+  }
 
   /// Adds a keyframe. False if it does not fit any more (keyframes or IMU samples): close the segment, begin the next.
   bool add_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
@@ -54,6 +59,7 @@ class SegmentBuilder {
   std::int64_t last_keyframe_ns_ = kNever;
   std::uint8_t last_seen_[kMaxLandmarks];   // keyframe
   std::uint16_t seen_[kMaxLandmarks];       // image points
+  S gyro_range_ = S(35), accel_range_ = S(157);
   BuilderCounts counts_;
 };
 
@@ -64,8 +70,7 @@ bool SegmentBuilder<S>::copy_imu(std::int64_t from_ns, std::int64_t to_ns, const
     const std::int64_t offset_ns = imu.time(i) - s.t0_ns;
     const std::int32_t t_us = static_cast<std::int32_t>((offset_ns + (offset_ns < 0 ? -500 : 500)) / 1000);
     if (s.imu.size() > 0 && t_us <= s.imu.time(s.imu.size() - 1)) continue;
-    if (s.imu.full()) return false;
-    s.imu.push(t_us, imu.reading(i));
+    if (!s.imu.push(t_us, imu.reading(i))) return false;
     if (imu.time(i) >= to_ns) break;
   }
   return true;

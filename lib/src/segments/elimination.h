@@ -39,8 +39,8 @@ class SegmentEliminator {
   void eliminate(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                  const MeasurementModel<S>& model, S damping);
 
-  /// The reduced triangle and where its columns stand.
-  PackedTriangle<S> R() { return reduced_.R(); }
+  /// What is left, and where its columns stand.
+  ReducedSystem<S>& reduced() { return reduced_; }
   const ReducedLayout& layout() const { return reduced_.layout(); }
   const EliminationCounts& counts() const { return counts_; }
   S prior_share() const { return prior_share_; }
@@ -53,20 +53,23 @@ class SegmentEliminator {
   int guest_column() const { return kStateColumns * layout().keyframes; }
   int theta_column() const { return guest_column() + layout().guest_columns; }
 
-  /// Back-substitution: entries of `step` from `known` on (last_column(), guest_column() or theta_column()) are given,
-  /// the others are filled in.
-  void back_substitute(S* step, int known);
+  /// Back-substitution after eliminate() with the same arguments: entries of `step` from `known` on (last_column(),
+  /// guest_column() or theta_column()) are given, the others are filled in.
+  void back_substitute(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                       const MeasurementModel<S>& model, S damping, S* step, int known);
   /// Then moves the segment's states and landmarks along `step`, linearised where eliminate() was called.
   void move(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping, const S* step);
 
  private:
   void fold_landmarks(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping);
-  void fold_start(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                  const MeasurementModel<S>& model);
-  void fold_partition_start(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model);
-  void fold_links(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping);
-  void damp_keyframe(int k, S damping);
+  void hold_gauge(const State<S>& x, const MeasurementModel<S>& model);
+  void damp_pose(int k, S damping);
+  void run_chain(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                 const MeasurementModel<S>& model, S damping);
+  void start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                   const MeasurementModel<S>& model);
   void spread_step(const S* step);
+  void spread_linked(const S* step);
 
   EliminationCounts counts_;
   S prior_share_ = S(0);
@@ -95,13 +98,17 @@ void SegmentEliminator<S>::eliminate(const Segment<S>& segment, const GuestLink<
   layout.guest_columns = guest.join == Join::none ? 0 : kStateColumns;
   layout.n_theta = theta.columns();
   reduced_.begin(layout);
-  chain_.begin();
   counts_ = EliminationCounts{};
   prior_share_ = S(0);
   fold_landmarks(segment, theta, model, damping);
-  fold_start(segment, guest, theta, model);
-  fold_links(segment, theta, model, damping);
+  if (guest.join != Join::imu) hold_gauge(segment.states.x[0], model);
+  for (int k = 0; k < layout.keyframes; ++k) damp_pose(k, damping);
+  chain_.begin(nullptr);
+  run_chain(segment, guest, theta, model, damping);
   chain_.finish(&reduced_);
+  // Gauge, bias prior and damping are no residuals; the bias walk over a gap is.
+  counts_.unknowns -= guest.join == Join::imu ? 0 : guest.join == Join::bias ? 4 : 10;
+  counts_.residuals += guest.join == Join::bias ? 6 : 0;
   counts_.residuals += 2 * counts_.image_points + 15 * chain_.links();
   counts_.unknowns += 3 * counts_.landmarks + kStateColumns * layout.keyframes;
 }
@@ -114,89 +121,82 @@ void SegmentEliminator<S>::fold_landmarks(const Segment<S>& segment, const Calib
     LandmarkFit<S> fit = landmark_.build(segment, j, theta, model, layout(), landmark_damping);
     if (fit.used < 2) continue;
     landmark_.eliminate(&fit, model, work_);
-    reduced_.fold(landmark_.rest(), fit.rows - kLandmarkColumns, landmark_.stride(), layout().pose(fit.first_keyframe));
+    reduced_.fold_visual(landmark_.rest(), fit.rows - kLandmarkColumns, landmark_.stride(), layout().pose(fit.first_keyframe));
     counts_.image_points += fit.used;
     ++counts_.landmarks;
     prior_share_ += fit.prior_share;
   }
 }
 
-/// What ties the first keyframe down.
+/// The gauge: position and rotation about gravity of the first keyframe. They are exactly free, so any weight holds
+/// them; this one is well inside the range of float.
 template <class S>
-void SegmentEliminator<S>::fold_start(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                                      const MeasurementModel<S>& model) {
-  const State<S>& x = segment.states.x[0];
-  if (guest.join == Join::imu) {
-    const ImuIntegral<S> I = segment.integrate(0, theta.imu, guest.state.b_a, guest.state.b_g, model.imu);
-    ImuRows<S> rows;
-    link_rows(I, guest.state, x, guest.state, x, model.g, &rows);
-    if (whiten(I, model.imu, &rows)) chain_.add_guest_link(rows, &reduced_);
-  } else {
-    fold_partition_start(segment, guest, model);
-  }
-  for (int i = 0; i < 3; ++i) {
-    chain_.add_scalar(i, S(1) / model.velocity_sigma, -x.v_GI(i) / model.velocity_sigma, &reduced_);
-  }
-}
-
-template <class S>
-void SegmentEliminator<S>::fold_partition_start(const Segment<S>& segment, const GuestLink<S>& guest,
-                                                const MeasurementModel<S>& model) {
-  const State<S>& x = segment.states.x[0];
-  // The gauge: position and rotation about gravity of the first keyframe. They are exactly free, so any weight holds
-  // them; this one is well inside the range of float.
+void SegmentEliminator<S>::hold_gauge(const State<S>& x, const MeasurementModel<S>& model) {
   const S hold = S(1e3);
   for (int i = 0; i < 3; ++i) reduced_.fold_scalar(layout().pose(0) + 3 + i, hold, S(0));
   reduced_.fold_rotation(0, x.R_GI.transpose() * (model.g / -square_root(model.g.squaredNorm())), hold);
-  // Gauge and bias prior are no residuals; the walk over a gap is.
-  counts_.unknowns -= guest.join == Join::none ? 10 : 4;
-  if (guest.join == Join::bias) {
-    const S root = square_root(guest.gap_s);
-    chain_.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g, S(1) / (model.imu.accel_walk * root),
-                         S(1) / (model.imu.gyro_walk * root), &reduced_);
-    counts_.residuals += 6;
-    return;
-  }
-  for (int i = 0; i < 3; ++i) {
-    chain_.add_scalar(3 + i, S(1) / model.bias_a_sigma, -x.b_a(i) / model.bias_a_sigma, &reduced_);
-    chain_.add_scalar(6 + i, S(1) / model.bias_g_sigma, -x.b_g(i) / model.bias_g_sigma, &reduced_);
-  }
 }
 
 template <class S>
-void SegmentEliminator<S>::damp_keyframe(int k, S damping) {
+void SegmentEliminator<S>::damp_pose(int k, S damping) {
   if (!(damping > S(0))) return;
   for (int c = 0; c < kPoseColumns; ++c) {
     reduced_.fold_scalar(layout().pose(k) + c, damping / typical_step<S>(c), S(0));
   }
-  for (int c = kPoseColumns; c < kStateColumns; ++c) {
-    chain_.add_scalar(c - kPoseColumns, damping / typical_step<S>(c), S(0), &reduced_);
-  }
 }
 
+/// Everything that touches velocities and biases, in time order; to eliminate them, or to solve for them.
 template <class S>
-void SegmentEliminator<S>::fold_links(const Segment<S>& segment, const Calibration<S>& theta,
-                                      const MeasurementModel<S>& model, S damping) {
+void SegmentEliminator<S>::run_chain(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                                     const MeasurementModel<S>& model, S damping) {
   const State<S>* x = segment.states.x;
-  ImuRows<S> rows;
+  start_chain(segment, guest, theta, model);
   for (int k = 0; k < segment.n_keyframes; ++k) {
-    damp_keyframe(k, damping);
+    for (int c = kPoseColumns; damping > S(0) && c < kStateColumns; ++c) {
+      chain_.add_scalar(c - kPoseColumns, damping / typical_step<S>(c), S(0), &reduced_);
+    }
     if (k + 1 == segment.n_keyframes) break;
     const ImuIntegral<S> I = segment.integrate(k + 1, theta.imu, x[k].b_a, x[k].b_g, model.imu);
+    ImuRows<S> rows;
     link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model.g, &rows);
     whiten(I, model.imu, &rows);
     chain_.add_link(rows, &reduced_);
   }
 }
 
+/// What ties the first keyframe's velocity and biases down: the link or the walk from the guest, or priors.
+template <class S>
+void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                                       const MeasurementModel<S>& model) {
+  const State<S>& x = segment.states.x[0];
+  if (guest.join == Join::imu) {
+    const ImuIntegral<S> I = segment.integrate(0, theta.imu, guest.state.b_a, guest.state.b_g, model.imu);
+    ImuRows<S> rows;
+    link_rows(I, guest.state, x, guest.state, x, model.g, &rows);
+    if (whiten(I, model.imu, &rows)) chain_.add_guest_link(rows, &reduced_);
+  } else if (guest.join == Join::bias) {
+    const S root = square_root(guest.gap_s);
+    chain_.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g, S(1) / (model.imu.accel_walk * root),
+                         S(1) / (model.imu.gyro_walk * root), &reduced_);
+  }
+  for (int i = 0; i < 3; ++i) {
+    chain_.add_scalar(i, S(1) / model.velocity_sigma, -x.v_GI(i) / model.velocity_sigma, &reduced_);
+    if (guest.join != Join::none) continue;
+    chain_.add_scalar(3 + i, S(1) / model.bias_a_sigma, -x.b_a(i) / model.bias_a_sigma, &reduced_);
+    chain_.add_scalar(6 + i, S(1) / model.bias_g_sigma, -x.b_g(i) / model.bias_g_sigma, &reduced_);
+  }
+}
+
 template <class S>
 void SegmentEliminator<S>::extract(SegmentInformation<S>* out) {
-  const int n = layout().n_theta, theta = layout().theta();
+  const int n = layout().n_theta;
   out->n_theta = n;
   out->dof = counts_.residuals - counts_.unknowns;
-  PackedTriangle<S> R = reduced_.R(), info = out->triangle();
+  PackedTriangle<S> info = out->triangle();
+  info.clear();
   for (int i = 0; i <= n; ++i) {
-    for (int c = i; c <= n; ++c) info.row(i)[c] = R.row(theta + i)[theta + c];
+    reduced_.theta_row(i, step_);
+    fold_rows(info, step_, 1, n + 1, 0, n + 1, work_);
   }
 }
 
@@ -205,17 +205,30 @@ template <class S>
 void SegmentEliminator<S>::spread_step(const S* step) {
   const ReducedLayout& at = layout();
   for (int c = 0; c < at.last(); ++c) step_[c] = step[kStateColumns * (c / kPoseColumns) + c % kPoseColumns];
-  for (int c = at.last(); c < at.rhs(); ++c) step_[c] = step[last_column() + c - at.last()];
+  spread_linked(step);
+}
+
+/// Last keyframe, guest and theta of a step.
+template <class S>
+void SegmentEliminator<S>::spread_linked(const S* step) {
+  const ReducedLayout& at = layout();
+  for (int c = at.last(); c < at.theta(); ++c) step_[c] = step[last_column() + c - at.last()];
+  const S* theta = step + theta_column();
+  for (int c = 0; c < at.camera_columns(); ++c) step_[at.cameras() + c] = theta[c];
+  for (int c = 0; c < kImuColumns; ++c) step_[at.imu() + c] = theta[at.camera_columns() + c];
 }
 
 template <class S>
-void SegmentEliminator<S>::back_substitute(S* step, int known) {
+void SegmentEliminator<S>::back_substitute(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                                           const MeasurementModel<S>& model, S damping, S* step, int known) {
   const ReducedLayout& at = layout();
-  for (int c = at.last(); c < at.rhs(); ++c) step_[c] = step[last_column() + c - at.last()];
+  spread_linked(step);
   reduced_.back_substitute(step_, at.last() + known - last_column());
   for (int c = 0; c < at.last(); ++c) step[kStateColumns * (c / kPoseColumns) + c % kPoseColumns] = step_[c];
   for (int c = 0; c < kStateColumns; ++c) step[last_column() + c] = step_[at.last() + c];
-  chain_.back_substitute(step_, at, step + kPoseColumns, kStateColumns);
+  chain_.begin(step_);
+  run_chain(segment, guest, theta, model, damping);
+  chain_.back_substitute(step + kPoseColumns, kStateColumns);
 }
 
 template <class S>

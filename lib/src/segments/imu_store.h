@@ -1,7 +1,9 @@
-// Raw IMU samples of one segment, 20 bytes each: three 21-bit integers per sensor and a stamp in microseconds.
+// Raw IMU samples of one segment, 14 bytes each: 16-bit integers over the sensor's range, as most sensors give them, and
+// the microseconds since the sample before.
 //
-// Steps of 4e-5 rad/s and 2e-4 m/s^2 are a sixtieth of a good MEMS sensor's noise per sample, so storing costs nothing;
-// the range is 41 rad/s (2400 deg/s) and 209 m/s^2 (21 g). Larger values are clipped here and counted as faults before.
+// At the default ranges of 35 rad/s and 157 m/s^2 a step is 1.1e-3 rad/s and 4.8e-3 m/s^2; rounding adds 1.6 % and
+// 0.03 % to the variance of a good MEMS sensor's samples at 200 Hz. Values beyond the range are clipped (counted as
+// saturation where they come in).
 #pragma once
 
 #include <cstdint>
@@ -10,58 +12,66 @@
 
 namespace SEGCAL_NS {
 
-constexpr double kGyroStep = 4e-5;   ///< rad/s
-constexpr double kAccelStep = 2e-4;  ///< m/s^2
-constexpr std::int32_t kPackedLimit = (1 << 20) - 1;
+constexpr int kStampsPerAnchor = 16;
 
 template <class S>
-std::uint64_t pack_vector(const Vec3<S>& v, double step) {
-  std::uint64_t word = 0;
-  for (int i = 0; i < 3; ++i) {
-    const S scaled = v(i) / S(step);
-    std::int32_t n = kPackedLimit;
-    if (scaled < S(kPackedLimit)) {
-      n = scaled < S(-kPackedLimit) ? -kPackedLimit : static_cast<std::int32_t>(scaled + (scaled < S(0) ? S(-0.5) : S(0.5)));
-    }
-    word |= static_cast<std::uint64_t>(static_cast<std::uint32_t>(n) & 0x1FFFFFu) << (21 * i);
-  }
-  return word;
-}
-
-template <class S>
-Vec3<S> unpack_vector(std::uint64_t word, double step) {
-  Vec3<S> v;
-  for (int i = 0; i < 3; ++i) {
-    // Shift left and back to carry the sign of the 21-bit number.
-    const std::int32_t n = static_cast<std::int32_t>(static_cast<std::uint32_t>(word >> (21 * i)) << 11) / 2048;
-    v(i) = S(n) * S(step);
-  }
-  return v;
+std::int16_t pack_value(S value, S step) {
+  const S limit = S(32767);
+  const S scaled = value / step;
+  if (!(scaled < limit)) return 32767;  // not-a-number too
+  if (scaled <= -limit) return -32767;
+  return static_cast<std::int16_t>(scaled + (scaled < S(0) ? S(-0.5) : S(0.5)));
 }
 
 template <class S>
 class ImuStore {
  public:
-  void clear() { count_ = 0; }
+  /// Empties the store; ranges in rad/s and m/s^2.
+  void clear(S gyro_range = S(35), S accel_range = S(157)) {
+    count_ = 0;
+    gyro_step_ = gyro_range / S(32767);
+    accel_step_ = accel_range / S(32767);
+  }
   int size() const { return count_; }
   bool full() const { return count_ == SEGCAL_MAX_IMU_SAMPLES; }
-  std::int32_t time(int i) const { return t_us_[i]; }
-  InertialReading<S> reading(int i) const {
-    return {unpack_vector<S>(gyro_[i], kGyroStep), unpack_vector<S>(accel_[i], kAccelStep)};
+
+  /// Microseconds after the segment's first keyframe; negative for the samples that lead to it.
+  std::int32_t time(int i) const {
+    std::int32_t t = anchor_us_[i / kStampsPerAnchor];
+    for (int k = i - i % kStampsPerAnchor + 1; k <= i; ++k) t += delta_us_[k];
+    return t;
   }
-  /// t_us: microseconds after the segment's first keyframe (negative for the samples that lead to it).
-  void push(std::int32_t t_us, const InertialReading<S>& reading) {
-    if (full()) return;
-    t_us_[count_] = t_us;
-    gyro_[count_] = pack_vector(reading.gyro, kGyroStep);
-    accel_[count_] = pack_vector(reading.accel, kAccelStep);
+
+  InertialReading<S> reading(int i) const {
+    InertialReading<S> r;
+    for (int k = 0; k < 3; ++k) {
+      r.gyro(k) = S(value_[i][k]) * gyro_step_;
+      r.accel(k) = S(value_[i][3 + k]) * accel_step_;
+    }
+    return r;
+  }
+
+  /// Stamps must grow, by less than 65 ms. False if the sample does not fit.
+  bool push(std::int32_t t_us, const InertialReading<S>& reading) {
+    const std::int32_t delta = count_ > 0 ? t_us - newest_us_ : 0;
+    if (full() || delta > 65535) return false;
+    if (count_ % kStampsPerAnchor == 0) anchor_us_[count_ / kStampsPerAnchor] = t_us;
+    delta_us_[count_] = static_cast<std::uint16_t>(delta);
+    newest_us_ = t_us;
+    for (int k = 0; k < 3; ++k) {
+      value_[count_][k] = pack_value(reading.gyro(k), gyro_step_);
+      value_[count_][3 + k] = pack_value(reading.accel(k), accel_step_);
+    }
     ++count_;
+    return true;
   }
 
  private:
-  std::int32_t count_ = 0;
-  std::int32_t t_us_[SEGCAL_MAX_IMU_SAMPLES];
-  std::uint64_t gyro_[SEGCAL_MAX_IMU_SAMPLES], accel_[SEGCAL_MAX_IMU_SAMPLES];
+  std::int32_t count_ = 0, newest_us_ = 0;
+  S gyro_step_ = S(0), accel_step_ = S(0);
+  std::int32_t anchor_us_[SEGCAL_MAX_IMU_SAMPLES / kStampsPerAnchor + 1];
+  std::uint16_t delta_us_[SEGCAL_MAX_IMU_SAMPLES];
+  std::int16_t value_[SEGCAL_MAX_IMU_SAMPLES][6];
 };
 
 }  // namespace SEGCAL_NS

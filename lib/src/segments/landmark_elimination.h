@@ -63,7 +63,7 @@ bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const O
   if (robust.weight == S(0)) return false;
   const S scale = square_root(robust.weight) * inverse_sigma;
   const int pose = kLandmarkColumns + layout.pose(o.keyframe);
-  const int camera = kLandmarkColumns + layout.theta() + theta.camera_column(o.camera);
+  const int camera = kLandmarkColumns + layout.cameras() + theta.camera_column(o.camera);
   const int n_camera = theta.camera[o.camera].columns();
   for (int i = 0; i < 2; ++i) {
     S* r = row(rows_ + i);

@@ -1,4 +1,7 @@
-// The triangle that a segment is reduced to: [poses 6 (K - 1) | last keyframe 15 | guest 15, where joined | theta | rhs].
+// The triangle that a segment is reduced to:
+// [poses 6 (K - 1) | last keyframe 15 | guest 15, where joined | theta: IMU part, then cameras | rhs].
+//
+// Cameras stand last in theta, beside the right-hand side, so that the landmarks' rows leave one gap in the middle.
 //
 // Velocities and biases of all keyframes but the last are eliminated before (velocity_bias_chain.h): each of them touches
 // its two neighbours only, so they never stand in this triangle, which is what keeps it small.
@@ -20,7 +23,9 @@ struct ReducedLayout {
   int last() const { return pose(keyframes - 1); }
   int guest() const { return last() + kStateColumns; }
   int theta() const { return guest() + guest_columns; }
-  int imu() const { return theta() + n_theta - kImuColumns; }
+  int imu() const { return theta(); }
+  int cameras() const { return theta() + kImuColumns; }
+  int camera_columns() const { return n_theta - kImuColumns; }
   int rhs() const { return theta() + n_theta; }
   int width() const { return rhs() + 1; }
 };
@@ -34,6 +39,25 @@ class ReducedSystem {
   }
   const ReducedLayout& layout() const { return layout_; }
   PackedTriangle<S> R() { return PackedTriangle<S>(data_, layout_.width()); }
+
+  /// Folds landmark rows: they touch poses and cameras only, and so do all rows folded before.
+  void fold_visual(S* rows, int m, int stride, int first_pose) {
+    PackedTriangle<S> triangle = R();
+    const ColumnGap gap{layout_.last() + kPoseColumns, layout_.cameras()};
+    fold_rows(triangle, rows, m, stride, first_pose, layout_.width(), work_, gap);
+  }
+
+  /// Theta's part of row i (theta() + i), in theta's own order [cameras | IMU], with the right-hand side last.
+  void theta_row(int i, S* out) { to_theta_order(R().row(layout_.theta() + i), i, out); }
+
+  /// The same for any row: entries of theta before the i-th are taken as zero.
+  void to_theta_order(const S* row, int i, S* out) const {
+    for (int c = 0; c < layout_.n_theta; ++c) {
+      const int from = c < layout_.camera_columns() ? kImuColumns + c : c - layout_.camera_columns();
+      out[c] = from < i ? S(0) : row[layout_.theta() + from];
+    }
+    out[layout_.n_theta] = row[layout_.rhs()];
+  }
 
   /// Folds rows that stand in this layout; columns before `first` are zero. Destroys them.
   void fold(S* rows, int m, int stride, int first) {

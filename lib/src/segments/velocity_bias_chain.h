@@ -3,7 +3,10 @@
 // An IMU link ties keyframe k to k + 1. Its 15 rows meet the nine rows that earlier links left on keyframe k's velocity
 // and biases; nine reflections finish keyframe k, nine more leave the rows of keyframe k + 1, and the six that remain
 // touch poses, guest and theta only and go to the reduced system. Columns of a row:
-// [vb k 9 | vb k + 1 9 | guest 15 | IMU part of theta 15 | rhs | poses 6 K]; poses last, so that only those seen so far cost.
+// [vb k 9 | vb k + 1 9 | rhs | guest 15 | IMU part of theta 15 | poses 6 K]; poses last, so that only those seen so far cost.
+//
+// Back-substitution runs the chain a second time with everything but velocities and biases known: rows are then 19 wide,
+// which costs an integration of the samples and saves the memory that the full rows would take.
 #pragma once
 
 #include "segments/reduced_system.h"
@@ -14,16 +17,18 @@ template <class S>
 class VelocityBiasChain {
  public:
   static constexpr int kNext = kVelocityBiasColumns;
-  static constexpr int kGuest = 2 * kVelocityBiasColumns;
+  static constexpr int kRhs = 2 * kVelocityBiasColumns;
+  static constexpr int kSolved = kRhs + 1;  ///< width when all else is known
+  static constexpr int kGuest = kSolved;
   static constexpr int kImu = kGuest + kStateColumns;
-  static constexpr int kRhs = kImu + kImuColumns;
-  static constexpr int kPoses = kRhs + 1;
+  static constexpr int kPoses = kImu + kImuColumns;
   static constexpr int kWidth = kPoses + kPoseColumns * kMaxKeyframes;
 
-  void begin() {
+  /// `known`: null to eliminate; else a step in the reduced layout, for back-substitution.
+  void begin(const S* known) {
+    known_ = known;
     current_ = 0;
     links_ = 0;
-    stored_ = 0;
     for (S& v : now_) v = S(0);
   }
   /// Links folded so far.
@@ -73,9 +78,10 @@ class VelocityBiasChain {
     }
     ++links_;
     ++current_;
+    substitute(15, rest->layout());
     const int n = active_width();
     eliminate_current(15, n);
-    store(n);
+    if (known_) store(current_ - 1);
     // The next keyframe's nine columns, within the block; its first nine rows become the rows of the current keyframe.
     reflect_leading_columns(block_ + kNext, 15, kWidth, n - kNext, kVelocityBiasColumns, work_);
     take_next(n);
@@ -94,31 +100,37 @@ class VelocityBiasChain {
     rest->fold(block_, kVelocityBiasColumns, kReducedColumns, 0);
   }
 
-  /// Steps of velocity and biases of keyframes K - 2 down to 0. `x`: step in the reduced layout, complete.
-  /// `out`: nine entries per keyframe, `stride` apart; that of the last keyframe is filled in already.
-  void back_substitute(const S* x, const ReducedLayout& at, S* out, int stride) const {
-    const S* rows = kept_ + stored_;
-    for (int k = at.keyframes - 2; k >= 0; --k) {
-      const int n = kPoses + kPoseColumns * (k + 2);
-      rows -= kVelocityBiasColumns * n;
+  /// Steps of velocity and biases of keyframes current() - 1 down to 0, after a run with known poses.
+  /// `out`: nine entries per keyframe, `stride` apart; those of the last keyframe are filled in already.
+  void back_substitute(S* out, int stride) const {
+    for (int k = current_ - 1; k >= 0; --k) {
       S* v = out + k * stride;
       const S* next = out + (k + 1) * stride;
       for (int i = kVelocityBiasColumns - 1; i >= 0; --i) {
-        const S* r = rows + i * n;
+        const S* r = kept_ + (k * kVelocityBiasColumns + i) * kSolved;
         S sum = r[kRhs];
         for (int c = i + 1; c < kVelocityBiasColumns; ++c) sum -= r[c] * v[c];
         for (int c = 0; c < kVelocityBiasColumns; ++c) sum -= r[kNext + c] * next[c];
-        for (int c = 0; c < at.guest_columns; ++c) sum -= r[kGuest + c] * x[at.guest() + c];
-        for (int c = 0; c < kImuColumns; ++c) sum -= r[kImu + c] * x[at.imu() + c];
-        for (int c = kPoses; c < n; ++c) sum -= r[c] * x[c - kPoses];
         v[i] = r[i] == S(0) ? S(0) : sum / r[i];
       }
     }
   }
 
  private:
-  /// Columns in use: poses up to the current keyframe.
-  int active_width() const { return kPoses + kPoseColumns * (current_ + 1); }
+  /// Columns in use: poses up to the current keyframe, unless they are known.
+  int active_width() const { return known_ ? kSolved : kPoses + kPoseColumns * (current_ + 1); }
+  /// Takes what is known to the right-hand side.
+  void substitute(int m, const ReducedLayout& at) {
+    if (!known_) return;
+    for (int i = 0; i < m; ++i) {
+      S* r = block_ + i * kWidth;
+      S sum = S(0);
+      for (int c = 0; c < at.guest_columns; ++c) sum += r[kGuest + c] * known_[at.guest() + c];
+      for (int c = 0; c < kImuColumns; ++c) sum += r[kImu + c] * known_[at.imu() + c];
+      for (int c = 0; c < kPoseColumns * at.keyframes; ++c) sum += r[kPoses + c] * known_[c];
+      r[kRhs] -= sum;
+    }
+  }
   void clear(int rows) {
     for (int c = 0; c < rows * kWidth; ++c) block_[c] = S(0);
   }
@@ -137,23 +149,23 @@ class VelocityBiasChain {
     for (int j = 0; j < kVelocityBiasColumns; ++j) reflect_column(now_ + j * kWidth, block_, m, kWidth, j, n, work_);
   }
   void fold_into_current(int m, ReducedSystem<S>* rest) {
+    substitute(m, rest->layout());
     eliminate_current(m, active_width());
     hand_over(0, m, rest);
   }
-  /// Keeps the finished rows of the keyframe before the current one for back-substitution.
-  void store(int n) {
+  /// Keeps the finished rows of keyframe k.
+  void store(int k) {
     for (int i = 0; i < kVelocityBiasColumns; ++i) {
-      for (int c = 0; c < n; ++c) kept_[stored_ + i * n + c] = c < i ? S(0) : now_[i * kWidth + c];
+      for (int c = 0; c < kSolved; ++c) kept_[(k * kVelocityBiasColumns + i) * kSolved + c] = now_[i * kWidth + c];
     }
-    stored_ += kVelocityBiasColumns * n;
   }
   void take_next(int n) {
     for (int i = 0; i < kVelocityBiasColumns; ++i) {
       S* to = now_ + i * kWidth;
       const S* from = block_ + i * kWidth;
       for (int c = 0; c < kVelocityBiasColumns; ++c) to[c] = c < i ? S(0) : from[kNext + c];
-      for (int c = kNext; c < kGuest; ++c) to[c] = S(0);
-      for (int c = kGuest; c < n; ++c) to[c] = from[c];
+      for (int c = kNext; c < kRhs; ++c) to[c] = S(0);
+      for (int c = kRhs; c < n; ++c) to[c] = from[c];
       for (int c = n; c < kWidth; ++c) to[c] = S(0);
     }
   }
@@ -167,6 +179,7 @@ class VelocityBiasChain {
   }
   /// Rows [first, last) of the block have no velocity or bias left: they are the reduced system's.
   void hand_over(int first, int last, ReducedSystem<S>* rest) {
+    if (known_) return;
     for (int i = first; i < last; i += kPoseColumns) {
       const int rows = last - i < kPoseColumns ? last - i : kPoseColumns;
       for (int r = 0; r < rows; ++r) spread(block_ + (i + r) * kWidth, rest->layout(), spread_ + r * kReducedColumns);
@@ -176,13 +189,13 @@ class VelocityBiasChain {
 
   static constexpr int kBlockRows = 15;
   static constexpr int kBlockSize = kBlockRows * kWidth > 9 * kReducedColumns ? kBlockRows * kWidth : 9 * kReducedColumns;
-  static constexpr int kKept = kVelocityBiasColumns * (kMaxKeyframes * kPoses + 3 * kMaxKeyframes * (kMaxKeyframes + 1));
-  int current_ = 0, links_ = 0, stored_ = 0;
+  const S* known_ = nullptr;
+  int current_ = 0, links_ = 0;
   S now_[kVelocityBiasColumns * kWidth];
   S block_[kBlockSize];
   S spread_[kPoseColumns * kReducedColumns];
   S work_[kWidth];
-  S kept_[kKept];
+  S kept_[kMaxKeyframes * kVelocityBiasColumns * kSolved];
 };
 
 }  // namespace SEGCAL_NS

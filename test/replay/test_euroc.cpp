@@ -1,0 +1,109 @@
+// A real recording from starts that are far off: the published calibration comes back, and the odometry with it is good.
+// Without the recording the test says so and is skipped (exit code 77). SEGCAL_LONG tries all ten random starts.
+#include <unity.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "../support/cases.h"
+#include "euroc.h"
+#include "temporary_folder.h"
+
+extern "C" void setUp() {}
+extern "C" void tearDown() {}
+
+namespace {
+
+using test::Id;
+
+constexpr int kSkipped = 77;
+constexpr double kDegree = M_PI / 180;
+
+host::Recording recording;
+host::Calibration published, fixture_start;
+
+host::ReplayResult replayed(const host::Calibration& start, bool calibrate) {
+  host::ReplayOptions options;
+  options.core.calibration = start;
+  options.core.noise = recording.imu.noise;
+  options.calibrate = calibrate;
+  return host::replay({recording}, options);
+}
+
+/// Start 0 is the one in fixtures/.
+host::Calibration start_of(unsigned start) { return start == 0 ? fixture_start : test::euroc::disturbed(published, start); }
+
+const host::ReplayResult& first_replay() {
+  static const host::ReplayResult result = replayed(fixture_start, true);
+  return result;
+}
+
+void check_calibration(const Id& id, const host::ReplayResult& found) {
+  const host::CameraCalibration &camera = found.calibration.cameras[0], &truth = published.cameras[0];
+  const double f = (camera.intrinsics.head<2>().cwiseQuotient(truth.intrinsics.head<2>()) - Eigen::Vector2d::Ones())
+                       .cwiseAbs().maxCoeff();
+  const double c = (camera.intrinsics - truth.intrinsics).tail<2>().cwiseAbs().maxCoeff();
+  const double R_CI = Eigen::AngleAxisd(camera.R_CI * truth.R_CI.transpose()).angle() / kDegree;
+  const double p_CI = (camera.p_CI - truth.p_CI).norm();
+  std::printf("%s: %s, chi2/dof %.3f, f %.2f %%, c %.2f px, R_CI %.2f deg, p_CI %.1f mm, reprojection median %.2f px\n",
+              id.text().c_str(), found.result.status.c_str(), found.result.chi2 / found.result.dof, 100 * f, c, R_CI,
+              1e3 * p_CI, found.result.reprojection_median_px);
+  test::check_true(id, "not calibrated", found.result.status == "calibrated");
+  test::check_between(id, "f, share", 0, f, 0.015);
+  test::check_between(id, "c, px", 0, c, 5);
+  test::check_between(id, "R_CI, deg", 0, R_CI, 0.8);
+  test::check_between(id, "p_CI, m", 0, p_CI, 0.020);
+  test::check_between(id, "reprojection median, px", 0, found.result.reprojection_median_px, 0.6);
+}
+
+void test_the_published_calibration_is_found() {
+  const unsigned random_starts = test::selection().empty() && !std::getenv("SEGCAL_LONG") ? 2 : 10;
+  for (unsigned start = 0; start <= random_starts; ++start) {
+    const Id id = Id().add("start", start);
+    if (!test::selected(id.text())) continue;
+    check_calibration(id, start == 0 ? first_replay() : replayed(start_of(start), true));
+  }
+}
+
+void test_odometry_with_the_result() {
+  const host::ReplayResult second = replayed(first_replay().calibration, false);
+  const double rmse = test::euroc::moving_rmse(second.trajectory, recording.truth);
+  const double drift = test::euroc::standing_drift(second.trajectory);
+  std::printf("trajectory: %.1f mm RMSE while it moves, %.1f mm drift while it stands\n", 1e3 * rmse, 1e3 * drift);
+  test::check_between(Id().add("check", "rmse"), "RMSE, m", 0, rmse, 0.06);
+  test::check_between(Id().add("check", "drift"), "drift, m", 0, drift, 0.01);
+}
+
+void test_standing_still_tells_nothing() {
+  int standing = 0;
+  for (const host::CoreSegment& segment : first_replay().segments) {
+    if (test::euroc::sequence_time(segment.start_ns) < test::euroc::kStandsFrom) continue;
+    const Id id = Id().add("check", "standing").add("segment", segment.serial);
+    test::check_true(id, "kept", !segment.kept);
+    // radtan: 14 + 15 entries of theta, all of them blind.
+    test::check_between(id, "directions named", 29, static_cast<double>(segment.not_excited.size()), 29);
+    ++standing;
+  }
+  test::check_between(Id().add("check", "standing"), "segments", 1, standing, 100);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  test::select_cases(argc, argv);
+  const auto data = host::find_real_data();
+  if (!data || !std::filesystem::is_directory(*data / "euroc_mh01" / "mav0")) {
+    std::printf("skipped: no euroc_mh01 in $SEGCAL_DATA or ../shared/data\n");
+    return kSkipped;
+  }
+  const std::filesystem::path start = std::filesystem::path(SEGCAL_FIXTURES) / "euroc_mh01_start.yaml";
+  const test::TemporaryFolder folder("segcal_test_euroc");
+  recording = test::euroc::tracked(*data, start, folder.path() / "tracked");
+  published = host::find_calibration(*data / "euroc_mh01", "", 1);
+  fixture_start = host::read_calibration(start);
+  UNITY_BEGIN();
+  RUN_TEST(test_the_published_calibration_is_found);
+  RUN_TEST(test_odometry_with_the_result);
+  RUN_TEST(test_standing_still_tells_nothing);
+  return UNITY_END();
+}
