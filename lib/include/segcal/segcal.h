@@ -97,7 +97,7 @@ typedef struct {
   int32_t keep_segments;           /* 1..SEGCAL_MAX_SEGMENTS; 0: 8, or the maximum if that is smaller */
   int32_t metric;                  /* SEGCAL_METRIC_* */
   int32_t strategy;                /* SEGCAL_SINGLE_SESSION or SEGCAL_MULTI_SESSION */
-  double least_gain_nats;          /* a segment that tells less is never kept; 0: 5 */
+  double least_gain_nats;          /* a segment that tells less is never kept; 0: half a nat per parameter */
   double prior_sigma[SEGCAL_MAX_PARAMETERS]; /* 0: the table in DESIGN, section 3 */
   double sigma_ref[SEGCAL_MAX_PARAMETERS];   /* normalises the metrics; 0: the prior's sigma */
   uint64_t seed;                   /* of the random metric */

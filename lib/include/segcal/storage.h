@@ -1,7 +1,51 @@
-/* The ledger of all memory, in bytes: what each part costs with the capacities in config.h. */
+/* The ledger of all memory: what each part costs with the capacities in config.h, in bytes, for the default float core.
+   An upper bound, at most a few per cent above the exact figure that segcal_storage_bytes() returns; the build fails if a
+   line here becomes too small. */
 #ifndef SEGCAL_STORAGE_H
 #define SEGCAL_STORAGE_H
 
-#define SEGCAL_STORAGE_BYTES 20000000u
+#include "segcal/config.h"
+
+#define SEGCAL_REAL_BYTES sizeof(SEGCAL_REAL)
+#define SEGCAL_THETA_COLUMNS (14u * SEGCAL_MAX_CAMERAS + 15u)
+#define SEGCAL_PACKED(n) ((n) * ((n) + 1u) / 2u)
+
+/* One slot of the database: raw IMU samples, image points, states and landmarks, R_theta. */
+#define SEGCAL_SEGMENT_BYTES                                                                                           \
+  (SEGCAL_MAX_IMU_SAMPLES * 14u + SEGCAL_MAX_IMU_SAMPLES / 4u + SEGCAL_MAX_OBSERVATIONS * 12u +                         \
+   SEGCAL_MAX_KEYFRAMES * (21u * SEGCAL_REAL_BYTES + 4u) + SEGCAL_MAX_LANDMARKS * (7u * SEGCAL_REAL_BYTES + 6u) +       \
+   SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 160u)
+#define SEGCAL_DATABASE_BYTES ((SEGCAL_MAX_SEGMENTS + 1u) * (SEGCAL_SEGMENT_BYTES + 1u) + 128u)
+
+/* The filter: a triangle and a block over its columns, and the tracks it follows. */
+#define SEGCAL_FILTER_COLUMNS (11u + 6u * (SEGCAL_MAX_CLONES + 1u) + 14u * SEGCAL_MAX_CAMERAS)
+#define SEGCAL_FILTER_BYTES                                                                                            \
+  (SEGCAL_REAL_BYTES * SEGCAL_FILTER_COLUMNS * SEGCAL_FILTER_COLUMNS * 5u / 3u +                                             \
+   SEGCAL_MAX_CAMERAS * SEGCAL_MAX_TRACKS * ((SEGCAL_MAX_CLONES + 1u) * 2u * SEGCAL_REAL_BYTES + 16u) + 1024u)
+
+/* Elimination of one segment: the reduced triangle, one landmark's rows, the chain of velocities and biases. */
+#define SEGCAL_REDUCED_COLUMNS (6u * (SEGCAL_MAX_KEYFRAMES - 1u) + 30u + SEGCAL_THETA_COLUMNS + 1u)
+#define SEGCAL_ELIMINATION_BYTES                                                                                       \
+  (SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_REDUCED_COLUMNS) +                                                         \
+                        (2u * SEGCAL_MAX_KEYFRAMES * SEGCAL_MAX_CAMERAS + 4u) * (SEGCAL_REDUCED_COLUMNS + 3u) +         \
+                        25u * (49u + 6u * SEGCAL_MAX_KEYFRAMES) + 12u * SEGCAL_REDUCED_COLUMNS +                         \
+                        171u * SEGCAL_MAX_KEYFRAMES) + 256u)
+
+/* Calibration: saved states and one row block per segment, the chain between segments, theta's triangle, directions. */
+#define SEGCAL_LINK_COLUMNS (30u + SEGCAL_THETA_COLUMNS + 1u)
+#define SEGCAL_CALIBRATION_BYTES                                                                                       \
+  (SEGCAL_MAX_SEGMENTS * SEGCAL_REAL_BYTES *                                                                            \
+       (15u * SEGCAL_LINK_COLUMNS + 21u * SEGCAL_MAX_KEYFRAMES + 7u * SEGCAL_MAX_LANDMARKS + 12u) +                     \
+   SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_LINK_COLUMNS) + 2u * SEGCAL_LINK_COLUMNS +                                 \
+                        SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) + 16u * SEGCAL_MAX_KEYFRAMES +                          \
+                        4u * SEGCAL_THETA_COLUMNS * (SEGCAL_THETA_COLUMNS + 1u)) + 2048u)
+
+/* Samples and points on their way in. */
+#define SEGCAL_INPUT_BYTES                                                                                             \
+  (SEGCAL_IMU_HISTORY * (8u + 6u * SEGCAL_REAL_BYTES) +                                                                 \
+   SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS * 2u * (8u + 2u * SEGCAL_REAL_BYTES) + 6u * SEGCAL_MAX_LANDMARKS + 512u)
+
+#define SEGCAL_STORAGE_BYTES                                                                                           \
+  (SEGCAL_DATABASE_BYTES + SEGCAL_FILTER_BYTES + SEGCAL_ELIMINATION_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_INPUT_BYTES + 2048u)
 
 #endif

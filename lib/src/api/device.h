@@ -21,7 +21,7 @@ struct DeviceOptions {
   int keep_segments = 8;
   Metric metric = Metric::A;
   Strategy strategy = Strategy::single_session;
-  S least_gain = S(5);
+  S least_gain = S(14);
   std::uint64_t seed = 0;
 };
 
@@ -326,12 +326,12 @@ void Device<S>::calibrate() {
   Segment<S>* segments[kMaxSegments];
   const int count = database_.in_order(segments);
   calibrator_.begin(segments, count, prior_, working_theta(), options_.model);
-  calibrator_.run(CalibratorOptions{}, &eliminator_);
+  calibrator_.accept_all();
+  CalibratorOptions rough;
+  rough.converged = 0.1;
+  calibrator_.run(rough, &eliminator_);
   // Corners that are still far off once the model fits are no noise: they are left out, and the rest fits again.
-  MeasurementModel<S> trimmed = options_.model;
-  const S ratio = calibrator_.fit().chi2 / calibrator_.fit().dof;
-  trimmed.reject = S(5) * square_root(ratio > S(1) ? ratio : S(1));
-  calibrator_.set_model(trimmed);
+  calibrator_.reject_outliers(S(5));
   calibrator_.run(CalibratorOptions{}, &eliminator_);
   analyse_with_prior(calibrator_.theta_triangle(), prior_.sigma, &joint_);
   judge(&calibrator_, prior_, ReleaseRules<S>{}, &release_);

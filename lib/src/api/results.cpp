@@ -36,12 +36,13 @@ int count_unexcited(const InformationAnalysis<Real>& a) {
   return n;
 }
 
-/// Root mean square and median of the image residuals' lengths over all kept segments, px.
+/// Over all kept segments, px: root mean square of the image residuals' lengths without the points left out as far off,
+/// and their median with them.
 void reprojection_statistics(const CDevice& d, segcal_result_t* out) {
   constexpr int kBins = 400;  // 0.01 px each; what is beyond counts in the last
   std::int32_t bin[kBins] = {};
   double sum = 0;
-  std::int32_t n = 0;
+  std::int32_t n = 0, left_out = 0;
   for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
     const Segment<Real>* s = find_slot(d, slot);
     for (int o = 0; s && o < s->n_observations; ++o) {
@@ -53,18 +54,20 @@ void reprojection_statistics(const CDevice& d, segcal_result_t* out) {
         continue;
       }
       const Real length = square_root(r.squaredNorm());
-      const MeasurementModel<Real>& model = d.device.calibrator().model();
       const int i = length < Real(0.01 * kBins) ? static_cast<int>(length * Real(100)) : kBins - 1;
       ++bin[i];
       ++n;
-      if (model.reject > Real(0) && length > model.reject * model.pixel_sigma) continue;
+      if (z.rejected) {
+        ++left_out;
+        continue;
+      }
       sum += static_cast<double>(length * length);
     }
   }
   std::int32_t below = 0;
   int median = 0;
   while (median < kBins - 1 && 2 * (below += bin[median]) < n) ++median;
-  out->reprojection_rms_px = n > 0 ? static_cast<double>(square_root(sum / n)) : 0;
+  out->reprojection_rms_px = n > left_out ? static_cast<double>(square_root(sum / (n - left_out))) : 0;
   out->reprojection_median_px = n > 0 ? 0.01 * (median + 0.5) : 0;
 }
 
@@ -205,6 +208,7 @@ int segcal_get_point_residuals(const segcal_t* device, int32_t index, segcal_poi
   const Real sigma = d->device.options().model.pixel_sigma;
   for (int o = 0; o < s->n_observations && n < capacity; ++o) {
     const Observation& z = s->observation[o];
+    if (z.rejected) continue;
     const State<Real>& x = s->states.x[z.keyframe];
     Vec2<Real> r;
     if (!reprojection_residual(d->device.theta().camera[z.camera], x.R_GI, x.p_GI, s->states.landmark[z.landmark],

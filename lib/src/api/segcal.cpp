@@ -10,6 +10,7 @@
 namespace SEGCAL_NS {
 
 static_assert(sizeof(CDevice) <= SEGCAL_STORAGE_BYTES, "SEGCAL_STORAGE_BYTES is too small for the device");
+static_assert(SEGCAL_STORAGE_BYTES < sizeof(CDevice) + sizeof(CDevice) / 16, "SEGCAL_STORAGE_BYTES wastes memory");
 static_assert(alignof(CDevice) <= SEGCAL_STORAGE_ALIGNMENT, "SEGCAL_STORAGE_ALIGNMENT is too small for the device");
 
 namespace {

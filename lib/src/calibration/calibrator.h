@@ -13,8 +13,8 @@ namespace SEGCAL_NS {
 constexpr int kMaxSegments = SEGCAL_MAX_SEGMENTS;
 
 struct CalibratorOptions {
-  int max_iterations = 15;
-  double converged = 1e-3;   ///< predicted fall of half the cost by theta's step: 0.03 sigma over all of theta
+  int max_iterations = 20;
+  double converged = 1e-3;   ///< squared length of theta's last step in sigmas: 0.03 sigma over all of theta
 };
 
 /// What the fit looks like at its end.
@@ -56,7 +56,18 @@ class Calibrator {
     for (int i = 0; i < count_; ++i) n += link_[i].join == Join::imu ? 0 : 1;
     return n;
   }
-  void set_model(const MeasurementModel<S>& model) { model_ = model; }
+  /// Leaves out image points whose residual is longer than `limit` times the noise that the fit shows; earlier marks are
+  /// taken back. Between runs, so that each run has one smooth cost.
+  void reject_outliers(S limit) {
+    const S ratio = fit_.dof > S(0) ? fit_.chi2 / fit_.dof : S(1);
+    const S scaled = limit * square_root(ratio > S(1) ? ratio : S(1));
+    for (int i = 0; i < count_; ++i) mark_outliers(theta_, model_, scaled, segment_[i]);
+  }
+  void accept_all() {
+    for (int i = 0; i < count_; ++i) {
+      for (int o = 0; o < segment_[i]->n_observations; ++o) segment_[i]->observation[o].rejected = 0;
+    }
+  }
   const MeasurementModel<S>& model() const { return model_; }
   /// Eliminates everything at the present estimate without moving it.
   void linearise(SegmentEliminator<S>* eliminator, S damping);

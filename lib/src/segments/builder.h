@@ -104,7 +104,7 @@ bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, const State<S>& state, c
     } else {
       s.observation[s.n_observations++] = {static_cast<float>(points[i].uv.x()), static_cast<float>(points[i].uv.y()),
                                            static_cast<std::uint16_t>(j), static_cast<std::uint8_t>(k),
-                                           static_cast<std::uint8_t>(points[i].camera)};
+                                           static_cast<std::uint8_t>(points[i].camera & 0x7F), 0};
       last_seen_[j] = static_cast<std::uint8_t>(k);
       ++seen_[j];
     }

@@ -60,7 +60,6 @@ bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const O
   const S inverse_sigma = S(1) / model.pixel_sigma;
   const RobustTerm<S> robust = robust_term(model, rows.r.squaredNorm() * inverse_sigma * inverse_sigma);
   fit->robust_cost += robust.cost;
-  if (robust.weight == S(0)) return false;
   const S scale = square_root(robust.weight) * inverse_sigma;
   const int pose = kLandmarkColumns + layout.pose(o.keyframe);
   const int camera = kLandmarkColumns + layout.cameras() + theta.camera_column(o.camera);
@@ -90,6 +89,7 @@ LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const C
   rows_ = priors;
   fit.first_keyframe = kMaxKeyframes;
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
+    if (segment.observation[o].rejected) continue;
     if (!add_observation(segment, j, segment.observation[o], theta, model, layout, &fit)) continue;
     ++fit.used;
     if (segment.observation[o].keyframe < fit.first_keyframe) fit.first_keyframe = segment.observation[o].keyframe;

@@ -19,7 +19,8 @@ struct Observation {
   float u, v;                ///< px
   std::uint16_t landmark;    ///< index in the segment
   std::uint8_t keyframe;     ///< index in the segment
-  std::uint8_t camera;
+  std::uint8_t camera : 7;
+  std::uint8_t rejected : 1; ///< far off although the model fits: left out by the last calibration
 };
 
 /// What the optimiser moves in a segment.

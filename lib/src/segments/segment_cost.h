@@ -24,6 +24,7 @@ S image_cost(const Segment<S>& segment, const Calibration<S>& theta, const Measu
     S sum = prior * prior;
     for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
       const Observation& z = segment.observation[o];
+      if (z.rejected) continue;
       const State<S>& x = segment.states.x[z.keyframe];
       Vec2<S> r;
       const bool seen = reprojection_residual(theta.camera[z.camera], x.R_GI, x.p_GI, l, Vec2<S>(S(z.u), S(z.v)), &r);
@@ -32,6 +33,23 @@ S image_cost(const Segment<S>& segment, const Calibration<S>& theta, const Measu
     total += sum;
   }
   return total;
+}
+
+/// Marks image points whose whitened residual is longer than `limit`, and takes back earlier marks. Returns their number.
+template <class S>
+int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model, S limit, Segment<S>* segment) {
+  int marked = 0;
+  for (int o = 0; o < segment->n_observations; ++o) {
+    Observation& z = segment->observation[o];
+    const State<S>& x = segment->states.x[z.keyframe];
+    Vec2<S> r;
+    const bool seen = reprojection_residual(theta.camera[z.camera], x.R_GI, x.p_GI, segment->states.landmark[z.landmark],
+                                            Vec2<S>(S(z.u), S(z.v)), &r);
+    const S longest = limit * model.pixel_sigma;
+    z.rejected = !seen || r.squaredNorm() > longest * longest ? 1 : 0;
+    marked += z.rejected;
+  }
+  return marked;
 }
 
 /// Cost of the IMU links and of what starts a partition.

@@ -16,10 +16,9 @@ struct MeasurementModel {
   S velocity_sigma = S(30);        ///< m/s
   S inverse_depth_sigma = S(2);    ///< 1/m, about zero: a landmark is hardly nearer than 0.3 m
   S huber = S(3);                  ///< whitened length of an image residual above which its weight falls
-  S reject = S(0);                 ///< whitened length above which an image residual is left out; 0: never
 };
 
-/// Weight and cost of an image residual of squared whitened length e2: quadratic, then linear (Huber), then nothing.
+/// Weight and cost of an image residual of squared whitened length e2: quadratic, then linear (Huber).
 template <class S>
 struct RobustTerm {
   S weight, cost;
@@ -27,7 +26,6 @@ struct RobustTerm {
 
 template <class S>
 RobustTerm<S> robust_term(const MeasurementModel<S>& model, S e2) {
-  if (model.reject > S(0) && e2 > model.reject * model.reject) return {S(0), model.reject * model.reject};
   const S k = model.huber;
   if (e2 <= k * k) return {S(1), e2};
   const S e = square_root(e2);
