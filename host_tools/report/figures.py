@@ -80,6 +80,29 @@ def kept_runs(kept):
     return [(int(kept[a]), a, b) for a, b in zip(starts, ends) if kept[a] >= 0]
 
 
+def aligned(p_from, p_to):
+    """Yaw and translation that bring p_from onto p_to in least squares: (R, offset), p_to = R p_from + offset."""
+    mean_from, mean_to = p_from.mean(axis=0), p_to.mean(axis=0)
+    a, b = p_from - mean_from, p_to - mean_to
+    yaw = np.arctan2(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]), np.sum(a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1]))
+    R = np.array([[np.cos(yaw), -np.sin(yaw), 0], [np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]])
+    return R, mean_to - R @ mean_from
+
+
+def true_path(data, t, p):
+    """The true positions at the times t that the truth covers, turned and moved onto the path: an odometry knows neither
+    its heading nor its place. None without truth."""
+    if not isinstance(data.get("truth"), dict) or not data["truth"].get("p"):
+        return None
+    t_truth, tables = series(data, ("truth",), ("p",))
+    covered = (t >= t_truth[0]) & (t <= t_truth[-1]) & np.isfinite(p).all(axis=1)
+    if np.count_nonzero(covered) < 3:
+        return None
+    truth = np.column_stack([np.interp(t[covered], t_truth, tables["p"][:, axis]) for axis in range(3)])
+    R, offset = aligned(truth, p[covered])
+    return rounded(truth @ R.T + offset, 4)
+
+
 def path_parts(data):
     """The estimated path, its kept runs, and the true path if it is known."""
     t, tables = series(data, ("trajectory",), ("p",))
@@ -87,11 +110,7 @@ def path_parts(data):
     t, p = t[index], rounded(tables["p"][index], 4)
     kept = data["trajectory"].get("kept") or []
     runs = kept_runs(kept[index]) if len(kept) == len(tables["p"]) else []
-    truth = None
-    if isinstance(data.get("truth"), dict) and data["truth"].get("p"):
-        values = numbers(data["truth"]["p"], 3, "truth.p")
-        truth = rounded(values[thinned(len(values))], 4)
-    return t, p, runs, truth
+    return t, p, runs, true_path(data, t, p)
 
 
 def path_traces(data, columns, trace):

@@ -99,6 +99,10 @@ def drawn(title, build, data, *remarks):
     return section(title, figure.to_html(full_html=False, include_plotlyjs=False, config=FIGURE_CONFIG), *remarks)
 
 
+def alignment_remark(data):
+    return note("The truth is turned about the vertical and moved onto the path.") if data.get("truth") else ""
+
+
 def residual_remark(data):
     try:
         shares = figures.outside_three_sigma(data)
@@ -114,7 +118,9 @@ def residual_remark(data):
 
 LABELS = {
     "chi2": "chi² [-]", "dof": "degrees of freedom", "iterations": "iterations",
-    "reprojection_rms_px": "reprojection rms [px]", "vio_ms_median": "VIO per frame, median [ms]",
+    "reprojection_rms_px": "reprojection rms [px]",
+    "reprojection_median_px": "reprojection median [px]", "noise_scale": "noise found / stated [-]",
+    "image_points": "image points", "vio_ms_median": "VIO per frame, median [ms]",
     "vio_ms_p95": "VIO per frame, 95 % [ms]", "score_ms_median": "score of a segment, median [ms]",
     "calibrate_ms": "calibration [ms]", "state_bytes": "state [bytes]", "segment_bytes": "one segment [bytes]",
     "workspace_bytes": "workspace [bytes]",
@@ -148,12 +154,12 @@ def segments(result):
 def faults(data, result):
     counts = data.get("faults") or result.get("faults")
     if not isinstance(counts, dict):
-        return section("Data faults", note("The data hold no counts of faults."))
+        return section("Data and faults", note("The data hold no counts of faults."))
     found = {k: v for k, v in counts.items() if v}
     if not found:
-        return section("Data faults", note("None found."))
+        return section("Data and faults", note("No faults found."))
     rows = [(escape(name.replace("_", " ")), escape(words.plain(count))) for name, count in found.items()]
-    return section("Data faults", table(("fault", "count"), rows))
+    return section("Data and faults", table(("what", "count"), rows))
 
 
 def body(name, result, data):
@@ -163,7 +169,7 @@ def body(name, result, data):
         f'<p class="headline {status}">{escape(words.headline(result))}</p>',
         calibration(result),
         unobservable(result),
-        drawn("Path, seen from above", figures.top_view, data),
+        drawn("Path, seen from above", figures.top_view, data, alignment_remark(data)),
         drawn("Path in space", figures.view_3d, data),
         drawn("Metric of each segment", figures.metrics, data, note("Lower is better. One bar per segment.")),
         drawn("Camera residuals against 3 sigma", figures.camera_residuals, data),

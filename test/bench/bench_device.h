@@ -82,7 +82,7 @@ class BenchDevice {
     return segcal_push_tracks(device_, portion.t_ns, portion.points.data(), static_cast<std::int32_t>(portion.points.size()));
   }
 
-  /// Stretches scored or being built so far, whether kept or not.
+  /// Segments ended so far, whether kept or not.
   std::uint32_t closed() const {
     segcal_counters_t counters{};
     segcal_get_counters(device_, &counters);

@@ -69,17 +69,28 @@ void vio_frame(benchmark::State& state) {
 }
 BENCHMARK(vio_frame)->UseManualTime()->Unit(benchmark::kMillisecond)->MinTime(2);
 
-/// Feeds until the open segment, the third, holds all its keyframes and the next one would close it.
-void feed_three_segments(BenchDevice* device) {
-  std::size_t next = 0;
-  while (device->closed() < 2) device->feed(portions().at(next++));
-  for (int frame = 0; frame < 38; ++frame) device->feed(portions().at(next++));  // of 40, the first is in already
+/// The number of frames after which the largest segment of the session is complete and still open.
+std::size_t frames_of_largest_segment() {
+  BenchDevice scout(session());
+  std::size_t best = 0;
+  std::int32_t most = 0;
+  for (std::size_t next = 0; next < portions().size(); ++next) {
+    const std::uint32_t closed = scout.closed();
+    scout.feed(portions()[next]);
+    segcal_segment_t segment{};
+    if (scout.closed() == closed || segcal_get_segment(scout.get(), -1, &segment) != SEGCAL_OK) continue;
+    if (segment.points <= most) continue;
+    most = segment.points;
+    best = next;
+  }
+  return best;
 }
 
 /// segcal_flush closes the segment: sorts it, triangulates, eliminates, analyses, computes the metrics and offers it.
 void score_segment(benchmark::State& state) {
   BenchDevice device(session());
-  feed_three_segments(&device);
+  const std::size_t frames = frames_of_largest_segment();
+  for (std::size_t next = 0; next < frames; ++next) device.feed(portions()[next]);
   const std::vector<char> before = device.photograph();
   std::vector<double> seconds;
   for (auto _ : state) {

@@ -3,9 +3,9 @@
 get_filename_component(folder ${OUT} DIRECTORY)
 file(MAKE_DIRECTORY ${folder})
 execute_process(COMMAND ${PROGRAM} --benchmark_out=${OUT} --benchmark_out_format=json
-                OUTPUT_QUIET RESULT_VARIABLE code)
+                OUTPUT_QUIET ERROR_VARIABLE complaint RESULT_VARIABLE code)
 if(NOT code EQUAL 0)
-  message(FATAL_ERROR "${PROGRAM} ended with ${code}")
+  message(FATAL_ERROR "${PROGRAM} ended with ${code}\n${complaint}")
 endif()
 
 # 0.1234567 -> 0.123, 1.2e-03 as it is.

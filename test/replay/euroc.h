@@ -16,6 +16,7 @@ namespace test::euroc {
 
 constexpr std::int64_t kFirstImuNs = 1403636579758555392;  ///< sequence time 0
 constexpr double kStandsFrom = 20.5;                       ///< s of sequence time: put on the floor
+constexpr double kShakenFrom = 31.3;                       ///< s: shaken by up to 0.1 rad/s, still on the floor
 
 inline double sequence_time(std::int64_t t_ns) { return static_cast<double>(t_ns - kFirstImuNs) * 1e-9; }
 

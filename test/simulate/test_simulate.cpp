@@ -122,7 +122,7 @@ void lens_models_meet_at_the_axis_and_refuse_what_they_cannot_see() {
   camera.intrinsics = {256, 250, 320, 240};
   for (auto model : {host::DistortionModel::fov, host::DistortionModel::radtan, host::DistortionModel::equidistant}) {
     camera.model = model;
-    camera.distortion = model == host::DistortionModel::fov ? Eigen::Vector4d(0.92, 0, 0, 0) : Eigen::Vector4d(0.01, 0, 0, 0);
+    camera.distortion = Eigen::Vector4d(model == host::DistortionModel::fov ? 0.92 : 0.01, 0, 0, 0);
     const auto centre = host::sim::project(camera, {0, 0, 2}, 0);
     TEST_ASSERT_TRUE(centre.has_value());
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 320, centre->x());

@@ -132,6 +132,12 @@ void consistent_with_wrong_intrinsics(void) {
   check_consistency<float>(scene, 16, 0.15);
 }
 
+void consistent_with_an_uncalibrated_imu(void) {
+  Scene scene;
+  scene.imu_error = 0.012;
+  check_consistency<float>(scene, 16, 0.2);
+}
+
 void consistent_with_mismatched_tracks(void) {
   Scene scene;
   scene.outliers = 0.1;
@@ -268,6 +274,55 @@ void a_new_calibration_enters_the_running_filter(void) {
   TEST_ASSERT_TRUE(r.norm() < 0.01f);
 }
 
+/// Mirrored images contradict the IMU.
+void a_wrong_filter_gives_up_soon(void) {
+  const Recording recording = simulate(Scene());
+  auto replay = std::make_unique<Replay<float>>(recording, options_for<float>(Scene()));
+  int lost_at = -1;
+  for (int k = 0; k < 120 && lost_at < 0; ++k) {
+    TrueFrame frame = recording.frames[k];
+    for (TrackPoint<double>& point : frame.points) {
+      if (k >= 80) point.uv.x() = 640 - point.uv.x();
+    }
+    if (replay->push(frame) == VioStatus::lost) lost_at = k;
+  }
+  TEST_ASSERT_TRUE(lost_at >= 80 && lost_at < 110);
+}
+
+/// A jolt that only the accelerometer feels leaves a wrong velocity just before rest; then IMU and image both say rest.
+void a_filter_that_denies_rest_gives_up(void) {
+  Scene scene;
+  scene.rest_from = 8;
+  Recording recording = simulate(scene);
+  for (std::size_t i = 0; i < recording.imu.size(); ++i) {
+    const double t = static_cast<double>(i) * 0.005;
+    if (t > 7.5 && t < 8) recording.imu[i].accel += Vec3<double>(4, -3, 0);
+  }
+  auto replay = std::make_unique<Replay<float>>(recording, options_for<float>(scene));
+  bool running = false;
+  for (const TrueFrame& frame : recording.frames) running = replay->push(frame) == VioStatus::tracking;
+  TEST_ASSERT_GREATER_OR_EQUAL(1, replay->vio.restarts());
+  TEST_ASSERT_TRUE(running && replay->vio.standing_still());
+  TEST_ASSERT_TRUE(replay->vio.state().v_GI.norm() < 0.02f);
+}
+
+void a_fold_can_be_taken_back(void) {
+  auto w = std::make_unique<Window<float>>();
+  std::memset(static_cast<void*>(w.get()), 0, sizeof *w);
+  w->reset(cast<float>(simulated_device()));
+  Random random(1);
+  const int n = w->columns(), rows = 12, first = pose_column(2);
+  for (int i = 0; i < packed_size(n + 1); ++i) w->triangle[i] = static_cast<float>(random.normal(100));
+  std::vector<float> before(w->triangle, w->triangle + packed_size(n + 1));
+  w->clear_block(rows);
+  for (int i = 0; i < rows; ++i) {
+    for (int c = first; c <= n; ++c) w->block[i * kBlockStride + c] = static_cast<float>(random.normal(100));
+  }
+  fold_block(w.get(), w->block, rows, first);
+  unfold_block(w.get(), w->block, rows, first);
+  for (int i = 0; i < packed_size(n + 1); ++i) TEST_ASSERT_FLOAT_WITHIN(0.02f, before[i], w->triangle[i]);
+}
+
 void frames_wait_for_the_imu_and_keep_their_distance(void) {
   const Recording recording = simulate(Scene());
   auto vio = std::make_unique<Vio<float>>();
@@ -291,6 +346,7 @@ int main(void) {
   UNITY_BEGIN();
   RUN_TEST(consistent_from_a_start_in_motion);
   RUN_TEST(consistent_with_wrong_intrinsics);
+  RUN_TEST(consistent_with_an_uncalibrated_imu);
   RUN_TEST(consistent_with_mismatched_tracks);
   RUN_TEST(starts_at_rest);
   RUN_TEST(starts_in_motion_within_two_seconds);
@@ -301,6 +357,9 @@ int main(void) {
   RUN_TEST(float_agrees_with_double);
   RUN_TEST(dirty_memory_gives_the_same_bits);
   RUN_TEST(a_new_calibration_enters_the_running_filter);
+  RUN_TEST(a_wrong_filter_gives_up_soon);
+  RUN_TEST(a_filter_that_denies_rest_gives_up);
+  RUN_TEST(a_fold_can_be_taken_back);
   RUN_TEST(frames_wait_for_the_imu_and_keep_their_distance);
   return UNITY_END();
 }

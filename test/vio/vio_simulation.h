@@ -42,6 +42,7 @@ struct Scene {
   double focal_error = 0;       ///< share of f; sigma of the filter's initial intrinsics, 0: exact and not estimated
   double centre_error = 6;      ///< px
   double distortion_error = 0.02;
+  double imu_error = 0;         ///< scale, misalignment and rotation (rad) of the accelerometer; the gyroscope's: half
   double outliers = 0;          ///< share of tracks that slide over the image
   int tracks = 60;
 };
@@ -180,8 +181,11 @@ inline void simulate_imu(const Scene& scene, const Path& path, Random* random, R
   for (int i = 0; i * dt <= scene.seconds + 0.02; ++i) {
     const double t = i * dt;
     InertialReading<double> r;
-    r.gyro = path.rate(t) + b_g + random->normal3(out->noise.gyro / std::sqrt(dt));
-    r.accel = path.attitude(t).transpose() * (path.acceleration(t) - g) + b_a +
+    const ImuCalibration<double>& imu = out->truth.imu;
+    const Vec3<double> f = path.attitude(t).transpose() * (path.acceleration(t) - g);
+    r.gyro = scale_misalignment(imu.gyro_scale, imu.gyro_misalignment) * path.rate(t) + b_g +
+             random->normal3(out->noise.gyro / std::sqrt(dt));
+    r.accel = scale_misalignment(imu.accel_scale, imu.accel_misalignment) * (imu.R_AI * f) + b_a +
               random->normal3(out->noise.accel / std::sqrt(dt));
     out->imu.push_back(r);
     out->imu_time.push_back(1000000000 + static_cast<std::int64_t>(i) * 5000000);
@@ -207,6 +211,14 @@ inline Recording simulate(const Scene& scene) {
     camera.intrinsics += Vec<double, 4>(256 * (f + random.normal(0.2 * scene.focal_error)), 256 * f,
                                         random.normal(scene.centre_error), random.normal(scene.centre_error));
     camera.distortion(0) += random.normal(scene.distortion_error);
+  }
+  if (scene.imu_error > 0) {
+    ImuCalibration<double>& imu = out.truth.imu;
+    imu.gyro_scale += random.normal3(scene.imu_error / 2);
+    imu.gyro_misalignment += random.normal3(scene.imu_error / 2);
+    imu.accel_scale += random.normal3(scene.imu_error);
+    imu.accel_misalignment += random.normal3(scene.imu_error);
+    imu.R_AI = so3_exp<double>(random.normal3(scene.imu_error));
   }
   std::vector<State<double>> biases;
   simulate_imu(scene, path, &random, &out, &biases);
@@ -281,6 +293,8 @@ VioOptions<S> options_for(const Scene& scene) {
   options.sigma_focal = static_cast<S>(scene.focal_error);
   options.sigma_centre = static_cast<S>(scene.centre_error);
   options.sigma_distortion = static_cast<S>(scene.distortion_error);
+  options.sigma_gyro = static_cast<S>(scene.imu_error / 2);
+  options.sigma_accel = options.sigma_r_AI = static_cast<S>(scene.imu_error);
   return options;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <map>
 
 namespace host {
 namespace {
@@ -18,14 +17,29 @@ double quantile(std::vector<double> values, double q) {
   return values[i];
 }
 
-/// Frames of all cameras by stamp; cameras of one rig share their trigger and so their stamps.
-std::map<std::int64_t, std::vector<const Frame*>> frames_by_stamp(const Recording& recording) {
-  std::map<std::int64_t, std::vector<const Frame*>> out;
-  for (std::size_t c = 0; c < recording.cameras.size(); ++c) {
+/// The images of all cameras at one stamp; null: this camera has none.
+struct RigFrame {
+  std::int64_t t_ns = 0;
+  std::vector<const Frame*> cameras;
+};
+
+/// In the order of the log, so that stamps that repeat or go back reach the core, which counts them. Cameras of one rig
+/// share their trigger: a frame joins the one of cam0 with the same stamp, or stands before the first later one.
+std::vector<RigFrame> rig_frames(const Recording& recording) {
+  const std::size_t n = recording.cameras.size();
+  std::vector<RigFrame> out;
+  for (const Frame& frame : recording.cameras[0].frames) {
+    out.push_back({frame.t_ns, std::vector<const Frame*>(n, nullptr)});
+    out.back().cameras[0] = &frame;
+  }
+  for (std::size_t c = 1; c < n; ++c) {
+    std::size_t at = 0;
     for (const Frame& frame : recording.cameras[c].frames) {
-      auto& entry = out[frame.t_ns];
-      entry.resize(recording.cameras.size(), nullptr);
-      entry[c] = &frame;
+      while (at < out.size() && (out[at].t_ns < frame.t_ns || (out[at].t_ns == frame.t_ns && out[at].cameras[c]))) ++at;
+      if (at == out.size() || out[at].t_ns != frame.t_ns) {
+        out.insert(out.begin() + static_cast<std::ptrdiff_t>(at), {frame.t_ns, std::vector<const Frame*>(n, nullptr)});
+      }
+      out[at].cameras[c] = &frame;
     }
   }
   return out;
@@ -36,19 +50,19 @@ class Session {
   Session(Core& core, ReplayResult& out) : core_(core), out_(out) {}
 
   void run(const Recording& recording, const std::function<void(double)>& progress) {
-    const auto frames = frames_by_stamp(recording);
+    const std::vector<RigFrame> frames = rig_frames(recording);
     auto next = recording.imu.samples.begin();
     const auto end = recording.imu.samples.end();
     std::size_t done = 0;
-    for (const auto& [t_ns, cameras] : frames) {
+    for (const RigFrame& frame : frames) {
       // The filter wants IMU samples up to the frame: a real device sees the image later than the samples around it.
       const auto start = Clock::now();
       bool reached = false;
       while (next != end && !reached) {
-        reached = next->t_ns >= t_ns;
+        reached = next->t_ns >= frame.t_ns;
         core_.push_imu(*next++);
       }
-      take_frame(t_ns, cameras, start);
+      take_frame(frame, start);
       if (progress) progress(static_cast<double>(++done) / frames.size());
     }
     core_.flush();
@@ -58,8 +72,8 @@ class Session {
   std::vector<double> frame_ms, score_ms;
 
  private:
-  void take_frame(std::int64_t t_ns, const std::vector<const Frame*>& cameras, Clock::time_point start) {
-    const FrameOutcome outcome = core_.push_frame(t_ns, cameras);
+  void take_frame(const RigFrame& frame, Clock::time_point start) {
+    const FrameOutcome outcome = core_.push_frame(frame.t_ns, frame.cameras);
     const double ms = ms_since(start);
     if (collect_segment()) {
       score_ms.push_back(ms);

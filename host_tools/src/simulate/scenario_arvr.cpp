@@ -19,7 +19,8 @@ Behaviour draw_behaviour(Random& random, double t_begin, double t_end) {
   for (double t = t_begin; t < t_end;) {
     int phase = random.integer(strolling, still);
     if (phase == previous) phase = (phase + 1) % 3;
-    behaviour.stroll.set(t, phase == strolling ? random.uniform(0.7, 1.2) : phase == bursting ? random.uniform(0.2, 0.5) : 0);
+    const double slowest = phase == strolling ? 0.7 : 0.2, fastest = phase == strolling ? 1.2 : 0.5;
+    behaviour.stroll.set(t, phase == still ? 0 : random.uniform(slowest, fastest));
     behaviour.burst.set(t, phase == bursting ? random.uniform(0.5, 1.0) : 0);
     t += phase == strolling ? random.uniform(5, 10) : random.uniform(3, 6.5);
     previous = phase;

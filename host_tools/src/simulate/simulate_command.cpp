@@ -54,7 +54,8 @@ void check_output(const Command& command) {
     if (input.empty()) continue;
     const fs::path inside = fs::weakly_canonical(input).lexically_relative(out);
     if (!inside.empty() && *inside.begin() != "..")
-      throw InputError("--out " + command.out.string() + ": expected another folder than the one that holds " + input.string());
+      throw InputError("--out " + command.out.string() + ": expected another folder than the one that holds " +
+                       input.string());
   }
 }
 
@@ -80,7 +81,8 @@ void run(const Command& command) {
 
 void add_motion_options(CLI::App& app, Command& command) {
   SimulationOptions& options = command.options;
-  app.add_option("--scenario", options.scenario, scenario_help())->check(CLI::IsMember(scenario_names()))->capture_default_str();
+  app.add_option("--scenario", options.scenario, scenario_help())
+      ->check(CLI::IsMember(scenario_names()))->capture_default_str();
   app.add_option("--seconds", options.seconds, "length, s")->capture_default_str();
   app.add_option("--seed", options.seed, "motion, scene, biases and noise")->capture_default_str();
   app.add_option("--trajectory", options.trajectory_file, "follow recorded poses instead of a scenario (groundtruth.csv)");

@@ -14,7 +14,7 @@ constexpr int kMaxSegments = SEGCAL_MAX_SEGMENTS;
 
 struct CalibratorOptions {
   int max_iterations = 20;
-  double converged = 1e-3;   ///< squared length of theta's last step in sigmas: 0.03 sigma over all of theta
+  double converged = 4e-3;   ///< squared length of theta's last step in sigmas: 0.06 sigma over all of theta
 };
 
 /// What the fit looks like at its end.
@@ -78,6 +78,7 @@ class Calibrator {
   void step_back(SegmentEliminator<S>* eliminator, S damping, const S* theta_step);
   void save();
   void restore();
+  bool turned_back(const S* theta_step);
   bool iterate(SegmentEliminator<S>* eliminator, S* damping, S* cost, const CalibratorOptions& options);
 
   Segment<S>* segment_[kMaxSegments];
@@ -90,6 +91,7 @@ class Calibrator {
   Chain<S> chain_;
   GuestRows<S> kept_[kMaxSegments];
   SegmentStates<S> saved_[kMaxSegments];
+  S last_step_[kMaxTheta];
   S theta_data_[packed_size(kMaxTheta + 1)];
   S step_[kStateColumns * (kMaxKeyframes + 1) + kMaxTheta + 1];
 };
@@ -185,6 +187,21 @@ void Calibrator<S>::restore() {
   for (int i = 0; i < count_; ++i) segment_[i]->states = saved_[i];
 }
 
+/// True if this step goes against the last one (by more than 120 deg): undamped steps swing about the minimum along weak
+/// directions, such as place against inverse distance when there is hardly any parallax. Keeps the step for the next time.
+template <class S>
+bool Calibrator<S>::turned_back(const S* theta_step) {
+  S along = S(0), now = S(0), before = S(0);
+  for (int i = 0; i < theta_.columns(); ++i) {
+    const S a = theta_step[i] / prior_.sigma[i], b = last_step_[i];
+    along += a * b;
+    now += a * a;
+    before += b * b;
+    last_step_[i] = a;
+  }
+  return along < S(0) && along * along > S(0.25) * now * before;
+}
+
 /// One step: kept if the cost falls, taken back and damped more if not. True when nothing is left to gain.
 template <class S>
 bool Calibrator<S>::iterate(SegmentEliminator<S>* eliminator, S* damping, S* cost, const CalibratorOptions& options) {
@@ -211,7 +228,11 @@ bool Calibrator<S>::iterate(SegmentEliminator<S>* eliminator, S* damping, S* cos
   }
   const bool settled = fall < S(options.converged) && *cost - trial < S(1e-3) * *cost;
   *cost = trial;
-  *damping = *damping < S(0.05) ? S(0) : *damping * S(0.2);
+  if (turned_back(theta_step)) {
+    *damping = *damping > S(0) ? *damping * S(2) : S(0.05);
+  } else {
+    *damping = *damping < S(0.05) ? S(0) : *damping * S(0.2);
+  }
   return settled;
 }
 
@@ -220,6 +241,7 @@ void Calibrator<S>::run(const CalibratorOptions& options, SegmentEliminator<S>* 
   S damping = S(0);
   S cost = fit_.start_cost = total_cost();
   fit_.converged = false;
+  for (S& s : last_step_) s = S(0);
   for (fit_.iterations = 0; fit_.iterations < options.max_iterations && !fit_.converged; ++fit_.iterations) {
     fit_.converged = iterate(eliminator, &damping, &cost, options);
   }

@@ -111,17 +111,59 @@ struct StillTest {
     if (shakes < S(1) || stands_already) return true;
     return window.n_poses >= 5 && image_stays(window.pose[window.n_poses - 5], points, n);
   }
+
+  /// Rest beyond doubt, whatever the filter believes: the IMU is quiet and the image has stayed for half a second.
+  bool rests(std::int64_t t1, const TrackPoint<S>* points, int n) const {
+    return shaking(t1) < S(1) && window.n_poses >= 5 && image_stays(window.newest(), points, n) &&
+           image_stays(window.pose[window.n_poses - 5], points, n);
+  }
 };
 
 /// Three rows of weight 1/sigma on columns [column, column + 3) with right-hand side -value/sigma: a measurement of 0.
 template <class S>
-S fold_zero(Window<S>* w, int column, const Vec3<S>& value, S sigma) {
-  w->clear_block(3);
+void zero_rows(S* rows, int column, int rhs, const Vec3<S>& value, S sigma) {
   for (int i = 0; i < 3; ++i) {
-    w->block[i * kBlockStride + column + i] = S(1) / sigma;
-    w->block[i * kBlockStride + w->columns()] = -value(i) / sigma;
+    rows[i * kBlockStride + column + i] = S(1) / sigma;
+    rows[i * kBlockStride + rhs] = -value(i) / sigma;
   }
-  return fold_block(w, w->block, 3, column);
+}
+
+template <class S>
+void fold_zero(Window<S>* w, int column, const Vec3<S>& value, S sigma) {
+  w->clear_block(3);
+  zero_rows(w->block, column, w->columns(), value, sigma);
+  fold_block(w, w->block, 3, column);
+}
+
+/// Mahalanobis distance of a standstill link (whitened, in w->link) with zero velocity after it: the new motion is
+/// eliminated, y = R^-T h for each of the nine rows h that are left, and y y' + 1 is the covariance of the innovations.
+template <class S>
+S still_distance(Window<S>* w, S sigma_v) {
+  constexpr int rows = kLinkRows + 3, dof = rows - kMotionColumns;
+  const int newest = w->n_poses - 1, n = w->columns();
+  w->clear_block(rows);
+  place_link(w, 0, kMotionColumns, 0, newest, newest);
+  zero_rows(w->block + kLinkRows * kBlockStride, 0, kMotionColumns + n, w->now.v_GI, sigma_v);
+  reflect_leading_columns(w->block, rows, kBlockStride, n + 1 + kMotionColumns, kMotionColumns, w->work);
+  Mat<S, dof, dof> C, L;
+  Vec<S, dof> z;
+  S distance = S(0);
+  for (int i = 0; i < dof; ++i) {
+    S* y = w->block + (kMotionColumns + i) * kBlockStride + kMotionColumns;
+    forward_substitute(w->R(), n, 0, y);
+    for (int k = 0; k <= i; ++k) {
+      C(i, k) = C(k, i) = factor_product(y, w->block + (kMotionColumns + k) * kBlockStride + kMotionColumns, n);
+    }
+    C(i, i) += S(1);
+    z(i) = y[n];
+  }
+  if (!cholesky_lower<S, dof>(C, &L)) return S(2) * chi_square_gate<S>(dof);
+  for (int i = 0; i < dof; ++i) {
+    for (int k = 0; k < i; ++k) z(i) -= L(i, k) * z(k);
+    z(i) /= L(i, i);
+    distance += z(i) * z(i);
+  }
+  return distance;
 }
 
 /// The newest state moves on to t1 without moving: same pose, velocity zero. What a thing on a floor may do between
@@ -137,16 +179,10 @@ bool propagate_still(Window<S>* w, const VioOptions<S>& options, const ImuHistor
     I.P(3 + i, 3 + i) += more * more * S(2.5e-5);  // 5 mm/s
     I.P(6 + i, 6 + i) += more * more * S(2.5e-7);  // 0.5 mm
   }
-  link_rows<S>(I, w->now, w->now, w->now_first, w->now_first, options.g, &w->link);
-  if (!whiten(I, options.noise, &w->link)) return false;
-  for (int i = 0; i < w->triangle_size(); ++i) w->saved[i] = w->triangle[i];
-  const int newest = w->n_poses - 1;
-  S distance = fold_link(w, newest, newest);
-  distance += fold_zero(w, 0, w->now.v_GI, more * options.still_velocity_sigma);
-  if (!(distance < chi_square_gate<S>(kMotionColumns))) {
-    for (int i = 0; i < w->triangle_size(); ++i) w->triangle[i] = w->saved[i];
-    return false;
-  }
+  if (!linearise_link(w, options, I, w->now, w->now_first)) return false;
+  if (!(still_distance(w, more * options.still_velocity_sigma) < chi_square_gate<S>(kMotionColumns))) return false;
+  fold_link(w, w->n_poses - 1, w->n_poses - 1);
+  fold_zero(w, 0, w->now.v_GI, more * options.still_velocity_sigma);
   w->now_first.v_GI = w->now.v_GI;
   w->now_first.b_a = w->now.b_a;
   w->now_first.b_g = w->now.b_g;

@@ -53,7 +53,8 @@ template <class S>
 struct StartScratch {
   StartLink<S> link[kWindow];
   State<S> x0, best;       ///< state at the window's first frame, and the best one so far
-  CameraCalibration<S> best_camera[kMaxCameras];
+  State<S> aligned;        ///< what the descent from the linear alignment found
+  CameraCalibration<S> best_camera[kMaxCameras], aligned_camera[kMaxCameras];
   S pixel_scale;           ///< what the fit says about pixel_sigma, 1..4
   bool still;
 };

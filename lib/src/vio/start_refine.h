@@ -12,7 +12,7 @@ namespace SEGCAL_NS {
 
 constexpr int kRefineColumns = kStateColumns + kExtrinsicColumns * kMaxCameras;
 static_assert(2 * packed_size(kRefineColumns + 1) <= packed_size(kFilterColumns + 1),
-              "both fit where the filter saves R");
+              "both fit where the filter will have R");
 
 /// d (pose i) / d x0, by (theta, p).
 template <class S>
@@ -81,6 +81,8 @@ struct RefineFit {
   S cost = S(0);  ///< robust, in units of pixel_sigma
   int points = 0;
   int tracks = 0;
+  int tried = 0;  ///< tracks long enough
+  int good = 0;   ///< tracks whose residuals are about what pixel_sigma says
 };
 
 /// One track's rows [l 3 | x0 15 | extrinsics | rhs] into the triangle, Huber weights beyond 2 sigma.
@@ -90,6 +92,7 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
   const TrackView<S> view = view_of(*w, track);
   if (view.n < 4) return;
   fit->points += view.n;
+  ++fit->tried;
   Landmark<S> l;
   const int n = R->columns() - 1, stride = kLandmarkColumns + n + 1;
   const CameraCalibration<S>& camera = w->theta.camera[track.camera];
@@ -124,6 +127,7 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
   }
   fit->cost += cost;
   ++fit->tracks;
+  if (cost < S(2.5) * S(2 * view.n - 3)) ++fit->good;
   reflect_leading_columns(w->block, 2 * view.n, stride, stride, kLandmarkColumns, w->work);
   fold_rows(*R, w->block + 3 * stride + 3, 2 * view.n - 3, stride, 0, n, w->work);
 }
@@ -180,10 +184,10 @@ void take_start_step(Window<S>* w, const S* step, StartScratch<S>* s) {
 template <class S>
 RefineFit<S> refine_start(Window<S>* w, const TrackTable<S>& tracks, const VioOptions<S>& options,
                           const ImuHistory<S>& imu, StartScratch<S>* s, PackedTriangle<S>* R) {
-  S* damped = w->saved + packed_size(kRefineColumns + 1);
+  S* damped = w->triangle + packed_size(kRefineColumns + 1);
   RefineFit<S> fit = linearise_start(w, tracks, options, imu, s, R);
   S lambda = S(1e-3), step[kRefineColumns];
-  for (int iteration = 0; iteration < 12; ++iteration) {
+  for (int iteration = 0; iteration < 8; ++iteration) {
     s->best = s->x0;
     for (int c = 0; c < w->theta.n_cameras; ++c) s->best_camera[c] = w->theta.camera[c];
     damped_step(*R, lambda, damped, w->block, w->work, step);

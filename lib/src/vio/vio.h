@@ -3,8 +3,9 @@
 // Mourikis and Roumeliotis 2007 (MSCKF): past camera poses stay in the state, landmarks are eliminated.
 // Wu et al. 2015 (square-root inverse filter): the state's information is an upper triangle R, which single precision
 // can hold. Huang et al. (first-estimate Jacobians): the filter must not learn its place or heading from nothing.
-// The extrinsics are states of the filter (paper, Sec. IV-B); so are the intrinsics, unless switched off: a wrong focal
-// length would otherwise be explained by a wrong lever arm p_CI. The IMU's calibration is taken as given.
+// The extrinsics are states of the filter (paper, Sec. IV-B); so are, unless switched off, the intrinsics of camera and
+// IMU (as in Li et al. 2014): a wrong focal length would otherwise be explained by a wrong lever arm p_CI, and a per cent
+// of accelerometer scale (0.1 m/s^2 of gravity, turning with the device) by wrong tilt, velocity and scale.
 #pragma once
 
 #include "vio/standstill.h"
@@ -18,6 +19,9 @@
 namespace SEGCAL_NS {
 
 /// All memory is inside. The storage may hold anything before reset().
+/// So many frames in a row at which the device rests but the filter moves are a lost filter.
+constexpr int kDeniedRest = 5;
+
 template <class S>
 class Vio {
  public:
@@ -69,6 +73,7 @@ class Vio {
   Origin<S> origin_;  ///< where the next start places the device: the last place known
   VioStatistics statistics_;
   std::int64_t time_, last_update_;
+  std::int32_t denied_rest_;  ///< frames in a row at rest beyond doubt that the filter takes for motion
   bool running_, still_;
 };
 
@@ -86,6 +91,7 @@ void Vio<S>::reset(const Calibration<S>& theta, const VioOptions<S>& options) {
 template <class S>
 void Vio<S>::forget() {
   running_ = still_ = false;
+  denied_rest_ = 0;
   window_.clear();
   tracks_.clear(window_.theta.n_cameras);
 }
@@ -93,10 +99,7 @@ void Vio<S>::forget() {
 template <class S>
 void Vio<S>::set_calibration(const Calibration<S>& theta) {
   window_.replace_calibration(theta);
-  if (!running_) return;
-  for (int c = 0; c < theta.n_cameras; ++c) {
-    replace_camera_prior(&window_, c, options_);
-  }
+  if (running_) replace_sensor_priors(&window_, options_);
 }
 
 template <class S>
@@ -149,9 +152,11 @@ VioStatus Vio<S>::track(std::int64_t t_ns, const TrackPoint<S>* points, int n, c
   if (still_) {
     ++statistics_.standstill_frames;
     last_update_ = t_ns;
+    denied_rest_ = 0;
     statistics_.dropped_points += tracks_.keep_alive(window_.newest().slot, points, n);
     use_ended_tracks(&window_, &tracks_, options_, &monitor_, &statistics_);
   } else {
+    denied_rest_ = test.rests(t_ns, points, n) ? denied_rest_ + 1 : 0;
     move_on(t_ns, points, n, imu);
   }
   time_ = t_ns;
@@ -186,14 +191,14 @@ bool Vio<S>::healthy() const {
   if (speed2 > options_.max_speed * options_.max_speed) return false;
   if (x.b_g.squaredNorm() > S(1) || x.b_a.squaredNorm() > S(9)) return false;
   if (S(time_ - last_update_) * S(1e-9) > options_.max_blind_s) return false;
-  return !monitor_.failing();
+  return denied_rest_ < kDeniedRest && !monitor_.failing();
 }
 
 template <class S>
 VioStatus Vio<S>::give_up() {
   ++statistics_.restarts;
   origin_.remember(window_.now);
-  window_.restore_cameras();
+  window_.restore_calibration();
   forget();
   return VioStatus::lost;
 }

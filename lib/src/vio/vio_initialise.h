@@ -19,11 +19,14 @@ bool open_window(Window<S>* w, const VioOptions<S>& options, const ImuHistory<S>
   fold_start_prior(*w, options, x0, &R,
                    {pose_column(0), pose_column(0) + 3, 0, camera_column(0), kMaxCameraColumns}, sigma_v, w->block,
                    w->work);
+  for (int i = 0; i < kImuColumns; ++i) {
+    if (imu_sigma(options, i) > S(0)) R.row(w->imu_column() + i)[w->imu_column() + i] = S(1) / imu_sigma(options, i);
+  }
   w->now = w->now_first = x0;
   for (int i = 1; i < w->n_poses; ++i) {
     const ImuIntegral<S> I = integral_between(*w, options, imu, w->now, w->pose[i - 1].time, w->pose[i].time);
     State<S> x1 = predicted(I, w->now, options.g);
-    if (!linearise_link(w, options, I, x1)) return false;
+    if (!linearise_link(w, options, I, x1, x1)) return false;
     w->link.r.setZero();
     fold_link(w, i - 1, i);
     w->pose[i].R_GI = w->pose[i].R_first = x1.R_GI;
@@ -108,16 +111,38 @@ S largest_sigma(const PackedTriangle<S>& R, int column, S* y) {
   return square_root(worst);
 }
 
-/// Is the fit one to fly with: enough tracks agree, residuals are no more than 4 sigma, velocity and tilt are known?
+/// Is the fit one to fly with: most tracks agree, residuals are what pixel_sigma says, velocity and tilt are known?
+/// In a wrong minimum (rotation with little parallax) many tracks miss by some pixel_sigma, and a window that has too
+/// little to tell has large sigmas: both wait for better frames.
 template <class S>
 bool acceptable(Window<S>* w, const RefineFit<S>& fit, const PackedTriangle<S>& R, StartScratch<S>* s) {
   if (fit.tracks < 8 || fit.points < 60) return false;
   const S dof = S(2 * fit.points - 3 * fit.tracks);
   const S ratio = fit.cost / (dof > S(1) ? dof : S(1));
   s->pixel_scale = ratio < S(1) ? S(1) : square_root(ratio < S(16) ? ratio : S(16));
-  if (ratio > S(9)) return false;
-  return s->pixel_scale * largest_sigma(R, 6, w->block) < S(0.2) && largest_sigma(R, 0, w->block) < S(0.05) &&
+  if (ratio > S(2.25) || S(fit.good) < S(0.8) * S(fit.tried)) return false;
+  return s->pixel_scale * largest_sigma(R, 6, w->block) < S(0.1) && largest_sigma(R, 0, w->block) < S(0.05) &&
          s->x0.v_GI.squaredNorm() < S(36);
+}
+
+/// The linear alignment may end near a wrong minimum if the device turns more than it moves. Hands move slowly: descends
+/// once more, from zero velocity, and keeps the better of the two fits.
+template <class S>
+RefineFit<S> better_from_rest(Window<S>* w, const TrackTable<S>& tracks, const VioOptions<S>& options,
+                              const Origin<S>& origin, const ImuHistory<S>& imu, StartScratch<S>* s,
+                              PackedTriangle<S>* R, const RefineFit<S>& aligned) {
+  s->aligned = s->x0;
+  for (int c = 0; c < w->theta.n_cameras; ++c) {
+    s->aligned_camera[c] = w->theta.camera[c];
+    w->theta.camera[c] = w->given.camera[c];
+  }
+  s->x0.R_GI = origin.attitude(mean_gravity(*w, *s, square_root(options.g.squaredNorm())), options.g);
+  s->x0.v_GI = s->x0.b_a = Vec3<S>::Zero();
+  const RefineFit<S> fit = refine_start(w, tracks, options, imu, s, R);
+  if (fit.cost < aligned.cost) return fit;
+  s->x0 = s->aligned;
+  for (int c = 0; c < w->theta.n_cameras; ++c) w->theta.camera[c] = s->aligned_camera[c];
+  return linearise_start(w, tracks, options, imu, s, R);
 }
 
 /// Gyroscope bias, linear alignment, refinement, check.
@@ -129,8 +154,9 @@ bool start_in_motion(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& o
   for (int c = 0; c < w->theta.n_cameras; ++c) w->theta.camera[c] = w->given.camera[c];
   estimate_gyro_bias(*w, *tracks, options, imu, s);
   if (!align(w, *tracks, options, origin, s)) return false;
-  PackedTriangle<S> R(w->saved, kStateColumns + kExtrinsicColumns * w->theta.n_cameras + 1);
+  PackedTriangle<S> R(w->triangle, kStateColumns + kExtrinsicColumns * w->theta.n_cameras + 1);
   RefineFit<S> fit = refine_start(w, *tracks, options, imu, s, &R);
+  fit = better_from_rest(w, *tracks, options, origin, imu, s, &R, fit);
   if (!acceptable(w, fit, R, s)) return false;
   if (discard_misfits(w, tracks, options, s->pixel_scale) > 0) {
     fit = refine_start(w, *tracks, options, imu, s, &R);

@@ -31,6 +31,20 @@ void place_columns(const Window<S>& w, S* row, int i, int from, int to, int n) {
   for (int c = 0; c < n; ++c) row[to + c] += w.link.J(i, from + c);
 }
 
+/// The whitened link's rows into the block from row `row` on; R's columns from the poses on stand one motion later.
+template <class S>
+void place_link(Window<S>* w, int row, int old_motion, int new_motion, int old_pose, int new_pose) {
+  for (int i = 0; i < kLinkRows; ++i) {
+    S* out = w->block + (row + i) * kBlockStride;
+    place_columns(*w, out, i, kPoseColumns, old_motion, kMotionColumns);
+    place_columns(*w, out, i, kStateColumns + kPoseColumns, new_motion, kMotionColumns);
+    place_columns(*w, out, i, 0, kMotionColumns + pose_column(old_pose), kPoseColumns);
+    place_columns(*w, out, i, kStateColumns, kMotionColumns + pose_column(new_pose), kPoseColumns);
+    place_columns(*w, out, i, 2 * kStateColumns, kMotionColumns + w->imu_column(), kImuColumns);
+    out[kMotionColumns + w->columns()] = -w->link.r(i);
+  }
+}
+
 /// The block that carries the old motion away: rows of R that hold it, then the whitened link.
 /// Columns: [old motion 9 | new motion 9 | R's columns from the poses on].
 template <class S>
@@ -44,29 +58,27 @@ void stack_link(Window<S>* w, int old_pose, int new_pose) {
     for (int c = kMotionColumns; c <= n; ++c) row[kMotionColumns + c] = R(j, c);
     for (int c = j; c <= n; ++c) R.row(j)[c] = S(0);
   }
-  for (int i = 0; i < kLinkRows; ++i) {
-    S* row = w->block + (kMotionColumns + i) * kBlockStride;
-    place_columns(*w, row, i, kPoseColumns, 0, kMotionColumns);
-    place_columns(*w, row, i, kStateColumns + kPoseColumns, kMotionColumns, kMotionColumns);
-    place_columns(*w, row, i, 0, kMotionColumns + pose_column(old_pose), kPoseColumns);
-    place_columns(*w, row, i, kStateColumns, kMotionColumns + pose_column(new_pose), kPoseColumns);
-    row[kMotionColumns + n] = -w->link.r(i);
-  }
+  place_link(w, kMotionColumns, 0, kMotionColumns, old_pose, new_pose);
 }
 
-/// Eliminates the old motion and folds what is left. Returns the part of the residual that R could not absorb.
+/// Eliminates the old motion and folds what is left.
 template <class S>
-S fold_link(Window<S>* w, int old_pose, int new_pose) {
+void fold_link(Window<S>* w, int old_pose, int new_pose) {
   stack_link(w, old_pose, new_pose);
   const int width = w->columns() + 1 + kMotionColumns;
   reflect_leading_columns(w->block, kMotionColumns + kLinkRows, kBlockStride, width, kMotionColumns, w->work);
-  return fold_block(w, w->block + kMotionColumns * kBlockStride + kMotionColumns, kLinkRows, 0);
+  fold_block(w, w->block + kMotionColumns * kBlockStride + kMotionColumns, kLinkRows, 0);
 }
 
-/// Whitened link rows between the newest state and `x1`; Jacobians at first estimates. False: no duration.
+/// Whitened link rows between the newest state and `x1`; Jacobians at first estimates, x1's at `first`. False: no
+/// duration. What is not estimated of the IMU has no column.
 template <class S>
-bool linearise_link(Window<S>* w, const VioOptions<S>& options, const ImuIntegral<S>& I, const State<S>& x1) {
-  link_rows<S>(I, w->now, x1, w->now_first, x1, options.g, &w->link);
+bool linearise_link(Window<S>* w, const VioOptions<S>& options, const ImuIntegral<S>& I, const State<S>& x1,
+                    const State<S>& first) {
+  link_rows<S>(I, w->now, x1, w->now_first, first, options.g, &w->link);
+  for (int i = 0; i < kImuColumns; ++i) {
+    if (imu_sigma(options, i) == S(0)) w->link.J.col(2 * kStateColumns + i).setZero();
+  }
   return whiten(I, options.noise, &w->link);
 }
 
@@ -75,7 +87,7 @@ template <class S>
 int propagate(Window<S>* w, const VioOptions<S>& options, const ImuHistory<S>& imu, std::int64_t t0, std::int64_t t1) {
   const ImuIntegral<S> I = integral_between(*w, options, imu, w->now, t0, t1);
   const State<S> x1 = predicted(I, w->now, options.g);
-  if (!linearise_link(w, options, I, x1)) return w->newest().slot;
+  if (!linearise_link(w, options, I, x1, x1)) return w->newest().slot;
   w->link.r.setZero();  // the prediction is exact; only rounding would remain
   const int slot = w->append_empty(t1);
   WindowPose<S>& pose = w->newest();

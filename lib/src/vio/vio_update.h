@@ -8,23 +8,31 @@ namespace SEGCAL_NS {
 constexpr int kMinTrackLength = 3;
 constexpr int kMaxFeaturesPerFrame = 30;  // bounds the time of a frame
 
+/// A filter on its path refuses up to a quarter of its features and needs a scale of 1 to 1.5. A lost one explains its
+/// residuals by an ever larger scale, which also opens the gate; and rays from a wrong path do not meet.
+template <class S>
+constexpr S kMostRefused = S(0.35);
+template <class S>
+constexpr S kLargestScale = S(3);
+
 /// Follows how large residuals are against their sigmas. A calibration that does not fit yet makes them all larger:
 /// then the pixel sigma grows with them, and shrinks again when they do.
 template <class S>
 struct ResidualMonitor {
   S scale = S(1);       ///< factor on pixel_sigma, 1..4
-  S gated_share = S(0); ///< running share of features refused
+  S refused_share = S(0);  ///< running share of features that the gate refused or that no point in space explains
 
   /// `ratio`: Mahalanobis distance by degrees of freedom, at the present scale.
   void note(S ratio, bool gated) {
-    gated_share += S(0.02) * ((gated ? S(1) : S(0)) - gated_share);
+    note_refused(gated);
     const S wanted = scale * scale * (ratio < S(6) ? ratio : S(6));
     S square = scale * scale + S(0.02) * (wanted - scale * scale);
     if (square < S(1)) square = S(1);
     if (square > S(16)) square = S(16);
     scale = square_root(square);
   }
-  bool failing() const { return gated_share > S(0.7); }
+  void note_refused(bool refused) { refused_share += S(0.02) * ((refused ? S(1) : S(0)) - refused_share); }
+  bool failing() const { return refused_share > kMostRefused<S> || scale > kLargestScale<S>; }
 };
 
 /// Writes the rows of one feature into the block: the landmark's three columns just before the first pose's.
@@ -59,20 +67,28 @@ int feature_rows(Window<S>* w, const TrackView<S>& view, const Landmark<S>& l, S
   return 2 * view.n + 1;
 }
 
+template <class S>
+bool finite_rows(const S* rows, int n_rows, int first, int last) {
+  S sum = S(0);
+  for (int i = 0; i < n_rows; ++i) {
+    for (int c = first; c <= last; ++c) sum += rows[i * kBlockStride + c] * rows[i * kBlockStride + c];
+  }
+  return is_finite(sum);
+}
+
 /// Eliminates the landmark and folds the rest into R, unless the gate refuses it: the residual that R cannot absorb is
 /// the innovation's Mahalanobis distance, given the features folded before it.
 template <class S>
 bool fold_feature(Window<S>* w, const TrackView<S>& view, int rows, ResidualMonitor<S>* monitor) {
   const int first = pose_column(view.pose[0]), landmark = first - kLandmarkColumns, n = w->columns();
   reflect_leading_columns(w->block + landmark, rows, kBlockStride, n + 1 - landmark, kLandmarkColumns, w->work);
-  for (int i = 0; i < w->triangle_size(); ++i) w->saved[i] = w->triangle[i];
   const int dof = rows - kLandmarkColumns;
-  const S distance = fold_block(w, w->block + kLandmarkColumns * kBlockStride, dof, first);
+  S* rest = w->block + kLandmarkColumns * kBlockStride;
+  if (!finite_rows(rest, dof, first, n)) return false;  // what is not a number could not be taken back
+  const S distance = fold_block(w, rest, dof, first);
   const bool accepted = distance < chi_square_gate<S>(dof);
-  if (!accepted) {
-    for (int i = 0; i < w->triangle_size(); ++i) w->triangle[i] = w->saved[i];
-  }
-  if (is_finite(distance)) monitor->note(distance / S(dof), !accepted);
+  if (!accepted) unfold_block(w, rest, dof, first);
+  monitor->note(distance / S(dof), !accepted);
   return accepted;
 }
 
@@ -89,6 +105,7 @@ bool use_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& opti
   if (triangulate(*w, view, sigma, w->block, &l)) rows = feature_rows(w, view, l, sigma, camera_columns);
   if (rows == 0) {
     ++statistics->not_triangulated;
+    monitor->note_refused(true);
     return false;
   }
   const bool accepted = fold_feature(w, view, rows, monitor);

@@ -1,7 +1,7 @@
 // The filter's state and its square-root information.
 //
 // Columns of the triangle R: [v b_a b_g of the newest state 9 | poses, oldest first, 6 each | cameras 14 each
-// (extrinsics, intrinsics) | right-hand side]. With this order everything that leaves the state stands at the front:
+// (extrinsics, intrinsics) | IMU 15 (sensors/calibration.h) | right-hand side]. With this order everything that leaves the state stands at the front:
 // the old motion when time moves on, and the oldest pose after a swap of the first 15 rows. Places without a pose are
 // zero rows and columns. R delta = d, where delta is the error of the estimates; after an update the estimates have
 // moved and d is zero.
@@ -15,7 +15,7 @@ namespace SEGCAL_NS {
 
 constexpr int kWindow = SEGCAL_MAX_CLONES + 1;  // past poses and the newest
 constexpr int kMotionColumns = 9;               // v, b_a, b_g
-constexpr int kFilterColumns = kMotionColumns + kPoseColumns * kWindow + kMaxCameraColumns * kMaxCameras;
+constexpr int kFilterColumns = kMotionColumns + kPoseColumns * kWindow + kMaxCameraColumns * kMaxCameras + kImuColumns;
 constexpr int kLinkRows = 15;
 // The scratch block holds a link with the leading rows of R and room for the new motion, or the rows of one feature.
 constexpr int kBlockStride = kFilterColumns + 1 + kMotionColumns;
@@ -37,21 +37,21 @@ struct WindowPose {
 
 template <class S>
 struct Window {
-  Calibration<S> theta;              ///< its cameras are the filter's estimates
+  Calibration<S> theta;              ///< the filter's estimates
   Calibration<S> given;              ///< as given from outside
   CameraCalibration<S> camera_first[kMaxCameras];  ///< theta's cameras at their first estimates
   WindowPose<S> pose[kWindow];
   State<S> now, now_first;           ///< newest state; its pose is that of newest()
   std::int32_t n_poses;
   S triangle[packed_size(kFilterColumns + 1)];
-  S saved[packed_size(kFilterColumns + 1)];  ///< the triangle before a feature, to undo one that the gate refuses
   S block[kBlockRows * kBlockStride];
   S work[kBlockStride];
+  S pivot[kFilterColumns];           ///< diagonal of R before the last fold, to undo it
   ImuRows<S> link;
 
-  int columns() const { return camera_column(theta.n_cameras); }
+  int imu_column() const { return camera_column(theta.n_cameras); }
+  int columns() const { return imu_column() + kImuColumns; }
   PackedTriangle<S> R() { return PackedTriangle<S>(triangle, columns() + 1); }
-  int triangle_size() const { return packed_size(columns() + 1); }
   WindowPose<S>& newest() { return pose[n_poses - 1]; }
   const WindowPose<S>& newest() const { return pose[n_poses - 1]; }
 
@@ -73,8 +73,8 @@ struct Window {
     for (int c = 0; c < theta.n_cameras; ++c) camera_first[c] = theta.camera[c];
   }
 
-  /// The cameras of a lost filter are not to be trusted.
-  void restore_cameras() { replace_calibration(Calibration<S>(given)); }
+  /// What a lost filter has learnt about the sensors is not to be trusted.
+  void restore_calibration() { replace_calibration(Calibration<S>(given)); }
 
   /// A pose at `time` without an estimate yet; returns its slot. There must be room.
   int append_empty(std::int64_t time) {
@@ -113,10 +113,35 @@ template <class S>
 S fold_block(Window<S>* w, S* rows, int n_rows, int first) {
   PackedTriangle<S> R = w->R();
   const int n = w->columns();
+  for (int j = first; j < n; ++j) w->pivot[j] = R(j, j);
   fold_rows(R, rows, n_rows, kBlockStride, first, n, w->work);
   S rest = S(0);
   for (int i = 0; i < n_rows; ++i) rest += rows[i * kBlockStride + n] * rows[i * kBlockStride + n];
   return rest;
+}
+
+/// Takes the last fold_block() back: the same reflections in reverse order, each its own inverse (up to rounding). Their
+/// vectors are still there: reflect_column() leaves the column that it clears in the block, and `pivot` has the rest.
+template <class S>
+void unfold_block(Window<S>* w, S* rows, int n_rows, int first) {
+  PackedTriangle<S> R = w->R();
+  for (int j = w->columns() - 1; j >= first; --j) {
+    S* r = R.row(j);
+    S below = S(0);
+    for (int i = 0; i < n_rows; ++i) below += rows[i * kBlockStride + j] * rows[i * kBlockStride + j];
+    if (below < smallest_square<S>) continue;
+    const S v0 = w->pivot[j] - r[j], scale = S(-1) / (r[j] * v0);
+    for (int c = j + 1; c < R.columns(); ++c) w->work[c] = v0 * r[c];
+    for (int i = 0; i < n_rows; ++i) {
+      add_scaled(w->work, rows[i * kBlockStride + j], rows + i * kBlockStride, j + 1, R.columns());
+    }
+    for (int c = j + 1; c < R.columns(); ++c) w->work[c] *= scale;
+    add_scaled(r, -v0, w->work, j + 1, R.columns());
+    for (int i = 0; i < n_rows; ++i) {
+      add_scaled(rows + i * kBlockStride, -rows[i * kBlockStride + j], w->work, j + 1, R.columns());
+    }
+    r[j] = w->pivot[j];
+  }
 }
 
 /// Moves all estimates by R^-1 d; afterwards d is zero. First estimates stay.
@@ -149,6 +174,23 @@ void apply_update(Window<S>* w) {
     for (int i = 0; i < 4; ++i) camera.intrinsics(i) += d[camera_column(c) + kExtrinsicColumns + i];
     for (int i = 0; i < 4; ++i) camera.distortion(i) += d[camera_column(c) + kExtrinsicColumns + 4 + i];
   }
+  ImuCalibration<S>& imu = w->theta.imu;
+  const int first = w->imu_column();
+  imu.gyro_scale += three(first);
+  imu.gyro_misalignment += three(first + 3);
+  imu.accel_scale += three(first + 6);
+  imu.accel_misalignment += three(first + 9);
+  imu.R_AI = renormalised<S>(so3_exp<S>(three(first + 12)) * imu.R_AI);
+}
+
+/// y <- R^-T y (n columns), y zero before `first`.
+template <class S>
+void forward_substitute(const PackedTriangle<S>& R, int n, int first, S* y) {
+  for (int j = first; j < n; ++j) {
+    const S* r = R.row(j);
+    y[j] = r[j] == S(0) ? S(0) : y[j] / r[j];
+    add_scaled(y, -y[j], r, j + 1, n);
+  }
 }
 
 /// y = R^-T e_column (n columns): the dot products of such vectors are the entries of the covariance R^-1 R^-T.
@@ -156,11 +198,7 @@ template <class S>
 void covariance_factor(const PackedTriangle<S>& R, int n, int column, S* y) {
   for (int j = 0; j < n; ++j) y[j] = S(0);
   y[column] = S(1);
-  for (int j = column; j < n; ++j) {
-    const S* r = R.row(j);
-    y[j] = r[j] == S(0) ? S(0) : y[j] / r[j];
-    add_scaled(y, -y[j], r, j + 1, n);
-  }
+  forward_substitute(R, n, column, y);
 }
 
 template <class S>
@@ -200,15 +238,23 @@ S camera_sigma(const VioOptions<S>& options, const CameraCalibration<S>& camera,
   return i < kExtrinsicColumns + 4 ? options.sigma_centre : options.sigma_distortion;
 }
 
-/// What was learnt about a camera is replaced by a prior at its new values; the poses, given the camera, are believed
-/// as before. (The cameras stand last: their own rows hold exactly their marginal information.)
+/// Prior sigma of entry i of the IMU's calibration; 0: it is not estimated.
 template <class S>
-void replace_camera_prior(Window<S>* w, int camera, const VioOptions<S>& options) {
+S imu_sigma(const VioOptions<S>& options, int i) {
+  return i < 6 ? options.sigma_gyro : i < 12 ? options.sigma_accel : options.sigma_r_AI;
+}
+
+/// What was learnt about the sensors is replaced by a prior at their new values; the poses, given the sensors, are
+/// believed as before. (The sensors stand last: their own rows hold exactly their marginal information.)
+template <class S>
+void replace_sensor_priors(Window<S>* w, const VioOptions<S>& options) {
   PackedTriangle<S> R = w->R();
-  for (int i = 0; i < kMaxCameraColumns; ++i) {
-    const int j = camera_column(camera) + i;
+  for (int j = camera_column(0); j < w->columns(); ++j) {
     for (int c = j; c <= w->columns(); ++c) R.row(j)[c] = S(0);
-    const S sigma = options.calibrated_share * camera_sigma(options, w->theta.camera[camera], i);
+    const int i = j - camera_column(0), camera = i / kMaxCameraColumns;
+    const S sigma = options.calibrated_share *
+                    (j >= w->imu_column() ? imu_sigma(options, j - w->imu_column())
+                                          : camera_sigma(options, w->theta.camera[camera], i % kMaxCameraColumns));
     if (sigma > S(0)) R.row(j)[j] = S(1) / sigma;
   }
 }
