@@ -78,6 +78,7 @@ class Device {
  private:
   static constexpr std::int64_t kNever = INT64_MIN;
   Taken process_frame();
+  void count_missing_frames(std::int64_t t_ns);
   void take_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n);
   bool keyframe_due(std::int64_t t_ns) const;
   void break_stream();
@@ -99,7 +100,7 @@ class Device {
   Release<S> release_;
   FaultCounts faults_;
   State<S> state_;
-  std::int64_t state_time_, last_imu_, last_frame_, pending_time_, next_keyframe_;
+  std::int64_t state_time_, last_imu_, last_frame_, pending_time_, next_keyframe_, frame_period_;
   TrackPoint<S> pending_[kMaxFramePoints];
   std::int32_t pending_count_;
   SegmentSummary<S> last_;
@@ -118,6 +119,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   faults_ = FaultCounts{};
   release_ = Release<S>{};
   joint_.n = analysis_.n = 0;
+  frame_period_ = 0;
   session_ = serial_ = 0;
   last_ = SegmentSummary<S>{};
   calibrated_ = calibration_due_ = was_full_ = own_odometry_ = false;
@@ -185,6 +187,16 @@ void Device<S>::break_stream() {
   last_frame_ = last_frame;
 }
 
+/// Frames missing from an even stream: the shortest interval seen so far is the camera's period.
+template <class S>
+void Device<S>::count_missing_frames(std::int64_t t_ns) {
+  if (last_frame_ == kNever) return;
+  const std::int64_t interval = t_ns - last_frame_;
+  if (frame_period_ == 0 || interval < frame_period_) frame_period_ = interval;
+  const std::int64_t periods = (interval + frame_period_ / 2) / frame_period_;
+  if (periods > 1) faults_.frames_dropped += static_cast<std::uint32_t>(periods - 1);
+}
+
 template <class S>
 Taken Device<S>::push_tracks(std::int64_t t_ns, const TrackPoint<S>* points, int n) {
   ++faults_.frames;
@@ -193,6 +205,7 @@ Taken Device<S>::push_tracks(std::int64_t t_ns, const TrackPoint<S>* points, int
     return Taken::stamp_back;
   }
   if (pending_count_ > 0) ++faults_.frames_dropped;  // its IMU samples never came
+  count_missing_frames(t_ns);
   last_frame_ = t_ns;
   pending_time_ = t_ns;
   pending_count_ = 0;

@@ -28,7 +28,7 @@ class Vio {
   /// Forgets everything and waits for frames.
   void reset(const Calibration<S>& theta, const VioOptions<S>& options);
 
-  /// A new calibration for the running filter. Its cameras replace the filter's own, with a smaller prior.
+  /// A new calibration for the running filter. It replaces the filter's own, with a smaller prior.
   void set_calibration(const Calibration<S>& theta);
 
   /// The next frame of all cameras, stamps in IMU time. `imu` must cover the time since the last frame up to t_ns.

@@ -125,8 +125,8 @@ bool acceptable(Window<S>* w, const RefineFit<S>& fit, const PackedTriangle<S>& 
          s->x0.v_GI.squaredNorm() < S(36);
 }
 
-/// The linear alignment may end near a wrong minimum if the device turns more than it moves. Hands move slowly: descends
-/// once more, from zero velocity, and keeps the better of the two fits.
+/// The linear alignment may end near a wrong minimum if the device turns more than it moves. Hands move slowly:
+/// descends once more, from zero velocity, and keeps the better of the two fits.
 template <class S>
 RefineFit<S> better_from_rest(Window<S>* w, const TrackTable<S>& tracks, const VioOptions<S>& options,
                               const Origin<S>& origin, const ImuHistory<S>& imu, StartScratch<S>* s,

@@ -1,10 +1,10 @@
 // The filter's state and its square-root information.
 //
 // Columns of the triangle R: [v b_a b_g of the newest state 9 | poses, oldest first, 6 each | cameras 14 each
-// (extrinsics, intrinsics) | IMU 15 (sensors/calibration.h) | right-hand side]. With this order everything that leaves the state stands at the front:
-// the old motion when time moves on, and the oldest pose after a swap of the first 15 rows. Places without a pose are
-// zero rows and columns. R delta = d, where delta is the error of the estimates; after an update the estimates have
-// moved and d is zero.
+// (extrinsics, intrinsics) | IMU 15 (sensors/calibration.h) | right-hand side]. With this order everything that leaves
+// the state stands at the front: the old motion when time moves on, and the oldest pose after a swap of the first 15
+// rows. Places without a pose are zero rows and columns. R delta = d, where delta is the error of the estimates; after
+// an update the estimates have moved and d is zero.
 #pragma once
 
 #include "math/qr.h"
@@ -120,8 +120,8 @@ S fold_block(Window<S>* w, S* rows, int n_rows, int first) {
   return rest;
 }
 
-/// Takes the last fold_block() back: the same reflections in reverse order, each its own inverse (up to rounding). Their
-/// vectors are still there: reflect_column() leaves the column that it clears in the block, and `pivot` has the rest.
+/// Takes the last fold_block() back: the same reflections in reverse order, each its own inverse (up to rounding).
+/// Their vectors are still there: reflect_column() leaves the column that it clears in the block, and `pivot` has the rest.
 template <class S>
 void unfold_block(Window<S>* w, S* rows, int n_rows, int first) {
   PackedTriangle<S> R = w->R();
