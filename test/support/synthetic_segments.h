@@ -173,7 +173,7 @@ class SyntheticSession {
       if (!image_of(l, t0 + k * options_.keyframe_interval, &uv)) continue;
       segment->observation[n++] = {static_cast<float>(uv.x() + random_.normal(model.pixel_sigma)),
                                    static_cast<float>(uv.y() + random_.normal(model.pixel_sigma)),
-                                   static_cast<std::uint16_t>(segment->n_landmarks), static_cast<std::uint8_t>(k), 0};
+                                   static_cast<std::uint16_t>(segment->n_landmarks), static_cast<std::uint8_t>(k), 0, 0};
     }
     if (n - begin < 3) return;
     segment->n_observations = n;

@@ -166,7 +166,7 @@ typedef struct {
   uint32_t imu_samples, imu_stamps_back, imu_gaps, imu_not_finite, imu_saturated;
   uint32_t frames, frames_used, frame_stamps_back, frames_dropped, frames_few_tracks, points_not_finite;
   uint32_t filter_restarts, standstill_frames, features_used, features_gated;
-  uint32_t segments_closed, segments_discarded, segments_ended_early;
+  uint32_t segments_closed, segments_discarded, segments_unsettled, segments_ended_early;
   uint32_t landmarks_left_out, points_left_out;
 } segcal_counters_t;
 
@@ -202,7 +202,8 @@ int segcal_background(segcal_t *device, int32_t slices);
 int segcal_flush(segcal_t *device);
 /* Ends the session: as segcal_flush, then the filter starts again; the database is emptied if single session. */
 int segcal_new_session(segcal_t *device);
-/* Calibrates from the kept segments and, if something is released, puts the new theta into the filter. */
+/* Calibrates from the kept segments and, if something is released, puts the new theta into the filter. With none kept the
+   result is `insufficient`, and every direction is named as not excited. */
 int segcal_calibrate(segcal_t *device);
 
 int segcal_get_state(const segcal_t *device, segcal_state_t *state);

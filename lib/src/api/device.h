@@ -30,7 +30,7 @@ struct FaultCounts {
   std::uint32_t imu_samples = 0, imu_stamps_back = 0, imu_gaps = 0, imu_not_finite = 0, imu_saturated = 0;
   std::uint32_t frames = 0, frames_used = 0, frame_stamps_back = 0, frames_dropped = 0, frames_few_tracks = 0;
   std::uint32_t points_not_finite = 0;
-  std::uint32_t segments_closed = 0, segments_discarded = 0;
+  std::uint32_t segments_closed = 0, segments_discarded = 0, segments_unsettled = 0;
 };
 
 /// What became of a pushed sample or frame.
@@ -84,6 +84,7 @@ class Device {
   void break_stream();
   void end_segment(bool continues);
   void score();
+  void drop_misfits();
   void restart_filter();
   Calibration<S> working_theta() const;
 
@@ -299,12 +300,16 @@ template <class S>
 void Device<S>::score() {
   Segment<S>& segment = database_.building();
   GuestLink<S> alone;
-  eliminator_.eliminate(segment, alone, working_theta(), options_.model, S(0));
+  const Calibration<S> theta = working_theta();
+  segment.turned_only = !translation_shows(segment, theta, options_.model);
+  eliminator_.eliminate(segment, alone, theta, options_.model, S(0));
   eliminator_.extract(&segment.information);
   analyse(segment.information, prior_.sigma, &analysis_);
   segment.metrics = metrics_of(&analysis_, prior_.sigma, options_.sigma_ref);
   last_ = summary_of(segment);
-  last_.kept = database_.offer();
+  const bool settled = follows_its_imu(segment, theta, options_.model);
+  if (!settled) ++faults_.segments_unsettled;
+  last_.kept = settled && database_.offer();
   if (last_.kept && database_.full() && !was_full_) {
     was_full_ = true;
     calibration_due_ = true;  // paper, Alg. 1: enough segments
@@ -349,9 +354,26 @@ void Device<S>::calibrate() {
   analyse_with_prior(calibrator_.theta_triangle(), prior_.sigma, &joint_);
   judge(&calibrator_, prior_, ReleaseRules<S>{}, &release_);
   calibrated_ = true;
-  if (release_.status == Status::failed) return;
+  if (release_.status == Status::failed) {
+    drop_misfits();
+    return;
+  }
   theta_ = release_.theta;
   if (vio_.initialised()) vio_.set_calibration(theta_);
+}
+
+/// After a failed calibration: segments that do not fit even alone leave the database, and collecting goes on.
+template <class S>
+void Device<S>::drop_misfits() {
+  for (int i = 0; i < Database<S>::kSlots; ++i) {
+    if (!database_.kept(i)) continue;
+    const Segment<S>& segment = database_.slot(i);
+    const S cost = segment_cost(segment, GuestLink<S>{}, calibrator_.theta(), options_.model);
+    if (cost <= ReleaseRules<S>{}.most_chi2_per_dof * S(segment.information.dof)) continue;
+    database_.drop(i);
+    ++faults_.segments_unsettled;
+  }
+  was_full_ = database_.full();
 }
 
 }  // namespace SEGCAL_NS

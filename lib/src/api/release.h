@@ -112,7 +112,9 @@ void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseR
   const bool plausible = ratio > rules.least_chi2_per_dof && ratio < rules.most_chi2_per_dof;
   const bool fell = fit.cost <= fit.start_cost * S(1.0001) && is_finite(fit.cost);  // a fit that begins at its minimum may round up
   out->theta = calibrator->theta();
-  if (!plausible || !fell || !fit.converged) {
+  if (fit.image_points == 0) {
+    out->status = Status::insufficient;
+  } else if (!plausible || !fell || !fit.converged) {
     out->status = Status::failed;
   } else {
     out->status = 2 * observed >= n ? Status::calibrated : Status::insufficient;

@@ -49,7 +49,7 @@ void reprojection_statistics(const CDevice& d, segcal_result_t* out) {
       const Observation& z = s->observation[o];
       const State<Real>& x = s->states.x[z.keyframe];
       Vec2<Real> r;
-      if (!reprojection_residual(d.device.theta().camera[z.camera], x.R_GI, x.p_GI, s->states.landmark[z.landmark],
+      if (!reprojection_residual(d.device.calibrator().theta().camera[z.camera], x.R_GI, x.p_GI, s->states.landmark[z.landmark],
                                  Vec2<Real>(Real(z.u), Real(z.v)), &r)) {
         continue;
       }
@@ -195,7 +195,7 @@ int segcal_get_counters(const segcal_t* device, segcal_counters_t* out) {
   *out = {f.imu_samples, f.imu_stamps_back, f.imu_gaps, f.imu_not_finite, f.imu_saturated, f.frames, f.frames_used,
           f.frame_stamps_back, f.frames_dropped, f.frames_few_tracks, f.points_not_finite, std::uint32_t(v.restarts),
           std::uint32_t(v.standstill_frames), std::uint32_t(v.updates), std::uint32_t(v.gated), f.segments_closed,
-          f.segments_discarded, b.ended_early, b.landmarks_left_out, b.points_left_out};
+          f.segments_discarded, f.segments_unsettled, b.ended_early, b.landmarks_left_out, b.points_left_out};
   return SEGCAL_OK;
 }
 
@@ -211,7 +211,7 @@ int segcal_get_point_residuals(const segcal_t* device, int32_t index, segcal_poi
     if (z.rejected) continue;
     const State<Real>& x = s->states.x[z.keyframe];
     Vec2<Real> r;
-    if (!reprojection_residual(d->device.theta().camera[z.camera], x.R_GI, x.p_GI, s->states.landmark[z.landmark],
+    if (!reprojection_residual(d->device.calibrator().theta().camera[z.camera], x.R_GI, x.p_GI, s->states.landmark[z.landmark],
                                Vec2<Real>(Real(z.u), Real(z.v)), &r)) {
       continue;
     }
@@ -229,7 +229,7 @@ int segcal_get_imu_residuals(const segcal_t* device, int32_t index, segcal_imu_r
   int n = 0;
   for (int k = 1; k < s->n_keyframes && n < capacity; ++k) {
     const State<Real>* x = s->states.x;
-    const ImuIntegral<Real> I = s->integrate(k, d->device.theta().imu, x[k - 1].b_a, x[k - 1].b_g, model.imu);
+    const ImuIntegral<Real> I = s->integrate(k, d->device.calibrator().theta().imu, x[k - 1].b_a, x[k - 1].b_g, model.imu);
     Vec<Real, 15> w;
     if (!whiten_residual(I, model.imu, link_residual(I, x[k - 1], x[k], model.g), &w)) continue;
     out[n].t_ns = keyframe_time(*s, k);

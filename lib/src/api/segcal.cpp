@@ -134,7 +134,6 @@ int segcal_new_session(segcal_t* device) {
 int segcal_calibrate(segcal_t* device) {
   CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;
-  if (d->device.database().size() == 0) return SEGCAL_ERROR_STATE;
   d->device.calibrate();
   return d->device.release().status == Status::calibrated ? SEGCAL_OK : SEGCAL_NO_RESULT;
 }

@@ -7,6 +7,8 @@
 #include "calibration/chain.h"
 #include "calibration/prior.h"
 #include "segments/segment_cost.h"
+#include "segments/triangulation.h"
+#include "segments/visible_translation.h"
 
 namespace SEGCAL_NS {
 
@@ -76,6 +78,7 @@ class Calibrator {
   GuestLink<S> guest(int i) const;
   S total_cost() const;
   void step_back(SegmentEliminator<S>* eliminator, S damping, const S* theta_step);
+  void refine_landmarks();
   void save();
   void restore();
   bool turned_back(const S* theta_step);
@@ -144,8 +147,9 @@ void Calibrator<S>::linearise(SegmentEliminator<S>* eliminator, S damping) {
   write_prior(prior_, theta_, &T);
   chain_.begin(theta_.columns());
   fit_.image_points = 0;
-  fit_.dof = -S(theta_.columns());
+  fit_.dof = count_ > 0 ? -S(theta_.columns()) : S(0);
   for (int i = 0; i < count_; ++i) {
+    segment_[i]->turned_only = !translation_shows(*segment_[i], theta_, model_);
     eliminator->eliminate(*segment_[i], guest(i), theta_, model_, damping);
     chain_.add(eliminator, link_[i].join != Join::none, link_[i].passes_on, &kept_[i], &T);
     fit_.image_points += eliminator->counts().image_points;
@@ -172,6 +176,17 @@ void Calibrator<S>::step_back(SegmentEliminator<S>* eliminator, S damping, const
     eliminator->back_substitute(*segment_[i], g, theta_, model_, damping, step_,
                                 link_[i].passes_on ? eliminator->last_column() : eliminator->guest_column());
     eliminator->move(segment_[i], theta_, model_, damping, step_);
+  }
+}
+
+/// Each landmark to its best place given the new poses and theta: what is most curved in the problem, the inverse
+/// distances of landmarks with little parallax, no longer limits the step (Golub and Pereyra's variable projection).
+template <class S>
+void Calibrator<S>::refine_landmarks() {
+  for (int i = 0; i < count_; ++i) {
+    for (int j = 0; j < segment_[i]->n_landmarks; ++j) {
+      refine_landmark(*segment_[i], j, theta_, model_, 2, &segment_[i]->states.landmark[j]);
+    }
   }
 }
 
@@ -218,6 +233,7 @@ bool Calibrator<S>::iterate(SegmentEliminator<S>* eliminator, S* damping, S* cos
   save();
   step_back(eliminator, *damping, theta_step);
   add_step(&theta_, theta_step);
+  refine_landmarks();
   const S trial = total_cost();
   // Near the minimum the difference drowns in the rounding of the sum.
   const S rounding = (std::is_same_v<S, float> ? S(2e-6) : S(1e-13)) * *cost;
@@ -226,7 +242,7 @@ bool Calibrator<S>::iterate(SegmentEliminator<S>* eliminator, S* damping, S* cos
     *damping = *damping > S(0) ? *damping * S(4) : S(0.05);
     return *damping > S(1e4);
   }
-  const bool settled = fall < S(options.converged) && *cost - trial < S(1e-3) * *cost;
+  const bool settled = fall < S(options.converged) && *cost - trial <= S(1e-3) * *cost;
   *cost = trial;
   if (turned_back(theta_step)) {
     *damping = *damping > S(0) ? *damping * S(2) : S(0.05);

@@ -52,6 +52,7 @@ class Database {
     for (bool k : kept_) n += k ? 1 : 0;
     return n;
   }
+  void drop(int i) { kept_[i] = false; }
   int capacity() const { return capacity_; }
   bool full() const { return size() == capacity_; }
 

@@ -56,6 +56,8 @@ struct Segment {
   std::int32_t n_keyframes = 0, n_landmarks = 0, n_observations = 0;
   /// > 0: the samples begin this long (us) before the first keyframe, at the last keyframe of segment `serial` - 1.
   std::int32_t lead_us = 0;
+  /// The images show no translation (visible_translation.h): inverse distances are linearised as if there were none.
+  bool turned_only = false;
   std::int32_t t_us[kMaxKeyframes];              ///< keyframe times after t0
   std::uint32_t track_id[kMaxLandmarks];
   std::uint16_t first_observation[kMaxLandmarks + 1];  ///< observations of landmark j: [first[j], first[j + 1])

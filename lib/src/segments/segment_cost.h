@@ -80,4 +80,12 @@ S segment_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Calib
   return image_cost(segment, theta, model) + inertial_cost(segment, guest, theta, model);
 }
 
+/// False if the states break the segment's own IMU links by a hundred sigmas: the odometry that gave them had not settled,
+/// and a linearisation at them would mean nothing.
+template <class S>
+bool follows_its_imu(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model) {
+  const S rows = S(kStateColumns * segment.n_keyframes);
+  return inertial_cost(segment, GuestLink<S>{}, theta, model) < S(1e4) * rows;  // false for NaN too
+}
+
 }  // namespace SEGCAL_NS

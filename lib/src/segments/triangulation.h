@@ -53,6 +53,7 @@ S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, c
   }
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
+    if (z.rejected) continue;
     const State<S>& x = segment.states.x[z.keyframe];
     ReprojectionRows<S> rows;
     const Vec2<S> uv(S(z.u), S(z.v));
@@ -71,15 +72,13 @@ S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, c
   return cost;
 }
 
-/// Triangulates landmark j of a segment at its keyframe states. False if no consistent point or direction is found:
-/// the mean squared whitened residual stays above `limit`.
+/// Damped Gauss-Newton from *l, at most `steps` of them; returns the robust cost reached.
 template <class S>
-bool triangulate(Segment<S>* segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model, S limit) {
-  Landmark<S> l;
-  if (!start_landmark(*segment, j, theta, &l)) return false;
+S refine_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                  int steps, Landmark<S>* l) {
   S triangle[packed_size(4)];
-  S cost = landmark_cost<S>(*segment, j, theta, model, l, triangle);
-  for (int i = 0; i < 8; ++i) {
+  S cost = landmark_cost<S>(segment, j, theta, model, *l, triangle);
+  for (int i = 0; i < steps; ++i) {
     S step[3];
     const PackedTriangle<S> R(triangle, 4);
     for (int c = 0; c < 3; ++c) step[c] = R(c, 3);
@@ -87,18 +86,28 @@ bool triangulate(Segment<S>* segment, int j, const Calibration<S>& theta, const 
     Landmark<S> trial;
     S trial_cost = cost;
     for (int half = 0; half < 5; ++half) {
-      trial = l;
+      trial = *l;
       add_step(&trial, step);
-      trial_cost = landmark_cost<S>(*segment, j, theta, model, trial, nullptr);
+      trial_cost = landmark_cost<S>(segment, j, theta, model, trial, nullptr);
       if (trial_cost < cost) break;
       for (S& s : step) s *= S(0.3);
     }
     if (!(trial_cost < cost)) break;
     const bool settled = cost - trial_cost < S(1e-3) * cost;
-    l = trial;
-    cost = landmark_cost<S>(*segment, j, theta, model, l, triangle);
-    if (settled) break;
+    *l = trial;
+    if (settled || i + 1 == steps) return trial_cost;
+    cost = landmark_cost<S>(segment, j, theta, model, *l, triangle);
   }
+  return cost;
+}
+
+/// Triangulates landmark j of a segment at its keyframe states. False if no consistent point or direction is found:
+/// the mean squared whitened residual stays above `limit`.
+template <class S>
+bool triangulate(Segment<S>* segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model, S limit) {
+  Landmark<S> l;
+  if (!start_landmark(*segment, j, theta, &l)) return false;
+  const S cost = refine_landmark(*segment, j, theta, model, 8, &l);
   segment->states.landmark[j] = l;
   const int points = segment->first_observation[j + 1] - segment->first_observation[j];
   return is_finite(cost) && cost < limit * S(2 * points);

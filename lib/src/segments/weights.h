@@ -14,7 +14,9 @@ struct MeasurementModel {
   S bias_a_sigma = S(1);           ///< m/s^2, accelerometer bias at the start of a partition
   S bias_g_sigma = S(0.5);         ///< rad/s, gyroscope bias at the start of a partition
   S velocity_sigma = S(30);        ///< m/s
-  S inverse_depth_sigma = S(2);    ///< 1/m, about zero: a landmark is hardly nearer than 0.3 m
+  /// 1/m, about zero. Wide: a hundred landmarks pulled towards zero together would tell the scale of the map, and so p_CI
+  /// after rotation in place (at 2 1/m to a tenth, at 20 1/m not at all).
+  S inverse_depth_sigma = S(20);
   S huber = S(3);                  ///< whitened length of an image residual above which its weight falls
 };
 

@@ -250,7 +250,8 @@ class ProfileCore final : public Core {
             {"points_not_finite", c.points_not_finite}, {"filter_restarts", c.filter_restarts},
             {"standstill_frames", c.standstill_frames}, {"features_used", c.features_used},
             {"features_gated", c.features_gated}, {"segments_closed", c.segments_closed},
-            {"segments_discarded", c.segments_discarded}, {"segments_ended_early", c.segments_ended_early},
+            {"segments_discarded", c.segments_discarded}, {"segments_unsettled", c.segments_unsettled},
+            {"segments_ended_early", c.segments_ended_early},
             {"landmarks_left_out", c.landmarks_left_out}, {"points_left_out", c.points_left_out}};
   }
 
