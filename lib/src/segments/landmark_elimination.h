@@ -60,7 +60,7 @@ bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const O
   const State<S>& x = segment.states.x[o.keyframe];
   const Landmark<S>& l = segment.states.landmark[j];
   ReprojectionRows<S> rows;
-  if (!reprojection_rows(theta.camera[o.camera], x.R_GI, x.p_GI, x.R_GI, x.p_GI, l, Vec2<S>(S(o.u), S(o.v)), &rows)) {
+  if (!reprojection_rows(theta.camera[o.camera], x.R_GI, x.p_GI, l, Vec2<S>(S(o.u), S(o.v)), &rows)) {
     fit->robust_cost += model.huber * model.huber;
     return false;
   }
