@@ -125,6 +125,34 @@ void check_gap() {
 }
 
 template <class S>
+void check_strips() {
+  // A column depends on itself and on those before it: however the kernel cuts the columns into strips, a triangle of
+  // the first n columns has the bits of the wide one, and nothing beside the block is written to.
+  test::Random random(31);
+  const int m = 7, widest = 61;
+  const MatrixXd A = random.matrix(m, widest);
+  OwnedTriangle<S> wide(widest);
+  wide.fold(A);
+  wide.fold(A * 0.5);
+  for (int n = 1; n < widest; ++n) {
+    OwnedTriangle<S> R(n);
+    for (double factor : {1.0, 0.5}) {
+      std::vector<S> block(m * n + 2 * n, S(5));
+      for (int i = 0; i < m; ++i) {
+        for (int c = 0; c < n; ++c) block[(i + 1) * n + c] = static_cast<S>(factor * A(i, c));
+      }
+      PackedTriangle<S> view = R.view();
+      fold_rows(view, block.data() + n, m, n, 0, n, R.work.data());
+      bool untouched = true;
+      for (int c = 0; c < n; ++c) untouched = untouched && block[c] == S(5) && block[(m + 1) * n + c] == S(5);
+      test::check_true(Id().add("check", "strips").type<S>().add("columns", n), "written beside the block", untouched);
+    }
+    const bool same = (R.dense().array() == wide.dense().topLeftCorner(n, n).array()).all();
+    test::check_true(Id().add("check", "strips").type<S>().add("columns", n), "the bits differ", same);
+  }
+}
+
+template <class S>
 void check_remaining_rows() {
   // With fewer pivots than columns the block keeps what remains: the Schur complement of the eliminated columns.
   test::Random random(24);
@@ -247,6 +275,7 @@ void check_all() {
   check_pieces<S>();
   check_leading_zeros<S>();
   check_gap<S>();
+  check_strips<S>();
   check_remaining_rows<S>();
   check_leading_columns<S>();
   check_tiny_rows<S>();

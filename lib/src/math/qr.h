@@ -4,8 +4,8 @@
 // R'R = A'A. Folding a block B of m rows replaces [R; B] by Q'[R; B] = [R+; 0]. Each reflection acts on one row of R
 // and on the m rows of B, so the cost is 2 m per entry, and columns left of the block's first non-zero one are not touched.
 //
-// Both passes over a row are "y += a x" with y and x contiguous: they vectorise without changing the order of any sum,
-// so every build gives the same bits.
+// Both passes over the rows are "y += a x" along a row. They run in strips of columns whose sums stay in registers, as
+// vectors of 16 bytes that every target has or splits up. No sum depends on how: every build gives the same bits.
 #pragma once
 
 #include "math/elementary.h"
@@ -53,32 +53,121 @@ struct ColumnGap {
   int first = 0, last = 0;
 };
 
+/// Vectors of 16 bytes: a type of the compiler, so that the strips below are not left to its guesses.
+template <class S>
+struct Lanes {
+  static constexpr int kCount = 16 / static_cast<int>(sizeof(S));
+  typedef S Vector __attribute__((vector_size(16)));
+
+  static Vector load(const S* p) {
+    Vector v;
+    __builtin_memcpy(&v, p, sizeof v);
+    return v;
+  }
+  static void store(S* p, const Vector& v) { __builtin_memcpy(p, &v, sizeof v); }
+};
+
+/// A Householder reflection I - v v' / (alpha v0) of a row r and m rows of a block: v = (v0, column j of the block).
+template <class S>
+struct Reflection {
+  S* r;
+  S* block;
+  int m, stride, j;
+  S v0, scale;  ///< scale = -1 / (alpha v0), which is 2 / v'v
+
+  const S* column() const { return block + j; }
+};
+
+/// Applies it to N vectors of columns from c on, but for the first `done` columns: those stay as they are.
+template <int N, class S>
+inline void reflect_strip(const Reflection<S>& h, int c, int done = 0) {
+  using L = Lanes<S>;
+  const S v0 = h.v0;
+  const int stride = h.stride, column = h.j - c;  // of the reflection's vector, as seen from column c
+  S *const r = h.r + c, *const first = h.block + c, *const last = first + h.m * stride;
+  typename L::Vector w[N];
+  for (int k = 0; k < N; ++k) w[k] = v0 * L::load(r + k * L::kCount);
+  for (const S* x = first; x != last; x += stride) {
+    const S v = x[column];
+    for (int k = 0; k < N; ++k) w[k] += v * L::load(x + k * L::kCount);
+  }
+  for (int k = 0; k < N; ++k) w[k] *= h.scale;
+  for (int l = 0; l < done; ++l) w[0][l] = S(0);
+  for (int k = 0; k < N; ++k) L::store(r + k * L::kCount, L::load(r + k * L::kCount) - v0 * w[k]);
+  for (S* x = first; x != last; x += stride) {
+    const S v = x[column];
+    for (int k = 0; k < N; ++k) L::store(x + k * L::kCount, L::load(x + k * L::kCount) - v * w[k]);
+  }
+}
+
+/// The same for one column: where fewer columns are left than a vector has.
+template <class S>
+inline void reflect_single(const Reflection<S>& h, int c) {
+  const S* b = h.column();
+  S* x = h.block + c;
+  S w = h.v0 * h.r[c];
+  for (int i = 0; i < h.m; ++i) w += b[i * h.stride] * x[i * h.stride];
+  w *= h.scale;
+  h.r[c] -= h.v0 * w;
+  for (int i = 0; i < h.m; ++i) x[i * h.stride] -= b[i * h.stride] * w;
+}
+
+/// N vectors, N known only now.
+template <class S>
+inline void reflect_vectors(const Reflection<S>& h, int c, int vectors, int done) {
+  switch (vectors) {
+    case 1: return reflect_strip<1>(h, c, done);
+    case 2: return reflect_strip<2>(h, c, done);
+    case 3: return reflect_strip<3>(h, c, done);
+    case 4: return reflect_strip<4>(h, c, done);
+    case 5: return reflect_strip<5>(h, c, done);
+    default: return reflect_strip<6>(h, c, done);
+  }
+}
+
+/// Applies it to columns [first, last). Where the last strip is no whole number of vectors, it ends at `last` all the
+/// same, and its first columns, which the strip before has done, stay as they are.
+template <class S>
+inline void reflect_range(const Reflection<S>& h, int first, int last) {
+  constexpr int kVector = Lanes<S>::kCount, kStrip = 6 * kVector;
+  int c = first;
+  for (; c + kStrip <= last; c += kStrip) reflect_strip<6>(h, c);
+  int vectors = (last - c + kVector - 1) / kVector;
+  if (vectors <= 0) return;
+  if (last - vectors * kVector < first) {
+    for (; c < first + (last - first) % kVector; ++c) reflect_single(h, c);
+    if (--vectors == 0) return;
+  }
+  reflect_vectors(h, last - vectors * kVector, vectors, c - (last - vectors * kVector));
+}
+
+/// Sum of squares of m numbers `stride` apart, in four sums that do not wait for each other.
+template <class S>
+inline S square_sum(const S* x, int m, int stride) {
+  S sum[4] = {S(0), S(0), S(0), S(0)};
+  int i = 0;
+  for (; i + 4 <= m; i += 4, x += 4 * stride) {
+    for (int k = 0; k < 4; ++k) sum[k] += x[k * stride] * x[k * stride];
+  }
+  for (int k = 0; i < m; ++i, ++k) sum[k] += x[k * stride] * x[k * stride];
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
 /// One Householder reflection: clears column j of the m rows of `block` (`stride` apart) against row r, and applies
 /// itself to columns (j, n) of all of them. Column j of the block is left as it was: nobody reads it again.
 template <class S>
-inline void reflect_column(S* r, S* block, int m, int stride, int j, int n, S* work, ColumnGap gap = {}) {
-  S below = S(0);
-  for (int i = 0; i < m; ++i) below += block[i * stride + j] * block[i * stride + j];
+inline void reflect_column(S* r, S* block, int m, int stride, int j, int n, ColumnGap gap = {}) {
+  const S below = square_sum(block + j, m, stride);
   if (below < smallest_square<S>) return;  // nothing to clear; the inverse below would overflow
   const S norm = square_root(r[j] * r[j] + below);
   const S alpha = r[j] > S(0) ? -norm : norm;
   const S v0 = r[j] - alpha;             // no cancellation: alpha has the other sign
-  const S scale = S(-1) / (alpha * v0);  // 2 / v'v, since v'v = -2 alpha v0
-  const int ranges[2][2] = {{j + 1, gap.first > j ? gap.first : j + 1}, {gap.last > j ? gap.last : j + 1, n}};
-  for (const int(&range)[2] : ranges) {
-    const int first = range[0], last = range[1];
-    if (first >= last) continue;
-    for (int c = first; c < last; ++c) work[c] = v0 * r[c];
-    for (int i = 0; i < m; ++i) {
-      const S b = block[i * stride + j];
-      if (b != S(0)) add_scaled(work, b, block + i * stride, first, last);
-    }
-    for (int c = first; c < last; ++c) work[c] *= scale;
-    add_scaled(r, -v0, work, first, last);
-    for (int i = 0; i < m; ++i) {
-      const S b = block[i * stride + j];
-      if (b != S(0)) add_scaled(block + i * stride, -b, work, first, last);
-    }
+  const Reflection<S> h{r, block, m, stride, j, v0, S(-1) / (alpha * v0)};  // v'v = -2 alpha v0
+  if (gap.last <= j) {
+    reflect_range(h, j + 1, n);
+  } else {
+    reflect_range(h, j + 1, gap.first);
+    reflect_range(h, gap.last, n);
   }
   r[j] = alpha;
 }
@@ -88,19 +177,20 @@ inline void reflect_column(S* r, S* block, int m, int stride, int j, int n, S* w
 /// columns [pivots, n) hold what remains). `gap`: columns that are zero in R and in the block, so far. `work` holds n
 /// entries. The block is destroyed.
 template <class S>
-void fold_rows(PackedTriangle<S>& R, S* block, int m, int stride, int first, int pivots, S* work, ColumnGap gap = {}) {
+void fold_rows(PackedTriangle<S>& R, S* block, int m, int stride, int first, int pivots, S*, ColumnGap gap = {}) {
   for (int j = first; j < pivots; ++j) {
     if (j == gap.first && gap.last > j) j = gap.last;
-    if (j < pivots) reflect_column(R.row(j), block, m, stride, j, R.columns(), work, gap);
+    if (j < pivots) reflect_column(R.row(j), block, m, stride, j, R.columns(), gap);
   }
 }
 
 /// Clears the `columns` leading columns of a dense block in place (m rows of width n, row-major). Afterwards rows
 /// [0, columns) hold the triangle of those columns, and rows [columns, m) are free of them (read from column `columns` on).
+/// `gap`: columns that are zero in every row.
 template <class S>
-void reflect_leading_columns(S* block, int m, int stride, int n, int columns, S* work) {
+void reflect_leading_columns(S* block, int m, int stride, int n, int columns, S*, ColumnGap gap = {}) {
   for (int j = 0; j < columns && j < m; ++j) {
-    reflect_column(block + j * stride, block + (j + 1) * stride, m - j - 1, stride, j, n, work);
+    reflect_column(block + j * stride, block + (j + 1) * stride, m - j - 1, stride, j, n, gap);
   }
 }
 

@@ -117,14 +117,19 @@ template <class S>
 void SegmentEliminator<S>::fold_landmarks(const Segment<S>& segment, const Calibration<S>& theta,
                                           const MeasurementModel<S>& model, S damping) {
   const S landmark_damping = damping / kTypicalLandmarkStep<S>;
-  for (int j = 0; j < segment.n_landmarks; ++j) {
-    LandmarkFit<S> fit = landmark_.build(segment, j, theta, model, layout(), landmark_damping);
-    if (fit.used < 2) continue;
-    landmark_.eliminate(&fit, model, work_);
-    reduced_.fold_visual(landmark_.rest(), fit.rows - kLandmarkColumns, landmark_.stride(), layout().pose(fit.first_keyframe));
-    counts_.image_points += fit.used;
-    ++counts_.landmarks;
-    prior_share_ += fit.prior_share;
+  // Those that end first go first: the triangle fills up to the last keyframe seen so far, and no further.
+  for (int last = 0; last < segment.n_keyframes; ++last) {
+    for (int j = 0; j < segment.n_landmarks; ++j) {
+      if (segment.last_keyframe(j) != last) continue;
+      LandmarkFit<S> fit = landmark_.build(segment, j, theta, model, layout(), landmark_damping);
+      if (fit.used < 2) continue;
+      landmark_.eliminate(&fit, model, work_);
+      reduced_.fold_visual(landmark_.rest(), fit.rows - kLandmarkColumns, landmark_.stride(), fit.first_keyframe,
+                           fit.last_keyframe);
+      counts_.image_points += fit.used;
+      ++counts_.landmarks;
+      prior_share_ += fit.prior_share;
+    }
   }
 }
 

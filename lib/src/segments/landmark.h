@@ -67,21 +67,19 @@ bool reprojection_residual(const CameraCalibration<S>& camera, const Mat3<S>& R_
   return true;
 }
 
-/// Residual at (R_GI, p_GI); Jacobians at (R_j, p_j), which differ from them only in a filter that keeps first estimates.
+/// Predicted pixel and its Jacobians at (R_GI, p_GI).
 template <class S>
-bool reprojection_rows(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI, const Mat3<S>& R_j,
-                       const Vec3<S>& p_j, const Landmark<S>& l, const Vec2<S>& uv, ReprojectionRows<S>* rows) {
-  if (!reprojection_residual(camera, R_GI, p_GI, l, uv, &rows->r)) return false;
-  const Vec3<S> from_I = l.o - p_j;
-  const Vec3<S> h_I = R_j.transpose() * (l.m + l.rho * from_I);
+bool reprojection_jacobians(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI,
+                            const Landmark<S>& l, Vec2<S>* predicted, ReprojectionRows<S>* rows) {
+  const Vec3<S> from_I = l.o - p_GI;
+  const Vec3<S> h_I = R_GI.transpose() * (l.m + l.rho * from_I);
   const Vec3<S> rotated = camera.R_CI * h_I;
   const Vec3<S> h = rotated + l.rho * camera.p_CI;
-  Vec2<S> unused;
   Mat<S, 2, 3> J_h;
   Mat<S, 2, kIntrinsicColumns> J_i;
-  if (!project(camera, h, &unused, &J_h, &J_i)) return false;
+  if (!project(camera, h, predicted, &J_h, &J_i)) return false;
   const Mat<S, 2, 3> J_I = J_h * camera.R_CI;              // by h_I
-  const Mat<S, 2, 3> J_G = J_I * R_j.transpose();          // by the bracket in G
+  const Mat<S, 2, 3> J_G = J_I * R_GI.transpose();         // by the bracket in G
   Vec3<S> e1, e2;
   tangent_basis(l.m, &e1, &e2);
   rows->J_l.col(0) = J_G * e1;
@@ -93,6 +91,25 @@ bool reprojection_rows(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, 
   rows->J_camera.template middleCols<3>(3) = l.rho * J_h;
   rows->J_camera.template rightCols<kIntrinsicColumns>() = J_i;
   return true;
+}
+
+/// Residual and Jacobians at the same pose.
+template <class S>
+bool reprojection_rows(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI, const Landmark<S>& l,
+                       const Vec2<S>& uv, ReprojectionRows<S>* rows) {
+  Vec2<S> predicted;
+  if (!reprojection_jacobians(camera, R_GI, p_GI, l, &predicted, rows)) return false;
+  rows->r = predicted - uv;
+  return true;
+}
+
+/// Residual at (R_GI, p_GI); Jacobians at (R_j, p_j), which differ from them only in a filter that keeps first estimates.
+template <class S>
+bool reprojection_rows(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI, const Mat3<S>& R_j,
+                       const Vec3<S>& p_j, const Landmark<S>& l, const Vec2<S>& uv, ReprojectionRows<S>* rows) {
+  if (!reprojection_residual(camera, R_GI, p_GI, l, uv, &rows->r)) return false;
+  Vec2<S> unused;
+  return reprojection_jacobians(camera, R_j, p_j, l, &unused, rows);
 }
 
 }  // namespace SEGCAL_NS

@@ -1,8 +1,9 @@
 // One landmark's rows, eliminated alone: three reflections clear its columns, and what is left (the left null space)
 // has pose and camera columns only (DESIGN, section 4, step 1; Mourikis and Roumeliotis 2007, Sec. III-D).
 //
-// Columns of the block: [landmark 3 | the reduced system's], right-hand side -r. Rows: one for the prior on the inverse
-// depth, three for damping if there is any, two per image point.
+// Columns of the block: 3 free ones, then the reduced system's, right-hand side -r. The landmark's own columns stand right
+// before the first pose that sees it, so that the columns before need neither be cleared nor reflected.
+// Rows: one for the prior on the inverse depth, three for damping if there is any, two per image point.
 #pragma once
 
 #include "segments/reduced_system.h"
@@ -18,7 +19,7 @@ template <class S>
 struct LandmarkFit {
   int rows = 0;              ///< in the block
   int used = 0;              ///< image points with weight
-  int first_keyframe = 0;
+  int first_keyframe = 0, last_keyframe = 0;  ///< of the image points, with weight or not
   S prior_share = S(0);      ///< part of the inverse depth's information that is prior: counts towards dof
   S robust_cost = S(0);
 };
@@ -40,10 +41,16 @@ class LandmarkBlock {
 
  private:
   S* row(int i) { return data_ + i * stride_; }
-  const S* row(int i) const { return data_ + i * stride_; }
+  /// The landmark's three columns of a row.
+  S* own(int i) { return row(i) + first_; }
+  const S* own(int i) const { return data_ + i * stride_ + first_; }
+  void clear(int i) {
+    for (int c = first_; c < stride_; ++c) row(i)[c] = S(0);
+  }
   bool add_observation(const Segment<S>& segment, int j, const Observation& o, const Calibration<S>& theta,
                        const MeasurementModel<S>& model, const ReducedLayout& layout, LandmarkFit<S>* fit);
-  int stride_ = 0, rows_ = 0;
+  int stride_ = 0, rows_ = 0, first_ = 0;
+  ColumnGap gap_;  // counted from the landmark's columns
   S data_[kLandmarkBlockRows * kLandmarkBlockWidth];
 };
 
@@ -68,8 +75,8 @@ bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const O
   const int n_camera = theta.camera[o.camera].columns();
   for (int i = 0; i < 2; ++i) {
     S* r = row(rows_ + i);
-    for (int c = 0; c < stride_; ++c) r[c] = S(0);
-    for (int c = 0; c < kLandmarkColumns; ++c) r[c] = scale * rows.J_l(i, c);
+    clear(rows_ + i);
+    for (int c = 0; c < kLandmarkColumns; ++c) own(rows_ + i)[c] = scale * rows.J_l(i, c);
     for (int c = 0; c < 6; ++c) r[pose + c] = scale * rows.J_pose(i, c);
     for (int c = 0; c < n_camera; ++c) r[camera + c] = scale * rows.J_camera(i, c);
     r[stride_ - 1] = -scale * rows.r(i);
@@ -82,19 +89,27 @@ template <class S>
 LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const Calibration<S>& theta,
                                        const MeasurementModel<S>& model, const ReducedLayout& layout, S damping) {
   LandmarkFit<S> fit;
+  const int begin = segment.first_observation[j], end = segment.first_observation[j + 1];
+  fit.first_keyframe = kMaxKeyframes - 1;
+  for (int o = begin; o < end; ++o) {
+    const int k = segment.observation[o].keyframe;
+    if (k < fit.first_keyframe) fit.first_keyframe = k;
+    if (k > fit.last_keyframe) fit.last_keyframe = k;
+  }
   stride_ = kLandmarkColumns + layout.width();
+  first_ = layout.pose(fit.first_keyframe);
+  gap_.first = kLandmarkColumns + layout.pose(fit.last_keyframe + 1) - first_;
+  gap_.last = kLandmarkColumns + layout.cameras() - first_;
   const int priors = damping > S(0) ? 4 : 1;
-  for (int c = 0; c < priors * stride_; ++c) data_[c] = S(0);
-  row(0)[2] = S(1) / model.inverse_depth_sigma;
+  for (int i = 0; i < priors; ++i) clear(i);
+  own(0)[2] = S(1) / model.inverse_depth_sigma;
   row(0)[stride_ - 1] = -segment.states.landmark[j].rho / model.inverse_depth_sigma;
-  for (int i = 1; i < priors; ++i) row(i)[i - 1] = damping;
+  for (int i = 1; i < priors; ++i) own(i)[i - 1] = damping;
   rows_ = priors;
-  fit.first_keyframe = kMaxKeyframes;
-  for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
+  for (int o = begin; o < end; ++o) {
     if (segment.observation[o].rejected) continue;
     if (!add_observation(segment, j, segment.observation[o], theta, model, layout, &fit)) continue;
     ++fit.used;
-    if (segment.observation[o].keyframe < fit.first_keyframe) fit.first_keyframe = segment.observation[o].keyframe;
   }
   fit.rows = rows_;
   return fit;
@@ -102,9 +117,8 @@ LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const C
 
 template <class S>
 void LandmarkBlock<S>::eliminate(LandmarkFit<S>* fit, const MeasurementModel<S>& model, S* work) {
-  // Columns of poses before the first one seen are zero, but the three reflections are cheap next to the fold.
-  reflect_leading_columns(data_, rows_, stride_, stride_, kLandmarkColumns, work);
-  const S information = row(2)[2] * row(2)[2];
+  reflect_leading_columns(data_ + first_, rows_, stride_, stride_ - first_, kLandmarkColumns, work, gap_);
+  const S information = own(2)[2] * own(2)[2];
   const S prior = S(1) / (model.inverse_depth_sigma * model.inverse_depth_sigma);
   fit->prior_share = information > S(0) && prior < information ? prior / information : S(1);
 }
@@ -112,9 +126,9 @@ void LandmarkBlock<S>::eliminate(LandmarkFit<S>* fit, const MeasurementModel<S>&
 template <class S>
 void LandmarkBlock<S>::solve(const S* step, S* landmark_step) const {
   for (int i = kLandmarkColumns - 1; i >= 0; --i) {
-    const S* r = row(i);
-    S sum = r[stride_ - 1];
-    for (int c = kLandmarkColumns; c < stride_ - 1; ++c) sum -= r[c] * step[c - kLandmarkColumns];
+    const S* r = own(i);
+    S sum = r[stride_ - 1 - first_];
+    for (int c = kLandmarkColumns; c < stride_ - 1 - first_; ++c) sum -= r[c] * step[first_ + c - kLandmarkColumns];
     for (int c = i + 1; c < kLandmarkColumns; ++c) sum -= r[c] * landmark_step[c];
     landmark_step[i] = r[i] == S(0) ? S(0) : sum / r[i];
   }

@@ -35,16 +35,19 @@ class ReducedSystem {
  public:
   void begin(const ReducedLayout& layout) {
     layout_ = layout;
+    seen_poses_ = 0;
     R().clear();
   }
   const ReducedLayout& layout() const { return layout_; }
   PackedTriangle<S> R() { return PackedTriangle<S>(data_, layout_.width()); }
 
-  /// Folds landmark rows: they touch poses and cameras only, and so do all rows folded before.
-  void fold_visual(S* rows, int m, int stride, int first_pose) {
+  /// Folds landmark rows: they touch the poses of keyframes first to last and cameras only, and the rows folded before
+  /// touch no later poses than the latest so far. Cheap, if the landmarks that end early come first.
+  void fold_visual(S* rows, int m, int stride, int first_keyframe, int last_keyframe) {
     PackedTriangle<S> triangle = R();
-    const ColumnGap gap{layout_.last() + kPoseColumns, layout_.cameras()};
-    fold_rows(triangle, rows, m, stride, first_pose, layout_.width(), work_, gap);
+    if (layout_.pose(last_keyframe + 1) > seen_poses_) seen_poses_ = layout_.pose(last_keyframe + 1);
+    const ColumnGap gap{seen_poses_, layout_.cameras()};
+    fold_rows(triangle, rows, m, stride, layout_.pose(first_keyframe), layout_.width(), work_, gap);
   }
 
   /// Theta's part of row i (theta() + i), in theta's own order [cameras | IMU], with the right-hand side last.
@@ -95,6 +98,7 @@ class ReducedSystem {
     for (int c = 0; c < layout_.width(); ++c) row_[c] = S(0);
   }
   ReducedLayout layout_;
+  int seen_poses_ = 0;  // columns of poses that landmark rows have touched, all those before the latest included
   S data_[packed_size(kReducedColumns)];
   S row_[kReducedColumns];
   S work_[kReducedColumns];

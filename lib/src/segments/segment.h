@@ -67,6 +67,15 @@ struct Segment {
   SegmentInformation<S> information;
   Metrics<S> metrics;
 
+  /// Keyframe of landmark j's last image point; -1 without any.
+  int last_keyframe(int j) const {
+    int last = -1;
+    for (int o = first_observation[j]; o < first_observation[j + 1]; ++o) {
+      if (observation[o].keyframe > last) last = observation[o].keyframe;
+    }
+    return last;
+  }
+
   /// Integrates link k: keyframe k - 1 (or the previous segment's last one, k = 0) to keyframe k.
   ImuIntegral<S> integrate(int k, const ImuCalibration<S>& imu_calibration, const Vec3<S>& b_a, const Vec3<S>& b_g,
                            const ImuNoise<S>& noise) const {

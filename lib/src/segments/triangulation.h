@@ -37,38 +37,68 @@ bool start_landmark(const Segment<S>& segment, int j, const Calibration<S>& thet
   return true;
 }
 
-/// Robust cost of landmark l and, optionally, its normal equations' triangle [3 | rhs] by QR.
+/// Rows [3 | rhs] on their way into a triangle: folded many at a time, since a reflection has a fixed price.
+template <class S>
+class LandmarkRows {
+ public:
+  explicit LandmarkRows(S* triangle) : R_(triangle, 4) { R_.clear(); }
+  S* next() {
+    if (rows_ == kRows) fold();
+    return block_ + 4 * rows_++;
+  }
+  void fold() {
+    fold_rows(R_, block_, rows_, 4, 0, 4, work_);
+    rows_ = 0;
+  }
+
+ private:
+  static constexpr int kRows = 24;
+  PackedTriangle<S> R_;
+  int rows_ = 0;
+  S block_[4 * kRows], work_[4];
+};
+
+/// Robust cost of landmark l, and its normal equations' triangle [3 | rhs] by QR.
 template <class S>
 S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                 const Landmark<S>& l, S* triangle) {
   const S inverse_sigma = S(1) / model.pixel_sigma;
   const S prior = l.rho / model.inverse_depth_sigma;
   S cost = prior * prior;
-  PackedTriangle<S> R(triangle, 4);
-  S block[2 * 4], work[4];
-  if (triangle) {
-    R.clear();
-    S row[4] = {S(0), S(0), S(1) / model.inverse_depth_sigma, -prior};
-    fold_rows(R, row, 1, 4, 2, 4, work);
-  }
+  LandmarkRows<S> rows(triangle);
+  S* row = rows.next();
+  row[0] = row[1] = S(0);
+  row[2] = S(1) / model.inverse_depth_sigma;
+  row[3] = -prior;
+  Vec3<S> e1, e2;
+  tangent_basis(l.m, &e1, &e2);
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
     if (z.rejected) continue;
+    const CameraCalibration<S>& camera = theta.camera[z.camera];
     const State<S>& x = segment.states.x[z.keyframe];
-    ReprojectionRows<S> rows;
-    const Vec2<S> uv(S(z.u), S(z.v));
-    const bool seen = triangle ? reprojection_rows(theta.camera[z.camera], x.R_GI, x.p_GI, x.R_GI, x.p_GI, l, uv, &rows)
-                               : reprojection_residual(theta.camera[z.camera], x.R_GI, x.p_GI, l, uv, &rows.r);
-    const RobustTerm<S> robust = robust_term(model, seen ? rows.r.squaredNorm() * inverse_sigma * inverse_sigma : S(1e4));
+    // h = R_CG m + rho t moves by R_CG e1, R_CG e2 and t.
+    const Vec3<S> t_I = x.R_GI.transpose() * (l.o - x.p_GI);
+    const Vec3<S> t = camera.R_CI * t_I + camera.p_CI;
+    const Mat3<S> R_CG = camera.R_CI * x.R_GI.transpose();
+    Vec2<S> predicted;
+    Mat<S, 2, 3> J_h;
+    const bool seen = project<S>(camera, R_CG * l.m + l.rho * t, &predicted, &J_h);
+    const Vec2<S> r = seen ? Vec2<S>(predicted - Vec2<S>(S(z.u), S(z.v))) : Vec2<S>::Zero();
+    const RobustTerm<S> robust = robust_term(model, seen ? r.squaredNorm() * inverse_sigma * inverse_sigma : S(1e4));
     cost += robust.cost;
-    if (!seen || !triangle) continue;
+    if (!seen) continue;
     const S scale = square_root(robust.weight) * inverse_sigma;
+    const Vec3<S> a1 = R_CG * e1, a2 = R_CG * e2;
     for (int i = 0; i < 2; ++i) {
-      for (int c = 0; c < 3; ++c) block[4 * i + c] = scale * rows.J_l(i, c);
-      block[4 * i + 3] = -scale * rows.r(i);
+      row = rows.next();
+      row[0] = scale * J_h.row(i).dot(a1);
+      row[1] = scale * J_h.row(i).dot(a2);
+      row[2] = scale * J_h.row(i).dot(t);
+      row[3] = -scale * r(i);
     }
-    fold_rows(R, block, 2, 4, 0, 4, work);
   }
+  rows.fold();
   return cost;
 }
 
@@ -76,11 +106,12 @@ S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, c
 template <class S>
 S refine_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                   int steps, Landmark<S>* l) {
-  S triangle[packed_size(4)];
-  S cost = landmark_cost<S>(segment, j, theta, model, *l, triangle);
+  S triangle[2][packed_size(4)];  // at *l, and at the trial: nearly every trial is taken
+  int at = 0;
+  S cost = landmark_cost<S>(segment, j, theta, model, *l, triangle[at]);
   for (int i = 0; i < steps; ++i) {
     S step[3];
-    const PackedTriangle<S> R(triangle, 4);
+    const PackedTriangle<S> R(triangle[at], 4);
     for (int c = 0; c < 3; ++c) step[c] = R(c, 3);
     back_substitute(R, 3, step);
     Landmark<S> trial;
@@ -88,15 +119,16 @@ S refine_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta,
     for (int half = 0; half < 5; ++half) {
       trial = *l;
       add_step(&trial, step);
-      trial_cost = landmark_cost<S>(segment, j, theta, model, trial, nullptr);
+      trial_cost = landmark_cost<S>(segment, j, theta, model, trial, triangle[1 - at]);
       if (trial_cost < cost) break;
       for (S& s : step) s *= S(0.3);
     }
     if (!(trial_cost < cost)) break;
     const bool settled = cost - trial_cost < S(1e-3) * cost;
     *l = trial;
-    if (settled || i + 1 == steps) return trial_cost;
-    cost = landmark_cost<S>(segment, j, theta, model, *l, triangle);
+    cost = trial_cost;
+    at = 1 - at;
+    if (settled) break;
   }
   return cost;
 }

@@ -146,7 +146,7 @@ class VelocityBiasChain {
   }
   /// Nine reflections against the rows of the current keyframe's velocity and biases.
   void eliminate_current(int m, int n) {
-    for (int j = 0; j < kVelocityBiasColumns; ++j) reflect_column(now_ + j * kWidth, block_, m, kWidth, j, n, work_);
+    for (int j = 0; j < kVelocityBiasColumns; ++j) reflect_column(now_ + j * kWidth, block_, m, kWidth, j, n);
   }
   void fold_into_current(int m, ReducedSystem<S>* rest) {
     substitute(m, rest->layout());
