@@ -6,6 +6,8 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "simulate/device.h"
 #include "simulate/scenarios.h"
@@ -151,6 +153,39 @@ void scenarios_move_as_the_paper_describes() {
   }
 }
 
+/// Mean rate of rotation in each stretch of 4 s, deg/s, and the share of time at rest.
+struct Rotation {
+  std::vector<double> by_stretch;
+  double rest = 0;
+};
+
+Rotation rotation_of(const std::string& scenario, std::uint64_t seed) {
+  const auto trajectory = host::sim::make_trajectory(scenario, 120, seed);
+  Rotation out;
+  out.by_stretch.resize(30);
+  for (std::size_t k = 0; k < 2400; ++k) {
+    const auto state = trajectory.at(0.05 * static_cast<double>(k));
+    const double rate = state.w_GI.norm() * 57.29578;
+    out.by_stretch[k / 80] += rate / 80;
+    out.rest += state.v_GI.norm() < 0.02 && rate < 2 ? 1.0 / 2400 : 0;
+  }
+  std::sort(out.by_stretch.begin(), out.by_stretch.end());
+  return out;
+}
+
+/// "Mostly fast rotations ... and stationary phases" against "only slow rotations", at nearly the same mean rate.
+void arvr_turns_in_bursts_and_rests_between() {
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    const Rotation arvr = rotation_of("arvr", seed), nav = rotation_of("nav", seed);
+    const std::string id = "seed " + std::to_string(seed);
+    TEST_ASSERT_TRUE_MESSAGE(arvr.rest > 0.1 && arvr.rest < 0.4, id.c_str());
+    // One stretch in ten is turned through at more than twice the mean, which nav never does.
+    TEST_ASSERT_TRUE_MESSAGE(arvr.by_stretch[27] > 40, id.c_str());
+    TEST_ASSERT_TRUE_MESSAGE(nav.by_stretch[27] < 40, id.c_str());
+    TEST_ASSERT_TRUE_MESSAGE(arvr.by_stretch[3] < 8, id.c_str());
+  }
+}
+
 struct LateCamera : host::sim::Effect {
   double exposure_time(const host::CameraCalibration&, double t_stamp, double) const override { return t_stamp + 0.02; }
 };
@@ -204,6 +239,7 @@ int main() {
   RUN_TEST(the_same_seed_gives_the_same_session_and_device_seed_the_device);
   RUN_TEST(stamps_enclose_the_frames_and_do_not_coincide_with_them);
   RUN_TEST(scenarios_move_as_the_paper_describes);
+  RUN_TEST(arvr_turns_in_bursts_and_rests_between);
   RUN_TEST(an_effect_reaches_the_tracks);
   RUN_TEST(bad_options_are_refused);
   return UNITY_END();
