@@ -59,10 +59,13 @@ bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const O
                                        const MeasurementModel<S>& model, const ReducedLayout& layout, LandmarkFit<S>* fit) {
   const State<S>& x = segment.states.x[o.keyframe];
   const Landmark<S>& l = segment.states.landmark[j];
-  const Observation& first = segment.observation[segment.first_observation[j]];
-  const Vec3<S>& p_j = segment.turned_only ? segment.states.x[first.keyframe].p_GI : x.p_GI;
+  const CameraCalibration<S>& device_camera = theta.camera[o.camera];
+  const Vec2<S> uv(S(o.u), S(o.v));
+  const Vec3<S>& p_first = segment.states.x[segment.observation[segment.first_observation[j]].keyframe].p_GI;
   ReprojectionRows<S> rows;
-  if (!reprojection_rows(theta.camera[o.camera], x.R_GI, x.p_GI, x.R_GI, p_j, l, Vec2<S>(S(o.u), S(o.v)), &rows)) {
+  const bool seen = segment.turned_only ? reprojection_rows(device_camera, x.R_GI, x.p_GI, x.R_GI, p_first, l, uv, &rows)
+                                        : reprojection_rows(device_camera, x.R_GI, x.p_GI, l, uv, &rows);
+  if (!seen) {
     fit->robust_cost += model.huber * model.huber;
     return false;
   }
