@@ -3,74 +3,17 @@
 // While the IMU is quiet and the image does not move, the newest pose simply stays the newest pose: the window keeps
 // its baseline, and the inertial link from the pose to itself tells biases and gravity. Image motion is measured
 // against the frame in which the pose was last added, so a slow drift adds up and ends the standstill.
+//
+// A thing on its legs may also rock: it has been put down, or motors shake it. It turns by some milliradians, and what
+// is near moves in the image, but its place stays. Then poses are added as in motion, with the image's word that they
+// are at the same place: without it the filter, which has no baseline any more, only integrates a shaken accelerometer.
 #pragma once
 
+#include "vio/image_motion.h"
 #include "vio/vio_propagate.h"
 #include "vio/vio_tracks.h"
 
 namespace SEGCAL_NS {
-
-/// Mean and spread of the readings in a stretch of time.
-template <class S>
-struct ReadingSpread {
-  InertialReading<S> mean;
-  S gyro, accel;  ///< standard deviation, of the worst axis
-  int samples;
-};
-
-template <class S>
-ReadingSpread<S> reading_spread(const ImuHistory<S>& imu, std::int64_t t0, std::int64_t t1) {
-  ReadingSpread<S> out;
-  const int first = imu.at_or_before(t0), last = imu.at_or_before(t1);
-  out.samples = last - first + 1;
-  Vec3<S> gyro = Vec3<S>::Zero(), accel = Vec3<S>::Zero(), gyro2 = gyro, accel2 = accel;
-  for (int i = first; i <= last; ++i) {
-    gyro += imu.reading(i).gyro;
-    accel += imu.reading(i).accel;
-  }
-  out.mean = {gyro / S(out.samples), accel / S(out.samples)};
-  for (int i = first; i <= last; ++i) {
-    gyro2 += (imu.reading(i).gyro - out.mean.gyro).cwiseAbs2();
-    accel2 += (imu.reading(i).accel - out.mean.accel).cwiseAbs2();
-  }
-  out.gyro = square_root(gyro2.maxCoeff() / S(out.samples));
-  out.accel = square_root(accel2.maxCoeff() / S(out.samples));
-  return out;
-}
-
-/// Common motion of image points between two frames: shift, and growth and roll about their centre. Averaged over the
-/// tracks, so that the tracker's noise does not look like motion and a slow motion does not hide in it.
-template <class S>
-class ImageMotion {
- public:
-  void add(const Vec2<S>& from, const Vec2<S>& to) {
-    const Vec2<S> d = to - from;
-    ++seen_;
-    if (!(d.squaredNorm() < S(9))) return;  // 3 px: a mismatch, or no standstill
-    ++close_;
-    shift_ += d;
-    place_ += from;
-    along_ += d.dot(from);
-    across_ += from.x() * d.y() - from.y() * d.x();
-    square_ += from.squaredNorm();
-  }
-
-  /// Less than `limit` px for a point at the usual distance from the centre; needs 8 tracks, most of them close.
-  bool none(S limit) const {
-    if (seen_ < 8 || S(close_) < S(0.7) * S(seen_)) return false;
-    const S n = S(close_);
-    const Vec2<S> d = shift_ / n, c = place_ / n;
-    const S spread = square_ / n - c.squaredNorm();
-    const S growth = along_ / n - d.dot(c), roll = across_ / n - (c.x() * d.y() - c.y() * d.x());
-    const S limit2 = limit * limit;
-    return d.squaredNorm() < limit2 && growth * growth < limit2 * spread && roll * roll < limit2 * spread;
-  }
-
- private:
-  int seen_ = 0, close_ = 0;
-  Vec2<S> shift_ = Vec2<S>::Zero(), place_ = Vec2<S>::Zero();
-  S along_ = S(0), across_ = S(0), square_ = S(0);
-};
 
 /// The test with what it looks at.
 template <class S>
@@ -112,6 +55,32 @@ struct StillTest {
     return window.n_poses >= 5 && image_stays(window.pose[window.n_poses - 5], points, n);
   }
 
+  /// Once the turning (R_GI: the present attitude) is taken out, is the image that of a pose at the same place?
+  bool same_place(const WindowPose<S>& pose, const Mat3<S>& R_GI, S nearness, const TrackPoint<S>* points, int n) const {
+    const Mat3<S> R_turn = R_GI.transpose() * pose.R_GI;
+    ImageMotion<S> motion;
+    Vec2<S> expected;
+    for (int i = 0; i < n; ++i) {
+      const VioTrack<S>* track = tracks.find(points[i].id, points[i].camera);
+      if (!track || !track->in(pose.slot)) continue;
+      const CameraCalibration<S>& camera = window.theta.camera[points[i].camera];
+      if (turned_point(camera, R_turn, track->uv[pose.slot], &expected)) motion.add(expected, points[i].uv);
+    }
+    const S focal = window.theta.camera[0].intrinsics(0);
+    const S share = options.still_metres * nearness, most = S(1.5) / focal;
+    return motion.no_translation(share < most ? share : most, focal);
+  }
+
+  /// The pose of the window whose place the device has not left, or -1. Three frames back tell slow motion from none;
+  /// the farther back the better: `frames` is how long it has been so.
+  int place_kept(const Mat3<S>& R_GI, S nearness, int frames, const TrackPoint<S>* points, int n) const {
+    const int recent = window.n_poses - 3, oldest = recent - frames;
+    if (recent < 0 || !(window.now.v_GI.squaredNorm() < S(0.04))) return -1;
+    if (!same_place(window.pose[recent], R_GI, nearness, points, n)) return -1;
+    if (frames > 0 && oldest >= 0 && same_place(window.pose[oldest], R_GI, nearness, points, n)) return oldest;
+    return recent;
+  }
+
   /// Rest beyond doubt, whatever the filter believes: the IMU is quiet and the image has stayed for half a second.
   bool rests(std::int64_t t1, const TrackPoint<S>* points, int n) const {
     return shaking(t1) < S(1) && window.n_poses >= 5 && image_stays(window.newest(), points, n) &&
@@ -133,6 +102,22 @@ void fold_zero(Window<S>* w, int column, const Vec3<S>& value, S sigma) {
   w->clear_block(3);
   zero_rows(w->block, column, w->columns(), value, sigma);
   fold_block(w, w->block, 3, column);
+}
+
+/// The newest pose is where pose `reference` is, as far as the image can tell. False, and nothing changed, if the filter
+/// does not believe it.
+template <class S>
+bool hold_place(Window<S>* w, int reference, S sigma) {
+  const int newest = w->n_poses - 1, first = pose_column(reference);
+  w->clear_block(3);
+  zero_rows(w->block, pose_column(newest) + 3, w->columns(), Vec3<S>(w->now.p_GI - w->pose[reference].p_GI), sigma);
+  for (int i = 0; i < 3; ++i) w->block[i * kBlockStride + first + 3 + i] = S(-1) / sigma;
+  if (!(fold_block(w, w->block, 3, first) < chi_square_gate<S>(3))) {
+    unfold_block(w, w->block, 3, first);
+    return false;
+  }
+  apply_update(w);
+  return true;
 }
 
 /// Mahalanobis distance of a standstill link (whitened, in w->link) with zero velocity after it: the new motion is
@@ -170,9 +155,7 @@ S still_distance(Window<S>* w, S sigma_v) {
 /// two frames is added to the link's noise, more if it shakes. False, and nothing changed, if the filter does not
 /// believe it.
 template <class S>
-bool propagate_still(Window<S>* w, const VioOptions<S>& options, const ImuHistory<S>& imu, std::int64_t t0,
-                     std::int64_t t1, S shaking) {
-  ImuIntegral<S> I = integral_between(*w, options, imu, w->now, t0, t1);
+bool propagate_still(Window<S>* w, const VioOptions<S>& options, ImuIntegral<S> I, S shaking) {
   const S more = shaking < S(1) ? S(1) : S(2) * shaking;
   for (int i = 0; i < 3; ++i) {
     I.P(i, i) += more * more * S(2.5e-7);          // 0.5 mrad

@@ -63,7 +63,7 @@ class Vio {
   void forget();
   void make_room();
   bool healthy() const;
-  void move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
+  void move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuIntegral<S>& I, int place);
 
   VioOptions<S> options_;
   Window<S> window_;
@@ -74,6 +74,7 @@ class Vio {
   VioStatistics statistics_;
   std::int64_t time_, last_update_;
   std::int32_t denied_rest_;  ///< frames in a row at rest beyond doubt that the filter takes for motion
+  std::int32_t place_kept_;   ///< frames in a row that rocked in place, as far as the window reaches
   bool running_, still_;
 };
 
@@ -91,7 +92,7 @@ void Vio<S>::reset(const Calibration<S>& theta, const VioOptions<S>& options) {
 template <class S>
 void Vio<S>::forget() {
   running_ = still_ = false;
-  denied_rest_ = 0;
+  denied_rest_ = place_kept_ = 0;
   window_.clear();
   tracks_.clear(window_.theta.n_cameras);
 }
@@ -148,7 +149,8 @@ template <class S>
 VioStatus Vio<S>::track(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
   const StillTest<S> test{options_, window_, tracks_, imu};
   still_ = test.still(t_ns, still_, points, n);
-  if (still_) still_ = propagate_still(&window_, options_, imu, time_, t_ns, test.shaking(t_ns));
+  const ImuIntegral<S> I = integral_between(window_, options_, imu, window_.now, time_, t_ns);
+  if (still_) still_ = propagate_still(&window_, options_, I, test.shaking(t_ns));
   if (still_) {
     ++statistics_.standstill_frames;
     last_update_ = t_ns;
@@ -157,17 +159,22 @@ VioStatus Vio<S>::track(std::int64_t t_ns, const TrackPoint<S>* points, int n, c
     use_ended_tracks(&window_, &tracks_, options_, &monitor_, &statistics_);
   } else {
     denied_rest_ = test.rests(t_ns, points, n) ? denied_rest_ + 1 : 0;
-    move_on(t_ns, points, n, imu);
+    const Mat3<S> R_GI = window_.now.R_GI * I.dR;
+    move_on(t_ns, points, n, I, test.place_kept(R_GI, monitor_.nearness, place_kept_, points, n));
   }
   time_ = t_ns;
   window_.newest().time = t_ns;
   return healthy() ? VioStatus::tracking : give_up();
 }
 
-/// A new pose enters the window, features are used, the oldest pose leaves.
+/// A new pose enters the window, features are used, the oldest pose leaves. `place`: the pose whose place it has not
+/// left, or -1.
 template <class S>
-void Vio<S>::move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
-  const int slot = propagate(&window_, options_, imu, time_, t_ns);
+void Vio<S>::move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuIntegral<S>& I, int place) {
+  const int slot = propagate(&window_, options_, I, t_ns);
+  const bool held = place >= 0 && hold_place(&window_, place, options_.still_metres);
+  monitor_.rho_sigma = held ? kHeldDistanceSigma<S> : kInverseDistanceSigma<S>;
+  place_kept_ = held ? window_.n_poses - 3 - place : 0;
   statistics_.dropped_points += tracks_.observe(slot, points, n);
   const bool full = window_.n_poses == kWindow;
   const int used = full ? use_leaving_tracks(&window_, &tracks_, options_, &monitor_, &statistics_)

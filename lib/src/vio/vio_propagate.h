@@ -2,6 +2,7 @@
 // at the far end of the window the oldest pose leaves.
 #pragma once
 
+#include "vio/readings.h"
 #include "vio/vio_window.h"
 
 namespace SEGCAL_NS {
@@ -16,11 +17,11 @@ State<S> predicted(const ImuIntegral<S>& I, const State<S>& x0, const Vec3<S>& g
   return x1;
 }
 
-/// Integrates [t0, t1] of the history at the biases of `x0`.
+/// Integrates [t0, t1] of the history at the biases of `x0`, with the noise that the readings show.
 template <class S>
 ImuIntegral<S> integral_between(const Window<S>& w, const VioOptions<S>& options, const ImuHistory<S>& imu,
                                 const State<S>& x0, std::int64_t t0, std::int64_t t1) {
-  ImuIntegrator<S> integrator(w.theta.imu, x0.b_a, x0.b_g, options.noise);
+  ImuIntegrator<S> integrator(w.theta.imu, x0.b_a, x0.b_g, noise_in(imu, options.noise, t0, t1));
   imu.integrate(t0, t1, &integrator);
   return integrator.result();
 }
@@ -82,10 +83,9 @@ bool linearise_link(Window<S>* w, const VioOptions<S>& options, const ImuIntegra
   return whiten(I, options.noise, &w->link);
 }
 
-/// Appends the state at t1, predicted from the newest one at t0. Returns the new pose's slot.
+/// Appends the state at t1, predicted from the newest one by the integral up to there. Returns the new pose's slot.
 template <class S>
-int propagate(Window<S>* w, const VioOptions<S>& options, const ImuHistory<S>& imu, std::int64_t t0, std::int64_t t1) {
-  const ImuIntegral<S> I = integral_between(*w, options, imu, w->now, t0, t1);
+int propagate(Window<S>* w, const VioOptions<S>& options, const ImuIntegral<S>& I, std::int64_t t1) {
   const State<S> x1 = predicted(I, w->now, options.g);
   if (!linearise_link(w, options, I, x1, x1)) return w->newest().slot;
   w->link.r.setZero();  // the prediction is exact; only rounding would remain

@@ -61,15 +61,19 @@ bool guess_landmark(const Window<S>& w, const TrackView<S>& view, Landmark<S>* l
 
 /// Landmarks are taken to be some metres away, or anywhere beyond: inverse distance 0 with this sigma, 1/m. It hardly
 /// touches a landmark with parallax; without parallax it keeps the noise of the points from becoming a near landmark,
-/// which would then seem to tell about the camera's translation.
+/// which would then seem to tell about the camera's translation. But hundreds of near landmarks that all want to be
+/// farther away stretch the path, by millimetres at half a metre: where the place is known anyway (standstill.h), the
+/// second sigma is taken.
 template <class S>
 constexpr S kInverseDistanceSigma = S(5);
+template <class S>
+constexpr S kHeldDistanceSigma = S(50);
 
 /// One normal step of the landmark alone: rows [J_l 3 | -r] reduced by reflections in `rows` (2 n + 1 x 4).
 /// `cost` is the sum of squares before the step.
 template <class S>
-bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<S>& l, S pixel_sigma, S* rows,
-                   S* work, S* step, S* pivot_rho, S* cost) {
+bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<S>& l, S rho_sigma, S pixel_sigma,
+                   S* rows, S* work, S* step, S* pivot_rho, S* cost) {
   const CameraCalibration<S>& camera = w.theta.camera[view.track->camera];
   *cost = S(0);
   for (int i = 0; i < view.n; ++i) {
@@ -82,7 +86,7 @@ bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<
     }
     *cost += row.r.squaredNorm();
   }
-  const S prior = pixel_sigma / kInverseDistanceSigma<S>;
+  const S prior = pixel_sigma / rho_sigma;
   S* last = rows + 8 * view.n;
   last[0] = last[1] = S(0);
   last[2] = prior;
@@ -100,14 +104,15 @@ bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<
 }
 
 /// Fits the landmark to its observations at the window's estimates. `scratch` holds 8 kWindow + 8 entries.
-/// False: no convergence, behind a camera, closer than 5 cm.
+/// False: no convergence, behind a camera, closer than 5 cm. Optional: the inverse distance's sigma, poses exact; 1/m.
 template <class S>
-bool triangulate(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l) {
+bool triangulate(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l,
+                 S rho_sigma = kInverseDistanceSigma<S>, S* sigma_rho = nullptr) {
   if (!guess_landmark(w, view, l)) return false;
   S* work = scratch + 8 * kWindow + 4;
   S step[3], pivot, cost = S(0), last = S(-1);
   for (int iteration = 0; iteration < 6; ++iteration) {
-    if (!landmark_step(w, view, *l, pixel_sigma, scratch, work, step, &pivot, &cost)) return false;
+    if (!landmark_step(w, view, *l, rho_sigma, pixel_sigma, scratch, work, step, &pivot, &cost)) return false;
     const S limit = S(0.5) * (absolute(l->rho) + S(0.2));
     if (step[2] > limit) step[2] = limit;
     if (step[2] < -limit) step[2] = -limit;
@@ -115,6 +120,7 @@ bool triangulate(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S*
     if (last >= S(0) && absolute(last - cost) < S(1e-3) * pixel_sigma * pixel_sigma) break;
     last = cost;
   }
+  if (sigma_rho) *sigma_rho = pixel_sigma / (pivot > S(1e-6) ? pivot : S(1e-6));
   // Slightly negative is noise about infinity; clearly negative is behind the camera.
   return is_finite(l->rho) && l->rho * pivot > S(-4) * pixel_sigma && l->rho < S(20);
 }

@@ -29,6 +29,7 @@ struct VioOptions {
   S sigma_b_g = S(0.1);            ///< rad/s
   S still_velocity_sigma = S(0.005);  ///< m/s; what "stands still" may hide
   S still_pixels = S(0.4);         ///< px; common motion of the tracks below which the camera may stand still
+  S still_metres = S(0.0025);      ///< m; what a thing that rocks in place may move, and its sigma
   S still_accel = S(0.1);          ///< m/s^2; standard deviation of the accelerometer at rest, at most
   S still_gyro = S(0.012);         ///< rad/s; the same for the gyroscope
   S max_speed = S(10);             ///< m/s; faster: the filter has diverged

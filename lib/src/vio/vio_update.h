@@ -20,6 +20,8 @@ constexpr S kLargestScale = S(3);
 template <class S>
 struct ResidualMonitor {
   S scale = S(1);       ///< factor on pixel_sigma, 1..4
+  S rho_sigma = kInverseDistanceSigma<S>;  ///< 1/m; prior of the inverse distances
+  S nearness = S(0.3);  ///< 1/m; running mean of the features' inverse distance
   S refused_share = S(0);  ///< running share of features that the gate refused or that no point in space explains
 
   /// `ratio`: Mahalanobis distance by degrees of freedom, at the present scale.
@@ -31,6 +33,10 @@ struct ResidualMonitor {
     if (square > S(16)) square = S(16);
     scale = square_root(square);
   }
+  /// Only where parallax tells it, near or far.
+  void note_distance(S rho, S sigma_rho) {
+    if (sigma_rho < S(0.15)) nearness += S(0.02) * ((rho > S(0) ? rho : S(0)) - nearness);
+  }
   void note_refused(bool refused) { refused_share += S(0.02) * ((refused ? S(1) : S(0)) - refused_share); }
   bool failing() const { return refused_share > kMostRefused<S> || scale > kLargestScale<S>; }
 };
@@ -38,7 +44,7 @@ struct ResidualMonitor {
 /// Writes the rows of one feature into the block: the landmark's three columns just before the first pose's.
 /// Returns the number of rows, 0 where a point has no image.
 template <class S>
-int feature_rows(Window<S>* w, const TrackView<S>& view, const Landmark<S>& l, S pixel_sigma,
+int feature_rows(Window<S>* w, const TrackView<S>& view, const Landmark<S>& l, S rho_sigma, S pixel_sigma,
                  int camera_columns) {
   const int camera_index = view.track->camera, n = w->columns();
   const CameraCalibration<S>& camera = w->theta.camera[camera_index];
@@ -62,8 +68,8 @@ int feature_rows(Window<S>* w, const TrackView<S>& view, const Landmark<S>& l, S
     }
   }
   S* distance = w->block + 2 * view.n * kBlockStride;
-  distance[landmark + 2] = S(1) / kInverseDistanceSigma<S>;
-  distance[n] = -l.rho / kInverseDistanceSigma<S>;
+  distance[landmark + 2] = S(1) / rho_sigma;
+  distance[n] = -l.rho / rho_sigma;
   return 2 * view.n + 1;
 }
 
@@ -101,14 +107,18 @@ bool use_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& opti
   const S sigma = options.pixel_sigma * monitor->scale;
   const int camera_columns = options.sigma_focal > S(0) ? kMaxCameraColumns : kExtrinsicColumns;
   Landmark<S> l;
+  S sigma_rho = S(1);
   int rows = 0;
-  if (triangulate(*w, view, sigma, w->block, &l)) rows = feature_rows(w, view, l, sigma, camera_columns);
+  if (triangulate(*w, view, sigma, w->block, &l, monitor->rho_sigma, &sigma_rho)) {
+    rows = feature_rows(w, view, l, monitor->rho_sigma, sigma, camera_columns);
+  }
   if (rows == 0) {
     ++statistics->not_triangulated;
     monitor->note_refused(true);
     return false;
   }
   const bool accepted = fold_feature(w, view, rows, monitor);
+  if (accepted) monitor->note_distance(l.rho, sigma_rho);
   ++(accepted ? statistics->updates : statistics->gated);
   return accepted;
 }
