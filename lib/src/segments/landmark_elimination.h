@@ -3,6 +3,8 @@
 //
 // Columns of the block: [landmark 3 | the reduced system's], right-hand side -r. Rows: one for the prior on the inverse
 // depth, three for damping if there is any, two per image point.
+//
+// A tied landmark (calibration/ties.h) stays: its rows are the image points' alone, and stand in the tie's columns.
 #pragma once
 
 #include "segments/reduced_system.h"
@@ -30,10 +32,15 @@ class LandmarkBlock {
   /// of lambda times one over the landmark's typical step.
   LandmarkFit<S> build(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                        const ReducedLayout& layout, S damping);
+  /// The rows of the landmark that is tie t of this segment: image points only, in the tie's columns.
+  LandmarkFit<S> build_tied(const Segment<S>& segment, int t, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                            const ReducedLayout& layout);
   /// The three reflections; afterwards rows [3, rows) are free of the landmark.
   void eliminate(LandmarkFit<S>* fit, const MeasurementModel<S>& model, S* work);
   /// Rows after elimination, beginning at the first pose column.
-  S* rest() { return data_ + kLandmarkColumns * stride_ + kLandmarkColumns; }
+  S* rest() { return tied_rows() + kLandmarkColumns * stride_; }
+  /// All rows of a tied landmark, beginning at the first pose column.
+  S* tied_rows() { return data_ + kLandmarkColumns; }
   int stride() const { return stride_; }
   /// Landmark step for given steps of poses and cameras (`step`, in the reduced layout).
   void solve(const S* step, S* landmark_step) const;
@@ -43,7 +50,10 @@ class LandmarkBlock {
   const S* row(int i) const { return data_ + i * stride_; }
   bool add_observation(const Segment<S>& segment, int j, const Observation& o, const Calibration<S>& theta,
                        const MeasurementModel<S>& model, const ReducedLayout& layout, LandmarkFit<S>* fit);
+  void add_observations(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                        const ReducedLayout& layout, LandmarkFit<S>* fit);
   int stride_ = 0, rows_ = 0;
+  int column_ = 0;   // of the landmark itself
   S data_[kLandmarkBlockRows * kLandmarkBlockWidth];
 };
 
@@ -67,7 +77,7 @@ bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const O
   for (int i = 0; i < 2; ++i) {
     S* r = row(rows_ + i);
     for (int c = 0; c < stride_; ++c) r[c] = S(0);
-    for (int c = 0; c < kLandmarkColumns; ++c) r[c] = scale * rows.J_l(i, c);
+    for (int c = 0; c < kLandmarkColumns; ++c) r[column_ + c] = scale * rows.J_l(i, c);
     for (int c = 0; c < 6; ++c) r[pose + c] = scale * rows.J_pose(i, c);
     for (int c = 0; c < n_camera; ++c) r[camera + c] = scale * rows.J_camera(i, c);
     r[stride_ - 1] = -scale * rows.r(i);
@@ -81,21 +91,39 @@ LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const C
                                        const MeasurementModel<S>& model, const ReducedLayout& layout, S damping) {
   LandmarkFit<S> fit;
   stride_ = kLandmarkColumns + layout.width();
+  column_ = 0;
   const int priors = damping > S(0) ? 4 : 1;
   for (int c = 0; c < priors * stride_; ++c) data_[c] = S(0);
   row(0)[2] = S(1) / model.inverse_depth_sigma;
   row(0)[stride_ - 1] = -segment.states.landmark[j].rho / model.inverse_depth_sigma;
   for (int i = 1; i < priors; ++i) row(i)[i - 1] = damping;
   rows_ = priors;
-  fit.first_keyframe = kMaxKeyframes;
+  add_observations(segment, j, theta, model, layout, &fit);
+  return fit;
+}
+
+template <class S>
+LandmarkFit<S> LandmarkBlock<S>::build_tied(const Segment<S>& segment, int t, const Calibration<S>& theta,
+                                            const MeasurementModel<S>& model, const ReducedLayout& layout) {
+  LandmarkFit<S> fit;
+  stride_ = kLandmarkColumns + layout.width();
+  column_ = kLandmarkColumns + layout.tie(t);
+  rows_ = 0;
+  add_observations(segment, layout.tied.landmark[t], theta, model, layout, &fit);
+  return fit;
+}
+
+template <class S>
+void LandmarkBlock<S>::add_observations(const Segment<S>& segment, int j, const Calibration<S>& theta,
+                                        const MeasurementModel<S>& model, const ReducedLayout& layout, LandmarkFit<S>* fit) {
+  fit->first_keyframe = kMaxKeyframes;
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     if (segment.observation[o].rejected) continue;
-    if (!add_observation(segment, j, segment.observation[o], theta, model, layout, &fit)) continue;
-    ++fit.used;
-    if (segment.observation[o].keyframe < fit.first_keyframe) fit.first_keyframe = segment.observation[o].keyframe;
+    if (!add_observation(segment, j, segment.observation[o], theta, model, layout, fit)) continue;
+    ++fit->used;
+    if (segment.observation[o].keyframe < fit->first_keyframe) fit->first_keyframe = segment.observation[o].keyframe;
   }
-  fit.rows = rows_;
-  return fit;
+  fit->rows = rows_;
 }
 
 template <class S>
