@@ -233,6 +233,28 @@ void test_too_few_good_tracks() {
   check_group(id.add("lack", "spread"), pair, {0, 1}, 0);
 }
 
+/// Exchanges the names of `count` of the map's tracks in a ring.
+void mistake_tracks(Segment<double>* segment, std::uint32_t count) {
+  for (int j = 0; j < segment->n_landmarks; ++j) {
+    std::uint32_t& id = segment->track_id[j];
+    if (id < count) id = (id + 1) % count;
+  }
+}
+
+void test_mistaken_tracks() {
+  const Id id = Id().add("check", "mistaken");
+  SyntheticSession some = segments_of_one_map(2), all = segments_of_one_map(2);
+  mistake_tracks(some.segments[1].get(), kShared / 4);
+  check_group(id.add("which", "some"), some, {0, 0}, ties_of(1));
+  Grouping g(some);
+  for (int t = 0; t < g.ties(); ++t) {
+    test::check_true(id.add("tie", t), "a mistaken track is tied",
+                     g.segment[0]->track_id[g.partitions.ties().landmark(t, 0)] >= kShared / 4);
+  }
+  mistake_tracks(all.segments[1].get(), kShared);
+  check_group(id.add("which", "all"), all, {0, 1}, 0);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -247,5 +269,6 @@ int main(int argc, char** argv) {
   RUN_TEST(test_two_groups);
   RUN_TEST(test_more_edges_than_places);
   RUN_TEST(test_too_few_good_tracks);
+  RUN_TEST(test_mistaken_tracks);
   return UNITY_END();
 }

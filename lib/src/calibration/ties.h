@@ -96,7 +96,7 @@ class Ties {
     std::int16_t landmark[kMaxSegments];
   };
   struct Candidate {
-    Vec3<S> place;
+    Vec3<S> place, in_b; ///< in the frames of the two segments: equal but for drift
     S information;       ///< about its distance, in the segment that knows less
     std::uint32_t id;
     std::int16_t home;
@@ -105,6 +105,7 @@ class Ties {
   bool exists(std::uint32_t id, int a, int b, DisjointSets* sets) const;
   int collect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta, const MeasurementModel<S>& model,
               DisjointSets* sets, Candidate* out) const;
+  static int drop_mistaken(Candidate* candidate, int n);
   static S worth(const Candidate* candidate, int n, int i, const Vec3<S>& up);
   void remove_doubles(DisjointSets* sets);
 
@@ -131,11 +132,35 @@ int Ties<S>::collect(Segment<S>* const* segment, int a, int b, const Calibration
     if (j < 0) continue;
     const S of_a = distance_information(*segment[a], i, theta, model), of_b = distance_information(*segment[b], j, theta, model);
     if (!(of_a > S(0) && of_b > S(0))) continue;
-    const Landmark<S>& l = of_b > of_a ? segment[b]->states.landmark[j] : segment[a]->states.landmark[i];
-    out[n++] = {l.o + l.m / l.rho, of_a < of_b ? of_a : of_b, id, static_cast<std::int16_t>(of_b > of_a ? b : a),
-                exists(id, a, b, sets), false};
+    const Landmark<S>&in_a = segment[a]->states.landmark[i], &in_b = segment[b]->states.landmark[j];
+    out[n++] = {in_a.o + in_a.m / in_a.rho, in_b.o + in_b.m / in_b.rho, of_a < of_b ? of_a : of_b, id,
+                static_cast<std::int16_t>(of_b > of_a ? b : a), exists(id, a, b, sets), false};
   }
-  return n;
+  return drop_mistaken(out, n);
+}
+
+/// Landmarks keep their distances from each other, whatever the drift between two segments: a track that is another one in
+/// the second segment fits few of the rest. Those that do not fit half of them go. Returns how many stay.
+template <class S>
+int Ties<S>::drop_mistaken(Candidate* candidate, int n) {
+  for (int i = 0; i < n; ++i) {
+    int fits = 0;
+    for (int k = 0; k < n; ++k) {
+      if (k == i) continue;
+      const Candidate &p = candidate[i], &q = candidate[k];
+      const S in_a = square_root((p.place - q.place).squaredNorm()), in_b = square_root((p.in_b - q.in_b).squaredNorm());
+      // A tenth for what the calibration and the poses are still off, and some three sigmas of either place.
+      const S larger = in_a > in_b ? in_a : in_b;
+      const S allowed2 = S(0.01) * larger * larger + S(10) / p.information + S(10) / q.information;
+      fits += (in_a - in_b) * (in_a - in_b) <= allowed2 ? 1 : 0;
+    }
+    candidate[i].taken = 2 * fits < n - 1;
+  }
+  int kept = 0;
+  for (int i = 0; i < n; ++i) {
+    if (!candidate[i].taken) candidate[kept++] = candidate[i];
+  }
+  return kept;
 }
 
 /// Squared horizontal distance from the nearest tie taken so far, in sigmas: that is what fixes the rotation about
