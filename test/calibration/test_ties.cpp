@@ -366,6 +366,32 @@ void test_mistaken_tracks() {
   }
 }
 
+void test_ties_without_points_give_way_to_a_gauge() {
+  // After the ties were chosen, all image points of the shared tracks in segment 1 go astray by 20 to 60 px.
+  SyntheticSession session(device(95));
+  Calibrator<double>* calibrator = begin(&session);
+  TEST_ASSERT_EQUAL_INT(1, calibrator->partitions());
+  test::Random random(96);
+  Segment<double>& spoilt = *session.segments[1];
+  int astray = 0, left_out = 0;
+  for (int o = 0; o < spoilt.n_observations; ++o) {
+    Observation& z = spoilt.observation[o];
+    if (spoilt.track_id[z.landmark] >= 16) continue;
+    z.u += static_cast<float>((random.index(2) ? 1 : -1) * random.uniform(20, 60));
+    z.v += static_cast<float>((random.index(2) ? 1 : -1) * random.uniform(20, 60));
+    ++astray;
+  }
+  calibrator->run(CalibratorOptions(), &solver<double>()->eliminator);
+  calibrator->reject_outliers(5);
+  calibrator->run(CalibratorOptions(), &solver<double>()->eliminator);
+  for (int o = 0; o < spoilt.n_observations; ++o) left_out += spoilt.observation[o].rejected;
+  const Id id = Id().add("check", "lost");
+  test::check_between(id, "points left out of those astray", 0.8, double(left_out) / astray, 1.2);
+  test::check_true(id, "did not converge", calibrator->fit().converged);
+  TEST_ASSERT_EQUAL_INT(2, calibrator->partitions());
+  test::check_true(id, "the lone segment holds its gauge", calibrator->grouping().first_of(1) == 1 && calibrator->grouping().first_of(2) == 0);
+}
+
 void test_float_equals_double() {
   for (std::uint32_t seed : {91u, 92u}) {
     const SyntheticSession session(device(seed));
@@ -392,6 +418,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_ties_add_information);
   RUN_TEST(test_drift_of_the_frame);
   RUN_TEST(test_mistaken_tracks);
+  RUN_TEST(test_ties_without_points_give_way_to_a_gauge);
   RUN_TEST(test_float_equals_double);
   return UNITY_END();
 }
