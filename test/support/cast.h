@@ -65,6 +65,7 @@ void cast(const Segment<From>& a, Segment<To>* b) {
   b->t0_ns = a.t0_ns;
   b->serial = a.serial;
   b->session = a.session;
+  b->frame = a.frame;
   b->n_keyframes = a.n_keyframes;
   b->n_landmarks = a.n_landmarks;
   b->n_observations = a.n_observations;

@@ -2,6 +2,7 @@
 //
 // Columns: for each segment [states 15 K | landmarks 3 L], then theta; the right-hand side apart. Only the rows of single
 // measurements (reprojection_rows, link_rows) come from the core; order, whitening, weights and priors are written here.
+// Landmarks that segments share stand in the columns of the first segment that has them.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -15,20 +16,34 @@ namespace test {
 
 using namespace SEGCAL_NS;
 
+/// Landmark `landmark` of segment `segment` is that landmark of an earlier segment.
+struct SameLandmark {
+  int segment, landmark, first_segment, first_landmark;
+};
+
 class DenseProblem {
  public:
   DenseProblem(const std::vector<const Segment<double>*>& segments, const Calibration<double>& theta,
-               const MeasurementModel<double>& model, double damping)
+               const MeasurementModel<double>& model, double damping, const std::vector<SameLandmark>& same = {})
       : segments_(segments), theta_(theta), model_(model), damping_(damping) {
     for (const Segment<double>* s : segments) {
       first_.push_back(nuisance_);
-      nuisance_ += kStateColumns * s->n_keyframes + 3 * s->n_landmarks;
+      nuisance_ += kStateColumns * s->n_keyframes;
+      landmark_.emplace_back(s->n_landmarks, -1);
+      for (const SameLandmark& l : same) {
+        if (l.segment + 1u == first_.size()) landmark_.back()[l.landmark] = landmark_[l.first_segment][l.first_landmark];
+      }
+      for (int& column : landmark_.back()) {
+        if (column >= 0) continue;
+        column = nuisance_;
+        nuisance_ += 3;
+      }
     }
     for (std::size_t i = 0; i < segments.size(); ++i) add_segment(static_cast<int>(i));
   }
 
   int state_column(int s, int k) const { return first_[s] + kStateColumns * k; }
-  int landmark_column(int s, int j) const { return state_column(s, segments_[s]->n_keyframes) + 3 * j; }
+  int landmark_column(int s, int j) const { return landmark_[s][j]; }
   int theta_column() const { return nuisance_; }
   int columns() const { return nuisance_ + theta_.columns(); }
 
@@ -131,8 +146,9 @@ class DenseProblem {
   void add_landmark(int s, int j) {
     const Segment<double>& segment = *segments_[s];
     const Landmark<double>& l = segment.states.landmark[j];
-    add_single(landmark_column(s, j) + 2, 1 / model_.inverse_depth_sigma, l.rho);
-    if (damping_ > 0) {
+    const bool own = landmark_column(s, j) > state_column(s, 0);
+    if (own) add_single(landmark_column(s, j) + 2, 1 / model_.inverse_depth_sigma, l.rho);
+    if (own && damping_ > 0) {
       for (int i = 0; i < 3; ++i) add_single(landmark_column(s, j) + i, damping_ / 0.02, 0);
     }
     for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) add_observation(s, j, segment.observation[o]);
@@ -179,6 +195,7 @@ class DenseProblem {
   double damping_;
   int nuisance_ = 0;
   std::vector<int> first_;
+  std::vector<std::vector<int>> landmark_;  ///< first column of each
   std::vector<Eigen::VectorXd> rows_;
   std::vector<double> rhs_;
 };

@@ -16,6 +16,8 @@ struct SyntheticOptions {
   Distortion model = Distortion::fov;
   int segments = 4, keyframes = 20, landmarks = 100;
   double keyframe_interval = 0.2;
+  int shared = 0;               ///< landmarks beside these that every segment sees
+  double drift = 0;             ///< rad and 3 m: how far each segment's states but the first's are off as a whole
   double gap = 0;               ///< 0: each segment's IMU samples begin at the last keyframe of the one before
   double move = 1, turn = 1;    ///< how much of the path's translation and rotation is used
   double device = 1;            ///< the device's true values: this times the usual deviation from nominal
@@ -69,6 +71,8 @@ class SyntheticSession {
   Path path_;
   std::vector<InertialReading<double>> imu_;   ///< sample i at i * kPeriod
   std::vector<Vec3<double>> b_a_, b_g_;
+  std::vector<Vec3<double>> map_;              ///< the shared landmarks, track 0 and on
+  std::uint32_t next_track_ = 1000;
   static constexpr double kPeriod = 0.005;
 
  public:
@@ -114,11 +118,14 @@ class SyntheticSession {
     segment->n_keyframes = options_.keyframes;
     segment->lead_us = joined && s > 0 ? static_cast<std::int32_t>(std::llround(options_.keyframe_interval * 1e6)) : 0;
     store_imu(t0, segment);
+    if (options_.shared > 0 && map_.empty()) draw_map();
     for (int k = 0; k < options_.keyframes; ++k) {
       segment->t_us[k] = static_cast<std::int32_t>(std::llround(k * options_.keyframe_interval * 1e6));
       segment->states.x[k] = disturbed(t0 + k * options_.keyframe_interval);
     }
+    if (options_.drift > 0 && s > 0) drift(segment);
     see_landmarks(t0, segment);
+    for (std::size_t i = 0; i < map_.size(); ++i) follow(t0, map_[i], 0, options_.keyframes, static_cast<std::uint32_t>(i), segment);
     for (int j = 0; j < segment->n_landmarks; ++j) triangulate(segment, j, nominal, model, 1e6);
   }
 
@@ -146,26 +153,60 @@ class SyntheticSession {
     return x;
   }
 
+  /// A segment as a whole, turned about gravity and shifted.
+  void drift(Segment<double>* segment) {
+    const Mat3<double> turn = so3_exp<double>({0, 0, random_.normal(options_.drift)});
+    const Vec3<double> shift = random_.vector(3 * options_.drift);
+    for (int k = 0; k < segment->n_keyframes; ++k) {
+      State<double>& x = segment->states.x[k];
+      x.R_GI = turn * x.R_GI;
+      x.p_GI = turn * x.p_GI + shift;
+      x.v_GI = turn * x.v_GI;
+    }
+  }
+
+  /// A landmark drawn in the image seen at t.
+  bool draw_landmark(double t, Vec3<double>* in_G) {
+    const Vec2<double> uv(random_.uniform(30, 610), random_.uniform(30, 450));
+    const double depth = random_.uniform(0.8, 5.8);
+    Vec2<double> xy;
+    const CameraCalibration<double>& camera = truth.camera[0];
+    if (!unproject(camera, uv, &xy)) return false;
+    const State<double> x = path_.state(t);
+    const Vec3<double> in_C(xy.x() * depth, xy.y() * depth, depth);
+    *in_G = x.p_GI + x.R_GI * (camera.R_CI.transpose() * (in_C - camera.p_CI));
+    return true;
+  }
+
+  /// Landmarks that half of each segment's keyframes see.
+  void draw_map() {
+    for (int tries = 0; tries < 1000 * options_.shared && static_cast<int>(map_.size()) < options_.shared; ++tries) {
+      Vec3<double> l;
+      bool seen_by_all = draw_landmark(start_of(0), &l);
+      for (int s = 0; s < options_.segments && seen_by_all; ++s) {
+        int seen = 0;
+        Vec2<double> uv;
+        for (int k = 0; k < options_.keyframes; ++k) seen += image_of(l, start_of(s) + k * options_.keyframe_interval, &uv) ? 1 : 0;
+        seen_by_all = 2 * seen >= options_.keyframes;
+      }
+      if (seen_by_all) map_.push_back(l);
+    }
+  }
+
   /// Landmarks are drawn in the image of some keyframe and followed over a few keyframes around it.
   void see_landmarks(double t0, Segment<double>* segment) {
     segment->n_landmarks = segment->n_observations = 0;
     segment->first_observation[0] = 0;
     for (int tries = 0; tries < 50 * options_.landmarks && segment->n_landmarks < options_.landmarks; ++tries) {
       const int seen_from = random_.index(options_.keyframes);
-      const Vec2<double> uv(random_.uniform(30, 610), random_.uniform(30, 450));
-      const double depth = random_.uniform(0.8, 5.8);
-      Vec2<double> xy;
-      if (!unproject(truth.camera[0], uv, &xy)) continue;
-      const CameraCalibration<double>& camera = truth.camera[0];
-      const State<double> x = path_.state(t0 + seen_from * options_.keyframe_interval);
-      const Vec3<double> in_C(xy.x() * depth, xy.y() * depth, depth);
-      const Vec3<double> in_G = x.p_GI + x.R_GI * (camera.R_CI.transpose() * (in_C - camera.p_CI));
+      Vec3<double> in_G;
+      if (!draw_landmark(t0 + seen_from * options_.keyframe_interval, &in_G)) continue;
       const int half = random_.index(9) + 1;
-      follow(t0, in_G, std::max(0, seen_from - half), std::min(options_.keyframes, seen_from + half + 1), segment);
+      follow(t0, in_G, std::max(0, seen_from - half), std::min(options_.keyframes, seen_from + half + 1), next_track_++, segment);
     }
   }
 
-  void follow(double t0, const Vec3<double>& l, int first, int end, Segment<double>* segment) {
+  void follow(double t0, const Vec3<double>& l, int first, int end, std::uint32_t track, Segment<double>* segment) {
     const int begin = segment->n_observations;
     int n = begin;
     for (int k = first; k < end && n < kMaxObservations; ++k) {
@@ -177,7 +218,7 @@ class SyntheticSession {
     }
     if (n - begin < 3) return;
     segment->n_observations = n;
-    segment->track_id[segment->n_landmarks] = static_cast<std::uint32_t>(segment->n_landmarks);
+    segment->track_id[segment->n_landmarks] = track;
     segment->first_observation[++segment->n_landmarks] = static_cast<std::uint16_t>(n);
   }
 

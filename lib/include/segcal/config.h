@@ -21,6 +21,7 @@
 #define SEGCAL_DEFAULT_IMU_SAMPLES 876
 #define SEGCAL_DEFAULT_CLONES 8
 #define SEGCAL_DEFAULT_TRACKS 40
+#define SEGCAL_DEFAULT_TIES 4
 #define SEGCAL_DEFAULT_IMU_HISTORY 300
 #elif SEGCAL_PROFILE == SEGCAL_PROFILE_MOBILE
 #define SEGCAL_NS segcal_mobile
@@ -32,6 +33,7 @@
 #define SEGCAL_DEFAULT_IMU_SAMPLES 2000
 #define SEGCAL_DEFAULT_CLONES 11
 #define SEGCAL_DEFAULT_TRACKS 160
+#define SEGCAL_DEFAULT_TIES 8
 #define SEGCAL_DEFAULT_IMU_HISTORY 1000
 #elif SEGCAL_PROFILE == SEGCAL_PROFILE_HOST
 #define SEGCAL_NS segcal_host
@@ -43,6 +45,7 @@
 #define SEGCAL_DEFAULT_IMU_SAMPLES 8400
 #define SEGCAL_DEFAULT_CLONES 11
 #define SEGCAL_DEFAULT_TRACKS 256
+#define SEGCAL_DEFAULT_TIES 16
 #define SEGCAL_DEFAULT_IMU_HISTORY 2000
 #else
 #error "SEGCAL_PROFILE: 1 (mcu), 2 (mobile) or 3 (host)"
@@ -79,6 +82,18 @@
 /* Feature tracks that the filter follows at the same time, per camera. */
 #ifndef SEGCAL_MAX_TRACKS
 #define SEGCAL_MAX_TRACKS SEGCAL_DEFAULT_TRACKS
+#endif
+
+/* Landmarks that calibration shares between segments across gaps, over all segments together; four of them put two
+   segments into one frame. 0: segments across a gap share biases only. */
+#ifndef SEGCAL_MAX_TIES
+#define SEGCAL_MAX_TIES SEGCAL_DEFAULT_TIES
+#endif
+/* Tracks in common from which on two segments of one map are put into one frame. Position and rotation about gravity
+   are four unknowns and three landmarks of known depth fix them; in a short look at a scene about every second track has
+   that, so that eight leave a choice and one or two mistaken ones do not decide. */
+#ifndef SEGCAL_SHARED_LANDMARKS
+#define SEGCAL_SHARED_LANDMARKS 8
 #endif
 
 /* Raw IMU samples kept for the filter's start (1.5 s of them) and for cutting segments. */

@@ -8,6 +8,7 @@
 
 #define SEGCAL_REAL_BYTES sizeof(SEGCAL_REAL)
 #define SEGCAL_THETA_COLUMNS (14u * SEGCAL_MAX_CAMERAS + 15u)
+#define SEGCAL_TIE_COLUMNS (3u * SEGCAL_MAX_TIES)
 #define SEGCAL_PACKED(n) ((n) * ((n) + 1u) / 2u)
 
 /* One slot of the database: raw IMU samples, image points, states and landmarks, R_theta. */
@@ -24,21 +25,24 @@
    SEGCAL_MAX_CAMERAS * SEGCAL_MAX_TRACKS * ((SEGCAL_MAX_CLONES + 1u) * 2u * SEGCAL_REAL_BYTES + 16u) + 1024u)
 
 /* Elimination of one segment: the reduced triangle, one landmark's rows, the chain of velocities and biases. */
-#define SEGCAL_REDUCED_COLUMNS (6u * (SEGCAL_MAX_KEYFRAMES - 1u) + 30u + SEGCAL_THETA_COLUMNS + 1u)
+#define SEGCAL_REDUCED_COLUMNS (6u * (SEGCAL_MAX_KEYFRAMES - 1u) + 30u + SEGCAL_THETA_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
 #define SEGCAL_ELIMINATION_BYTES                                                                                       \
   (SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_REDUCED_COLUMNS) +                                                         \
                         (2u * SEGCAL_MAX_KEYFRAMES * SEGCAL_MAX_CAMERAS + 4u) * (SEGCAL_REDUCED_COLUMNS + 3u) +         \
                         25u * (49u + 6u * SEGCAL_MAX_KEYFRAMES) + 12u * SEGCAL_REDUCED_COLUMNS +                         \
                         171u * SEGCAL_MAX_KEYFRAMES) + 256u)
 
-/* Calibration: saved states and one row block per segment, the chain between segments, theta's triangle, directions. */
-#define SEGCAL_LINK_COLUMNS (30u + SEGCAL_THETA_COLUMNS + 1u)
+/* Calibration: saved states and one row block per segment, the chain between segments, the triangle of ties and theta,
+   directions, and who shares what with whom. */
+#define SEGCAL_LINK_COLUMNS (30u + SEGCAL_THETA_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
+#define SEGCAL_PARTITION_BYTES                                                                                         \
+  ((SEGCAL_MAX_TIES + 1u) * (8u + 2u * SEGCAL_MAX_SEGMENTS) + SEGCAL_MAX_SEGMENTS * (SEGCAL_MAX_SEGMENTS + 1u))
 #define SEGCAL_CALIBRATION_BYTES                                                                                       \
-  (SEGCAL_MAX_SEGMENTS * SEGCAL_REAL_BYTES *                                                                            \
-       (15u * SEGCAL_LINK_COLUMNS + 21u * SEGCAL_MAX_KEYFRAMES + 7u * SEGCAL_MAX_LANDMARKS + 12u) +                     \
+  (SEGCAL_MAX_SEGMENTS * SEGCAL_REAL_BYTES * (21u * SEGCAL_MAX_KEYFRAMES + 7u * SEGCAL_MAX_LANDMARKS + 12u) +           \
+   (SEGCAL_MAX_SEGMENTS - 1u) * SEGCAL_REAL_BYTES * (15u * (SEGCAL_LINK_COLUMNS - 15u) - 105u) +                        \
    SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_LINK_COLUMNS) + 2u * SEGCAL_LINK_COLUMNS +                                 \
-                        SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) + 16u * SEGCAL_MAX_KEYFRAMES +                          \
-                        4u * SEGCAL_THETA_COLUMNS * (SEGCAL_THETA_COLUMNS + 1u)) + 2048u)
+                        SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + SEGCAL_TIE_COLUMNS + 1u) + 16u * SEGCAL_MAX_KEYFRAMES +     \
+                        4u * SEGCAL_THETA_COLUMNS * (SEGCAL_THETA_COLUMNS + 1u)) + SEGCAL_PARTITION_BYTES + 2048u)
 
 /* Samples and points on their way in. */
 #define SEGCAL_INPUT_BYTES                                                                                             \

@@ -86,6 +86,7 @@ class Device {
   void score();
   void drop_misfits();
   void restart_filter();
+  void use_odometry(bool own);
   Calibration<S> working_theta() const;
 
   DeviceOptions<S> options_;
@@ -105,7 +106,7 @@ class Device {
   TrackPoint<S> pending_[kMaxFramePoints];
   std::int32_t pending_count_;
   SegmentSummary<S> last_;
-  std::uint32_t session_, serial_;
+  std::uint32_t session_, serial_, frame_;
   bool calibrated_, calibration_due_, was_full_, own_odometry_;
 };
 
@@ -121,7 +122,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   release_ = Release<S>{};
   joint_.n = analysis_.n = 0;
   frame_period_ = 0;
-  session_ = serial_ = 0;
+  session_ = serial_ = frame_ = 0;
   last_ = SegmentSummary<S>{};
   calibrated_ = calibration_due_ = was_full_ = own_odometry_ = false;
   restart_filter();
@@ -137,9 +138,19 @@ void Device<S>::restart_filter() {
   vio.frame_interval_s = options_.frame_interval_s;
   vio_.reset(theta_, vio);
   if (calibrated_ && release_.status != Status::failed) vio_.set_calibration(theta_);
+  if (!own_odometry_) ++frame_;
   builder_.begin(&database_.building(), session_, serial_, false);
   state_time_ = last_imu_ = last_frame_ = pending_time_ = next_keyframe_ = kNever;
   pending_count_ = 0;
+}
+
+/// Where states come from. Two sources have two frames; the user's own frame outlives gaps in the IMU's stream.
+template <class S>
+void Device<S>::use_odometry(bool own) {
+  if (own == own_odometry_) return;
+  if (!builder_.empty()) end_segment(false);
+  own_odometry_ = own;
+  ++frame_;
 }
 
 /// theta for triangulation and scoring: the extrinsics are the filter's (paper, Sec. IV-B).
@@ -227,11 +238,12 @@ Taken Device<S>::process_frame() {
   const int n = pending_count_;
   pending_count_ = 0;
   if (imu_.oldest() > pending_time_) return Taken::waiting;
-  own_odometry_ = false;
+  use_odometry(false);
   switch (vio_.push_frame(pending_time_, pending_, n, imu_)) {
     case VioStatus::skipped: return Taken::skipped;
     case VioStatus::lost:
       end_segment(false);
+      ++frame_;
       state_time_ = kNever;
       return Taken::lost;
     case VioStatus::tracking: break;
@@ -253,7 +265,7 @@ Taken Device<S>::push_keyframe(std::int64_t t_ns, const State<S>& state, const T
   }
   if (!imu_.covers(t_ns, t_ns)) return Taken::waiting;
   last_frame_ = t_ns;
-  own_odometry_ = true;
+  use_odometry(true);
   ++faults_.frames_used;
   state_ = state;
   state_time_ = t_ns;
@@ -286,6 +298,7 @@ template <class S>
 void Device<S>::end_segment(bool continues) {
   if (!builder_.empty()) {
     ++faults_.segments_closed;
+    database_.building().frame = frame_;
     if (builder_.close(working_theta(), options_.model)) {
       score();
     } else {
@@ -327,6 +340,7 @@ template <class S>
 void Device<S>::new_session() {
   flush();
   ++session_;
+  ++frame_;
   was_full_ = false;
   database_.begin_session();
   restart_filter();

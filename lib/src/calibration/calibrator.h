@@ -1,18 +1,18 @@
 // Levenberg-Marquardt over the kept segments (paper, Sec. V-D; DESIGN, section 4, "Calibration").
 //
-// Each iteration eliminates every segment to theta and its separators, solves the small dense triangle of theta, walks
-// the chain back and substitutes each segment's states. Nothing grows with the number of segments but one row block each.
+// Each iteration eliminates every segment to theta, the ties and its separators, solves the small dense triangle of ties
+// and theta, walks the chain back and substitutes each segment's states. Nothing grows with the number of segments but one
+// row block each.
 #pragma once
 
 #include "calibration/chain.h"
+#include "calibration/partitions.h"
 #include "calibration/prior.h"
 #include "segments/segment_cost.h"
 #include "segments/triangulation.h"
 #include "segments/visible_translation.h"
 
 namespace SEGCAL_NS {
-
-constexpr int kMaxSegments = SEGCAL_MAX_SEGMENTS;
 
 struct CalibratorOptions {
   int max_iterations = 20;
@@ -29,14 +29,6 @@ struct CalibrationFit {
   S chi2 = S(0), dof = S(0);          ///< weighted squares at the end and their degrees of freedom
 };
 
-/// A segment's place among its neighbours.
-template <class S>
-struct SegmentLink {
-  Join join = Join::none;
-  bool passes_on = false;   ///< the next segment hangs on this one
-  S gap_s = S(0);
-};
-
 template <class S>
 class Calibrator {
  public:
@@ -50,33 +42,44 @@ class Calibrator {
   const Calibration<S>& theta() const { return theta_; }
   const CalibrationFit<S>& fit() const { return fit_; }
   /// Triangle over [theta | rhs] at the last linearisation, prior included: Sigma_theta = (R'R)^-1.
-  PackedTriangle<S> theta_triangle() { return PackedTriangle<S>(theta_data_, theta_.columns() + 1); }
-  const SegmentLink<S>& link(int i) const { return link_[i]; }
-  /// Stretches that no IMU link joins: one gauge is held in each.
-  int partitions() const {
-    int n = 0;
-    for (int i = 0; i < count_; ++i) n += link_[i].join == Join::imu ? 0 : 1;
-    return n;
+  PackedTriangle<S> theta_triangle() {
+    const int n = theta_.columns() + 1;  // its last rows are a triangle of their own: theta's marginal
+    return PackedTriangle<S>(global_data_ + packed_size(global_columns() + 1) - packed_size(n), n);
   }
+  const SegmentLink<S>& link(int i) const { return link_[i]; }
+  /// One gauge is held in each.
+  int partitions() const { return partition_count_; }
+  /// Segments and ties that have a frame in common.
+  Partitions<S>& grouping() { return partitions_; }
   /// Leaves out image points whose residual is longer than `limit` times the noise that the fit shows; earlier marks are
   /// taken back. Between runs, so that each run has one smooth cost.
   void reject_outliers(S limit) {
     const S ratio = fit_.dof > S(0) ? fit_.chi2 / fit_.dof : S(1);
     const S scaled = limit * square_root(ratio > S(1) ? ratio : S(1));
     for (int i = 0; i < count_; ++i) mark_outliers(theta_, model_, scaled, segment_[i]);
+    form_partitions();  // without a tie whose points are gone
   }
   void accept_all() {
     for (int i = 0; i < count_; ++i) {
       for (int o = 0; o < segment_[i]->n_observations; ++o) segment_[i]->observation[o].rejected = 0;
     }
+    form_partitions();
   }
   const MeasurementModel<S>& model() const { return model_; }
   /// Eliminates everything at the present estimate without moving it.
   void linearise(SegmentEliminator<S>* eliminator, S damping);
+  /// Robust, at the present estimate, with all priors.
+  S total_cost();
 
  private:
-  GuestLink<S> guest(int i) const;
-  S total_cost() const;
+  void form_partitions();
+  int global_columns() const { return kLandmarkColumns * partitions_.ties().count() + theta_.columns(); }
+  PackedTriangle<S> global_triangle() { return PackedTriangle<S>(global_data_, global_columns() + 1); }
+  GuestLink<S> guest(int i);
+  const Landmark<S>& tie(int t) const;
+  void add_ties(S damping, PackedTriangle<S>* G);
+  S tie_prior_share(int t) const;
+  void solve_ties(const S* theta_step);
   void step_back(SegmentEliminator<S>* eliminator, S damping, const S* theta_step);
   void refine_landmarks();
   void save();
@@ -92,23 +95,15 @@ class Calibrator {
   MeasurementModel<S> model_;
   CalibrationFit<S> fit_;
   Chain<S> chain_;
-  GuestRows<S> kept_[kMaxSegments];
+  Partitions<S> partitions_;
+  std::int32_t partition_count_ = 0;
+  LeftRows<S> left_[kMaxSegments > 1 ? kMaxSegments - 1 : 1];  ///< the first segment has nobody on its left
   SegmentStates<S> saved_[kMaxSegments];
   S last_step_[kMaxTheta];
-  S theta_data_[packed_size(kMaxTheta + 1)];
-  S step_[kStateColumns * (kMaxKeyframes + 1) + kMaxTheta + 1];
+  S global_data_[packed_size(kMaxGlobal + 1)];  ///< [ties | theta | rhs]
+  S global_step_[kMaxGlobal];
+  S step_[kStateColumns * (kMaxKeyframes + 1) + kMaxGlobal + 1];
 };
-
-/// How segment b hangs on a, the segment before it in the database.
-template <class S>
-SegmentLink<S> link_between(const Segment<S>& a, const Segment<S>& b) {
-  SegmentLink<S> link;
-  if (a.session != b.session) return link;
-  link.join = b.serial == a.serial + 1 && b.lead_us > 0 ? Join::imu : Join::bias;
-  const std::int64_t end = a.t0_ns + std::int64_t(a.t_us[a.n_keyframes - 1]) * 1000;
-  link.gap_s = S(b.t0_ns - end) * S(1e-9);
-  return link;
-}
 
 template <class S>
 void Calibrator<S>::begin(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
@@ -123,37 +118,102 @@ void Calibrator<S>::begin(Segment<S>* const* segments, int count, const ThetaPri
     link_[i] = i > 0 ? link_between(*segments[i - 1], *segments[i]) : SegmentLink<S>{};
     if (i > 0) link_[i - 1].passes_on = link_[i].join != Join::none;
   }
+  form_partitions();
 }
 
 template <class S>
-GuestLink<S> Calibrator<S>::guest(int i) const {
+void Calibrator<S>::form_partitions() {
+  partitions_.form(segment_, link_, count_, theta_, model_);
+  partition_count_ = partitions_.count();
+}
+
+template <class S>
+GuestLink<S> Calibrator<S>::guest(int i) {
   GuestLink<S> g;
   g.join = link_[i].join;
   g.gap_s = link_[i].gap_s;
   if (g.join != Join::none) g.state = segment_[i - 1]->states.x[segment_[i - 1]->n_keyframes - 1];
+  g.hangs = !partitions_.is_first(i);
+  partitions_.ties().of_segment(i, &g.tied);
   return g;
 }
 
 template <class S>
-S Calibrator<S>::total_cost() const {
+const Landmark<S>& Calibrator<S>::tie(int t) const {
+  const int i = partitions_.ties().first_segment(t);
+  return segment_[i]->states.landmark[partitions_.ties().landmark(t, i)];
+}
+
+template <class S>
+S Calibrator<S>::total_cost() {
   S total = prior_cost(prior_, theta_);
+  for (int t = 0; t < partitions_.ties().count(); ++t) total += inverse_depth_cost(tie(t), model_);
   for (int i = 0; i < count_; ++i) total += segment_cost(*segment_[i], guest(i), theta_, model_);
   return total;
 }
 
+/// What a tie has once, whatever the number of segments that see it: prior and damping.
+template <class S>
+void Calibrator<S>::add_ties(S damping, PackedTriangle<S>* G) {
+  const int n = G->columns();
+  S row[kMaxGlobal + 1], work[kMaxGlobal + 1];
+  const auto fold = [&](int column, S weight, S value) {
+    for (int c = 0; c < n; ++c) row[c] = S(0);
+    row[column] = weight;
+    row[n - 1] = -weight * value;
+    fold_rows(*G, row, 1, n, column, n, work);
+  };
+  for (int t = 0; t < partitions_.ties().count(); ++t) {
+    const int first = kLandmarkColumns * t;
+    fold(first + 2, S(1) / model_.inverse_depth_sigma, tie(t).rho);
+    for (int c = 0; damping > S(0) && c < kLandmarkColumns; ++c) fold(first + c, damping / kTypicalLandmarkStep<S>, S(0));
+  }
+}
+
+/// Part of a tie's inverse depth's information that is prior, as LandmarkFit has it for other landmarks.
+template <class S>
+S Calibrator<S>::tie_prior_share(int t) const {
+  S data[packed_size(kLandmarkColumns)];
+  PackedTriangle<S> R(data, kLandmarkColumns);
+  R.clear();
+  for (int i = 0; i < count_; ++i) {
+    const int j = partitions_.ties().landmark(t, i);
+    if (j >= 0) fold_landmark(*segment_[i], j, theta_, model_, &R);
+  }
+  const S prior = S(1) / (model_.inverse_depth_sigma * model_.inverse_depth_sigma);
+  return prior / (R(2, 2) * R(2, 2) + prior);
+}
+
 template <class S>
 void Calibrator<S>::linearise(SegmentEliminator<S>* eliminator, S damping) {
-  PackedTriangle<S> T = theta_triangle();
+  PackedTriangle<S> T = theta_triangle(), G = global_triangle();
+  G.clear();
   write_prior(prior_, theta_, &T);
-  chain_.begin(theta_.columns());
+  add_ties(damping, &G);
+  chain_.begin(global_columns());
   fit_.image_points = 0;
   fit_.dof = count_ > 0 ? -S(theta_.columns()) : S(0);
+  for (int t = 0; t < partitions_.ties().count(); ++t) fit_.dof -= S(kLandmarkColumns) - tie_prior_share(t);
   for (int i = 0; i < count_; ++i) {
     segment_[i]->turned_only = !translation_shows(*segment_[i], theta_, model_);
     eliminator->eliminate(*segment_[i], guest(i), theta_, model_, damping);
-    chain_.add(eliminator, link_[i].join != Join::none, link_[i].passes_on, &kept_[i], &T);
+    chain_.add(eliminator, link_[i].join != Join::none, link_[i].passes_on, i > 0 ? &left_[i - 1] : nullptr, &G);
     fit_.image_points += eliminator->counts().image_points;
     fit_.dof += S(eliminator->counts().residuals - eliminator->counts().unknowns) + eliminator->prior_share();
+  }
+}
+
+/// Steps of the ties for a given step of theta; both in the order of the global columns.
+template <class S>
+void Calibrator<S>::solve_ties(const S* theta_step) {
+  const PackedTriangle<S> G = global_triangle();
+  const int n = global_columns(), first = n - theta_.columns();
+  for (int c = first; c < n; ++c) global_step_[c] = theta_step[c - first];
+  for (int i = first - 1; i >= 0; --i) {
+    const S* r = G.row(i);
+    S sum = r[n];
+    for (int c = i + 1; c < n; ++c) sum -= r[c] * global_step_[c];
+    global_step_[i] = r[i] == S(0) ? S(0) : sum / r[i];
   }
 }
 
@@ -161,18 +221,22 @@ template <class S>
 void Calibrator<S>::step_back(SegmentEliminator<S>* eliminator, S damping, const S* theta_step) {
   const int n_theta = theta_.columns();
   S last[kStateColumns], guest_step[kStateColumns] = {};
+  solve_ties(theta_step);
   for (int i = count_ - 1; i >= 0; --i) {
     const bool has_guest = link_[i].join != Join::none;
     // The step that the segment after this one found for our last keyframe; none hangs on it: none is known.
     for (int c = 0; c < kStateColumns; ++c) last[c] = link_[i].passes_on ? guest_step[c] : S(0);
-    if (has_guest) Chain<S>::solve_guest(kept_[i], n_theta, last, theta_step, guest_step);
     const GuestLink<S> g = guest(i);
     eliminator->eliminate(*segment_[i], g, theta_, model_, damping);
+    if (has_guest) chain_.solve_guest(eliminator, link_[i].passes_on, left_[i - 1], last, global_step_, guest_step);
     for (int c = 0; c < kStateColumns; ++c) {
       step_[eliminator->last_column() + c] = last[c];
       if (has_guest) step_[eliminator->guest_column() + c] = guest_step[c];
     }
     for (int c = 0; c < n_theta; ++c) step_[eliminator->theta_column() + c] = theta_step[c];
+    for (int c = 0; c < kLandmarkColumns * g.tied.n; ++c) {
+      step_[eliminator->tie_column() + c] = global_step_[kLandmarkColumns * g.tied.number[c / kLandmarkColumns] + c % kLandmarkColumns];
+    }
     eliminator->back_substitute(*segment_[i], g, theta_, model_, damping, step_,
                                 link_[i].passes_on ? eliminator->last_column() : eliminator->guest_column());
     eliminator->move(segment_[i], theta_, model_, damping, step_);
@@ -181,11 +245,13 @@ void Calibrator<S>::step_back(SegmentEliminator<S>* eliminator, S damping, const
 
 /// Each landmark to its best place given the new poses and theta: what is most curved in the problem, the inverse
 /// distances of landmarks with little parallax, no longer limits the step (Golub and Pereyra's variable projection).
+/// Ties have moved with theta: several segments see them.
 template <class S>
 void Calibrator<S>::refine_landmarks() {
   for (int i = 0; i < count_; ++i) {
+    const TiedLandmarks tied = guest(i).tied;
     for (int j = 0; j < segment_[i]->n_landmarks; ++j) {
-      refine_landmark(*segment_[i], j, theta_, model_, 2, &segment_[i]->states.landmark[j]);
+      if (tied.place_of(j) < 0) refine_landmark(*segment_[i], j, theta_, model_, 2, &segment_[i]->states.landmark[j]);
     }
   }
 }

@@ -1,51 +1,57 @@
 // Segments that follow each other in time form a chain: each is eliminated to its last keyframe (the separator), the
-// separator of the segment before (its guest) and theta, and the chain passes separators on from left to right.
+// separator of the segment before (its guest) and the global columns (ties and theta), and the chain passes separators on
+// from left to right.
 //
-// For each segment a small triangle over [guest 15 | last 15 | theta | rhs] takes what came from the left and what the
-// segment says; its first 15 rows are kept for back-substitution, the next 15 go on to the right, the rest is theta's.
+// For each segment a small triangle over [guest 15 | last 15 | ties | theta | rhs] takes what came from the left and what
+// the segment says; its first 15 rows give the guest, the next 15 go on to the right, the rest is global. For
+// back-substitution only what came from the left is kept: the segment is eliminated a second time then anyway.
 #pragma once
 
 #include "segments/elimination.h"
 
 namespace SEGCAL_NS {
 
-constexpr int kLinkColumns = 2 * kStateColumns + kMaxTheta + 1;
+constexpr int kMaxGlobal = kTieColumns + kMaxTheta;
+constexpr int kLinkColumns = 2 * kStateColumns + kMaxGlobal + 1;
+constexpr int kLeftColumns = kStateColumns + kMaxGlobal + 1;
 
-/// Rows of the guest, kept for back-substitution: guest = f(last, theta).
+/// What the segments on the left say about the guest: 15 rows over [guest | ties | theta | rhs], row i without its zeros.
 template <class S>
-struct GuestRows {
-  S row[kStateColumns * kLinkColumns];
+struct LeftRows {
+  S data[packed_size(kLeftColumns) - packed_size(kLeftColumns - kStateColumns)];
 };
 
 template <class S>
 class Chain {
  public:
-  /// Starts a new chain.
-  void begin(int n_theta) {
-    n_theta_ = n_theta;
+  /// Starts a new chain; `n_global`: ties and theta.
+  void begin(int n_global) {
+    n_global_ = n_global;
     link().clear();
   }
 
   /// Takes segment i, just eliminated. `passes_on`: a later segment hangs on its last keyframe.
-  /// `theta` gathers all rows that touch theta only.
-  void add(SegmentEliminator<S>* segment, bool has_guest, bool passes_on, GuestRows<S>* kept, PackedTriangle<S>* theta) {
+  /// `global` gathers all rows that touch ties and theta only.
+  void add(SegmentEliminator<S>* segment, bool has_guest, bool passes_on, LeftRows<S>* left, PackedTriangle<S>* global) {
     // What came from the left stands in the rows of "last" of the segment before: its separator is our guest.
     take_from_left();
-    const ReducedLayout& at = segment->layout();
-    if (passes_on) fold_segment_rows(segment, at.last(), kStateColumns);
-    if (has_guest) fold_segment_rows(segment, at.guest(), 0);
-    if (has_guest) keep(kept);
-    fold_theta(segment, theta);
+    if (has_guest) keep(left);
+    fold_segment(segment, has_guest, passes_on);
+    fold_global(segment, global);
     if (!passes_on) link().clear();
   }
 
-  /// Step of the guest for known steps of the last keyframe (zero if it was not passed on) and theta.
-  static void solve_guest(const GuestRows<S>& kept, int n_theta, const S* last_step, const S* theta_step, S* guest_step) {
-    const int n = 2 * kStateColumns + n_theta;
+  /// After add() of all segments: step of the guest of `segment`, just eliminated as it was then, for known steps of its
+  /// last keyframe (zero if it was not passed on) and of ties and theta.
+  void solve_guest(SegmentEliminator<S>* segment, bool passes_on, const LeftRows<S>& left, const S* last_step,
+                   const S* global_step, S* guest_step) {
+    restore(left);
+    fold_segment(segment, true, passes_on);
+    PackedTriangle<S> L = link();
     for (int i = kStateColumns - 1; i >= 0; --i) {
-      const S* r = kept.row + i * (n + 1);
-      S sum = r[n];
-      for (int c = 0; c < n_theta; ++c) sum -= r[2 * kStateColumns + c] * theta_step[c];
+      const S* r = L.row(i);
+      S sum = r[width() - 1];
+      for (int c = 0; c < n_global_; ++c) sum -= r[2 * kStateColumns + c] * global_step[c];
       for (int c = 0; c < kStateColumns; ++c) sum -= r[kStateColumns + c] * last_step[c];
       for (int c = i + 1; c < kStateColumns; ++c) sum -= r[c] * guest_step[c];
       guest_step[i] = r[i] == S(0) ? S(0) : sum / r[i];
@@ -53,7 +59,7 @@ class Chain {
   }
 
  private:
-  int width() const { return 2 * kStateColumns + n_theta_ + 1; }
+  int width() const { return 2 * kStateColumns + n_global_ + 1; }
   PackedTriangle<S> link() { return PackedTriangle<S>(link_, width()); }
 
   void take_from_left() {
@@ -71,6 +77,11 @@ class Chain {
     }
   }
 
+  void fold_segment(SegmentEliminator<S>* segment, bool has_guest, bool passes_on) {
+    if (passes_on) fold_segment_rows(segment, segment->layout().last(), kStateColumns);
+    if (has_guest) fold_segment_rows(segment, segment->layout().guest(), 0);
+  }
+
   /// Folds 15 rows of the segment's R that begin at column `from`; they stand at column `to` of the link triangle.
   void fold_segment_rows(SegmentEliminator<S>* segment, int from, int to) {
     PackedTriangle<S> R = segment->reduced().R(), L = link();
@@ -82,35 +93,52 @@ class Chain {
       if (from != guest) {
         for (int c = guest; c < theta; ++c) block_[c - guest] = r[c];
       }
-      segment->reduced().to_theta_order(r, 0, block_ + 2 * kStateColumns);
+      segment->reduced().to_global_order(r, 0, block_ + 2 * kStateColumns);
       fold_rows(L, block_, 1, width(), 0, width(), work_);
     }
   }
 
-  void keep(GuestRows<S>* kept) {
+  /// The columns of "last" are zero there.
+  void keep(LeftRows<S>* left) {
     PackedTriangle<S> L = link();
+    S* out = left->data;
     for (int i = 0; i < kStateColumns; ++i) {
-      for (int c = i; c < width(); ++c) kept->row[i * width() + c] = L.row(i)[c];
+      for (int c = i; c < kStateColumns; ++c) *out++ = L.row(i)[c];
+      for (int c = 2 * kStateColumns; c < width(); ++c) *out++ = L.row(i)[c];
     }
   }
 
-  void fold_theta(SegmentEliminator<S>* segment, PackedTriangle<S>* theta) {
+  void restore(const LeftRows<S>& left) {
     PackedTriangle<S> L = link();
-    for (int i = 0; i <= n_theta_; ++i) {
-      segment->reduced().theta_row(i, block_);
-      fold_rows(*theta, block_, 1, n_theta_ + 1, 0, n_theta_ + 1, work_);
-      S* from_link = L.row(2 * kStateColumns + i) + 2 * kStateColumns;
-      fold_theta_row(from_link, i, theta);
-      for (int c = i; c <= n_theta_; ++c) from_link[c] = S(0);
+    L.clear();
+    const S* from = left.data;
+    for (int i = 0; i < kStateColumns; ++i) {
+      for (int c = i; c < kStateColumns; ++c) L.row(i)[c] = *from++;
+      for (int c = 2 * kStateColumns; c < width(); ++c) L.row(i)[c] = *from++;
     }
   }
 
-  void fold_theta_row(const S* row, int first, PackedTriangle<S>* theta) {
-    for (int c = 0; c <= n_theta_; ++c) block_[c] = c < first ? S(0) : row[c];
-    fold_rows(*theta, block_, 1, n_theta_ + 1, first, n_theta_ + 1, work_);
+  void fold_global(SegmentEliminator<S>* segment, PackedTriangle<S>* global) {
+    PackedTriangle<S> L = link();
+    const int n = n_global_ + 1;
+    for (int i = 0; i < n; ++i) {
+      if (i <= segment->layout().global_columns()) {
+        segment->reduced().global_row(i, block_);
+        fold_rows(*global, block_, 1, n, 0, n, work_);
+      }
+      S* from_link = L.row(2 * kStateColumns + i) + 2 * kStateColumns;
+      fold_link_row(from_link, i, global);
+      for (int c = i; c < n; ++c) from_link[c] = S(0);
+    }
   }
 
-  int n_theta_ = 0;
+  void fold_link_row(const S* row, int first, PackedTriangle<S>* global) {
+    const int n = n_global_ + 1;
+    for (int c = 0; c < n; ++c) block_[c] = c < first ? S(0) : row[c];
+    fold_rows(*global, block_, 1, n, first, n, work_);
+  }
+
+  int n_global_ = 0;
   S link_[packed_size(kLinkColumns)];
   S block_[kLinkColumns];
   S work_[kLinkColumns];

@@ -16,7 +16,7 @@ namespace SEGCAL_NS {
 enum class Join : std::int32_t {
   none,  ///< starts a partition: gauge and bias prior on its first keyframe
   imu,   ///< direct neighbour: the raw samples between the two are integrated
-  bias   ///< gap: only the bias random walk links them; starts a partition of its own (gauge held)
+  bias   ///< gap: only the bias random walk links them
 };
 
 template <class S>
@@ -24,6 +24,10 @@ struct GuestLink {
   Join join = Join::none;
   State<S> state;      ///< the previous segment's last keyframe
   S gap_s = S(0);      ///< s from there to the first keyframe (Join::bias)
+  bool hangs = false;  ///< position and rotation about gravity come from ties: no gauge is held (calibration/partitions.h)
+  TiedLandmarks tied;
+
+  bool holds_gauge() const { return join != Join::imu && !hangs; }
 };
 
 /// Statistics of one elimination.
@@ -45,13 +49,14 @@ class SegmentEliminator {
   const EliminationCounts& counts() const { return counts_; }
   S prior_share() const { return prior_share_; }
 
-  /// Copies the rows of theta.
+  /// Copies the rows of theta; for a segment without ties.
   void extract(SegmentInformation<S>* out);
 
-  // A step: [keyframes 15 K | guest 15, where joined | theta].
+  // A step: [keyframes 15 K | guest 15, where joined | theta | the segment's ties].
   int last_column() const { return kStateColumns * (layout().keyframes - 1); }
   int guest_column() const { return kStateColumns * layout().keyframes; }
   int theta_column() const { return guest_column() + layout().guest_columns; }
+  int tie_column() const { return theta_column() + layout().n_theta; }
 
   /// Back-substitution after eliminate() with the same arguments: entries of `step` from `known` on (last_column(),
   /// guest_column() or theta_column()) are given, the others are filled in.
@@ -62,6 +67,7 @@ class SegmentEliminator {
 
  private:
   void fold_landmarks(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping);
+  void fold_ties(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model);
   void hold_gauge(const State<S>& x, const MeasurementModel<S>& model);
   void damp_pose(int k, S damping);
   void run_chain(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
@@ -97,17 +103,18 @@ void SegmentEliminator<S>::eliminate(const Segment<S>& segment, const GuestLink<
   layout.keyframes = segment.n_keyframes;
   layout.guest_columns = guest.join == Join::none ? 0 : kStateColumns;
   layout.n_theta = theta.columns();
+  layout.tied = guest.tied;
   reduced_.begin(layout);
   counts_ = EliminationCounts{};
   prior_share_ = S(0);
   fold_landmarks(segment, theta, model, damping);
-  if (guest.join != Join::imu) hold_gauge(segment.states.x[0], model);
+  if (guest.holds_gauge()) hold_gauge(segment.states.x[0], model);
   for (int k = 0; k < layout.keyframes; ++k) damp_pose(k, damping);
   chain_.begin(nullptr);
   run_chain(segment, guest, theta, model, damping);
   chain_.finish(&reduced_);
   // Gauge, bias prior and damping are no residuals; the bias walk over a gap is.
-  counts_.unknowns -= guest.join == Join::imu ? 0 : guest.join == Join::bias ? 4 : 10;
+  counts_.unknowns -= (guest.holds_gauge() ? 4 : 0) + (guest.join == Join::none ? 6 : 0);
   counts_.residuals += guest.join == Join::bias ? 6 : 0;
   counts_.residuals += 2 * counts_.image_points + 15 * chain_.links();
   counts_.unknowns += 3 * counts_.landmarks + kStateColumns * layout.keyframes;
@@ -120,16 +127,30 @@ void SegmentEliminator<S>::fold_landmarks(const Segment<S>& segment, const Calib
   // Those that end first go first: the triangle fills up to the last keyframe seen so far, and no further.
   for (int last = 0; last < segment.n_keyframes; ++last) {
     for (int j = 0; j < segment.n_landmarks; ++j) {
-      if (segment.last_keyframe(j) != last) continue;
+      if (segment.last_keyframe(j) != last || layout().tied.place_of(j) >= 0) continue;
       LandmarkFit<S> fit = landmark_.build(segment, j, theta, model, layout(), landmark_damping);
       if (fit.used < 2) continue;
       landmark_.eliminate(&fit, model, work_);
       reduced_.fold_visual(landmark_.rest(), fit.rows - kLandmarkColumns, landmark_.stride(), fit.first_keyframe,
-                           fit.last_keyframe);
+                           fit.last_keyframe, false);
       counts_.image_points += fit.used;
       ++counts_.landmarks;
       prior_share_ += fit.prior_share;
     }
+  }
+  fold_ties(segment, theta, model);
+}
+
+/// After the other landmarks, whose rows need not go through the ties' columns then. A tie's prior and damping are not the
+/// segment's: they count once for all (calibrator.h).
+template <class S>
+void SegmentEliminator<S>::fold_ties(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model) {
+  for (int t = 0; t < layout().tied.n; ++t) {
+    const LandmarkFit<S> fit = landmark_.build_tied(segment, t, theta, model, layout());
+    if (fit.used == 0) continue;
+    reduced_.fold_visual(landmark_.tied_rows(), fit.rows, landmark_.stride(), fit.first_keyframe,
+                         fit.last_keyframe, true);
+    counts_.image_points += fit.used;
   }
 }
 
@@ -200,7 +221,7 @@ void SegmentEliminator<S>::extract(SegmentInformation<S>* out) {
   PackedTriangle<S> info = out->triangle();
   info.clear();
   for (int i = 0; i <= n; ++i) {
-    reduced_.theta_row(i, step_);
+    reduced_.global_row(i, step_);
     fold_rows(info, step_, 1, n + 1, 0, n + 1, work_);
   }
 }
@@ -213,7 +234,7 @@ void SegmentEliminator<S>::spread_step(const S* step) {
   spread_linked(step);
 }
 
-/// Last keyframe, guest and theta of a step.
+/// Last keyframe, guest, theta and ties of a step.
 template <class S>
 void SegmentEliminator<S>::spread_linked(const S* step) {
   const ReducedLayout& at = layout();
@@ -221,6 +242,7 @@ void SegmentEliminator<S>::spread_linked(const S* step) {
   const S* theta = step + theta_column();
   for (int c = 0; c < at.camera_columns(); ++c) step_[at.cameras() + c] = theta[c];
   for (int c = 0; c < kImuColumns; ++c) step_[at.imu() + c] = theta[at.camera_columns() + c];
+  for (int c = 0; c < kLandmarkColumns * at.tied.n; ++c) step_[at.tie(0) + c] = step[tie_column() + c];
 }
 
 template <class S>
@@ -241,6 +263,12 @@ void SegmentEliminator<S>::move(Segment<S>* segment, const Calibration<S>& theta
                                 S damping, const S* step) {
   spread_step(step);
   for (int j = 0; j < segment->n_landmarks; ++j) {
+    const int tie = layout().tied.place_of(j);
+    if (tie >= 0) {
+      // Every segment has a copy of its own, moved by the same step: they stay equal bit by bit.
+      add_step(&segment->states.landmark[j], step + tie_column() + kLandmarkColumns * tie);
+      continue;
+    }
     LandmarkFit<S> fit = landmark_.build(*segment, j, theta, model, layout(), damping / kTypicalLandmarkStep<S>);
     if (fit.used < 2) continue;
     landmark_.eliminate(&fit, model, work_);

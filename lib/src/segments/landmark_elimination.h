@@ -4,6 +4,8 @@
 // Columns of the block: 3 free ones, then the reduced system's, right-hand side -r. The landmark's own columns stand right
 // before the first pose that sees it, so that the columns before need neither be cleared nor reflected.
 // Rows: one for the prior on the inverse depth, three for damping if there is any, two per image point.
+//
+// A tied landmark (calibration/ties.h) stays: its rows are the image points' alone, and stand in the tie's columns.
 #pragma once
 
 #include "segments/reduced_system.h"
@@ -31,10 +33,15 @@ class LandmarkBlock {
   /// of lambda times one over the landmark's typical step.
   LandmarkFit<S> build(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                        const ReducedLayout& layout, S damping);
+  /// The rows of the landmark that is tie t of this segment: image points only, in the tie's columns.
+  LandmarkFit<S> build_tied(const Segment<S>& segment, int t, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                            const ReducedLayout& layout);
   /// The three reflections; afterwards rows [3, rows) are free of the landmark.
   void eliminate(LandmarkFit<S>* fit, const MeasurementModel<S>& model, S* work);
   /// Rows after elimination, beginning at the first pose column.
-  S* rest() { return data_ + kLandmarkColumns * stride_ + kLandmarkColumns; }
+  S* rest() { return tied_rows() + kLandmarkColumns * stride_; }
+  /// All rows of a tied landmark, beginning at the first pose column.
+  S* tied_rows() { return data_ + kLandmarkColumns; }
   int stride() const { return stride_; }
   /// Landmark step for given steps of poses and cameras (`step`, in the reduced layout).
   void solve(const S* step, S* landmark_step) const;
@@ -42,15 +49,20 @@ class LandmarkBlock {
  private:
   S* row(int i) { return data_ + i * stride_; }
   /// The landmark's three columns of a row.
-  S* own(int i) { return row(i) + first_; }
-  const S* own(int i) const { return data_ + i * stride_ + first_; }
+  S* own(int i) { return row(i) + column_; }
+  const S* own(int i) const { return data_ + i * stride_ + column_; }
   void clear(int i) {
     for (int c = first_; c < stride_; ++c) row(i)[c] = S(0);
   }
   bool add_observation(const Segment<S>& segment, int j, const Observation& o, const Calibration<S>& theta,
                        const MeasurementModel<S>& model, const ReducedLayout& layout, LandmarkFit<S>* fit);
-  int stride_ = 0, rows_ = 0, first_ = 0;
-  ColumnGap gap_;  // counted from the landmark's columns
+  void find_keyframes(const Segment<S>& segment, int j, LandmarkFit<S>* fit) const;
+  void add_observations(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                        const ReducedLayout& layout, LandmarkFit<S>* fit);
+  int stride_ = 0, rows_ = 0;
+  int first_ = 0;    // column from which on rows are in use
+  int column_ = 0;   // of the landmark itself
+  ColumnGap gap_;    // counted from first_
   S data_[kLandmarkBlockRows * kLandmarkBlockWidth];
 };
 
@@ -88,19 +100,24 @@ bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const O
   return true;
 }
 
+/// First and last keyframe of the image points.
+template <class S>
+void LandmarkBlock<S>::find_keyframes(const Segment<S>& segment, int j, LandmarkFit<S>* fit) const {
+  fit->first_keyframe = kMaxKeyframes - 1;
+  for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
+    const int k = segment.observation[o].keyframe;
+    if (k < fit->first_keyframe) fit->first_keyframe = k;
+    if (k > fit->last_keyframe) fit->last_keyframe = k;
+  }
+}
+
 template <class S>
 LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const Calibration<S>& theta,
                                        const MeasurementModel<S>& model, const ReducedLayout& layout, S damping) {
   LandmarkFit<S> fit;
-  const int begin = segment.first_observation[j], end = segment.first_observation[j + 1];
-  fit.first_keyframe = kMaxKeyframes - 1;
-  for (int o = begin; o < end; ++o) {
-    const int k = segment.observation[o].keyframe;
-    if (k < fit.first_keyframe) fit.first_keyframe = k;
-    if (k > fit.last_keyframe) fit.last_keyframe = k;
-  }
+  find_keyframes(segment, j, &fit);
   stride_ = kLandmarkColumns + layout.width();
-  first_ = layout.pose(fit.first_keyframe);
+  first_ = column_ = layout.pose(fit.first_keyframe);
   gap_.first = kLandmarkColumns + layout.pose(fit.last_keyframe + 1) - first_;
   gap_.last = kLandmarkColumns + layout.cameras() - first_;
   const int priors = damping > S(0) ? 4 : 1;
@@ -109,13 +126,32 @@ LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const C
   row(0)[stride_ - 1] = -segment.states.landmark[j].rho / model.inverse_depth_sigma;
   for (int i = 1; i < priors; ++i) own(i)[i - 1] = damping;
   rows_ = priors;
-  for (int o = begin; o < end; ++o) {
-    if (segment.observation[o].rejected) continue;
-    if (!add_observation(segment, j, segment.observation[o], theta, model, layout, &fit)) continue;
-    ++fit.used;
-  }
-  fit.rows = rows_;
+  add_observations(segment, j, theta, model, layout, &fit);
   return fit;
+}
+
+template <class S>
+LandmarkFit<S> LandmarkBlock<S>::build_tied(const Segment<S>& segment, int t, const Calibration<S>& theta,
+                                            const MeasurementModel<S>& model, const ReducedLayout& layout) {
+  LandmarkFit<S> fit;
+  const int j = layout.tied.landmark[t];
+  find_keyframes(segment, j, &fit);
+  stride_ = kLandmarkColumns + layout.width();
+  first_ = kLandmarkColumns + layout.pose(fit.first_keyframe);
+  column_ = kLandmarkColumns + layout.tie(t);
+  rows_ = 0;
+  add_observations(segment, j, theta, model, layout, &fit);
+  return fit;
+}
+
+template <class S>
+void LandmarkBlock<S>::add_observations(const Segment<S>& segment, int j, const Calibration<S>& theta,
+                                        const MeasurementModel<S>& model, const ReducedLayout& layout, LandmarkFit<S>* fit) {
+  for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
+    if (segment.observation[o].rejected) continue;
+    if (add_observation(segment, j, segment.observation[o], theta, model, layout, fit)) ++fit->used;
+  }
+  fit->rows = rows_;
 }
 
 template <class S>

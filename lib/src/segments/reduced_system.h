@@ -1,7 +1,8 @@
 // The triangle that a segment is reduced to:
-// [poses 6 (K - 1) | last keyframe 15 | guest 15, where joined | theta: IMU part, then cameras | rhs].
+// [poses 6 (K - 1) | last keyframe 15 | guest 15, where joined | IMU part of theta | ties 3 each | cameras | rhs].
 //
-// Cameras stand last in theta, beside the right-hand side, so that the landmarks' rows leave one gap in the middle.
+// Cameras stand last in theta, beside the right-hand side, so that the landmarks' rows leave one gap in the middle. A tie
+// is a landmark that other segments use too (calibration/ties.h): it stays, beside theta.
 //
 // Velocities and biases of all keyframes but the last are eliminated before (velocity_bias_chain.h): each of them touches
 // its two neighbours only, so they never stand in this triangle, which is what keeps it small.
@@ -13,20 +14,40 @@
 namespace SEGCAL_NS {
 
 constexpr int kVelocityBiasColumns = kStateColumns - kPoseColumns;
-constexpr int kReducedColumns = kPoseColumns * (kMaxKeyframes - 1) + 2 * kStateColumns + kMaxTheta + 1;
+constexpr int kMaxTies = SEGCAL_MAX_TIES;
+constexpr int kTieColumns = kLandmarkColumns * kMaxTies;
+constexpr int kReducedColumns = kPoseColumns * (kMaxKeyframes - 1) + 2 * kStateColumns + kMaxTheta + kTieColumns + 1;
+
+/// The ties that a segment sees, among all that there are.
+struct TiedLandmarks {
+  std::int32_t n = 0, total = 0;
+  std::int16_t landmark[kMaxTies + 1];  ///< index in the segment; (a place more: there may be no ties at all)
+  std::int16_t number[kMaxTies + 1];    ///< 0..total - 1
+
+  /// Place of landmark j in this list; -1 if it is the segment's own.
+  int place_of(int j) const {
+    int t = n - 1;
+    while (t >= 0 && landmark[t] != j) --t;
+    return t;
+  }
+};
 
 /// Where things stand. The last keyframe's pose follows the other poses, so pose k is always at 6 k.
 struct ReducedLayout {
   int keyframes = 0, guest_columns = 0, n_theta = 0;
+  TiedLandmarks tied;
 
   int pose(int k) const { return kPoseColumns * k; }
   int last() const { return pose(keyframes - 1); }
   int guest() const { return last() + kStateColumns; }
   int theta() const { return guest() + guest_columns; }
   int imu() const { return theta(); }
-  int cameras() const { return theta() + kImuColumns; }
+  int tie(int t) const { return theta() + kImuColumns + kLandmarkColumns * t; }
+  int cameras() const { return tie(tied.n); }
   int camera_columns() const { return n_theta - kImuColumns; }
-  int rhs() const { return theta() + n_theta; }
+  /// Columns that stay: theta and ties.
+  int global_columns() const { return n_theta + kLandmarkColumns * tied.n; }
+  int rhs() const { return theta() + global_columns(); }
   int width() const { return rhs() + 1; }
 };
 
@@ -41,25 +62,32 @@ class ReducedSystem {
   const ReducedLayout& layout() const { return layout_; }
   PackedTriangle<S> R() { return PackedTriangle<S>(data_, layout_.width()); }
 
-  /// Folds landmark rows: they touch the poses of keyframes first to last and cameras only, and the rows folded before
-  /// touch no later poses than the latest so far. Cheap, if the landmarks that end early come first.
-  void fold_visual(S* rows, int m, int stride, int first_keyframe, int last_keyframe) {
+  /// Folds landmark rows: they touch the poses of keyframes first to last, cameras and, if `tied`, ties; the rows folded
+  /// before touch no later poses than the latest so far. Cheap, if the landmarks that end early come first.
+  void fold_visual(S* rows, int m, int stride, int first_keyframe, int last_keyframe, bool tied) {
     PackedTriangle<S> triangle = R();
     if (layout_.pose(last_keyframe + 1) > seen_poses_) seen_poses_ = layout_.pose(last_keyframe + 1);
-    const ColumnGap gap{seen_poses_, layout_.cameras()};
+    const ColumnGap gap{seen_poses_, tied ? layout_.tie(0) : layout_.cameras()};
     fold_rows(triangle, rows, m, stride, layout_.pose(first_keyframe), layout_.width(), work_, gap);
   }
 
-  /// Theta's part of row i (theta() + i), in theta's own order [cameras | IMU], with the right-hand side last.
-  void theta_row(int i, S* out) { to_theta_order(R().row(layout_.theta() + i), i, out); }
+  /// The global part of row theta() + i, in the order that all segments share: [all ties | cameras | IMU | rhs].
+  void global_row(int i, S* out) { to_global_order(R().row(layout_.theta() + i), i, out); }
 
-  /// The same for any row: entries of theta before the i-th are taken as zero.
-  void to_theta_order(const S* row, int i, S* out) const {
-    for (int c = 0; c < layout_.n_theta; ++c) {
-      const int from = c < layout_.camera_columns() ? kImuColumns + c : c - layout_.camera_columns();
-      out[c] = from < i ? S(0) : row[layout_.theta() + from];
+  /// The same for any row: entries before the i-th from theta() on are taken as zero.
+  void to_global_order(const S* row, int i, S* out) const {
+    const ReducedLayout& at = layout_;
+    const int theta = kLandmarkColumns * at.tied.total;
+    for (int c = 0; c < theta; ++c) out[c] = S(0);
+    for (int c = 0; c < kLandmarkColumns * at.tied.n; ++c) {
+      const int to = kLandmarkColumns * at.tied.number[c / kLandmarkColumns] + c % kLandmarkColumns;
+      out[to] = kImuColumns + c < i ? S(0) : row[at.tie(0) + c];
     }
-    out[layout_.n_theta] = row[layout_.rhs()];
+    for (int c = 0; c < at.n_theta; ++c) {
+      const int from = c < at.camera_columns() ? at.cameras() - at.theta() + c : c - at.camera_columns();
+      out[theta + c] = from < i ? S(0) : row[at.theta() + from];
+    }
+    out[theta + at.n_theta] = row[at.rhs()];
   }
 
   /// Folds rows that stand in this layout; columns before `first` are zero. Destroys them.

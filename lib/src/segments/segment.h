@@ -53,6 +53,7 @@ struct Segment {
   std::int64_t t0_ns = 0;          ///< stamp of the first keyframe, IMU clock
   std::uint32_t serial = 0;        ///< grows by one with each segment cut from the stream
   std::uint32_t session = 0;
+  std::uint32_t frame = 0;         ///< segments with the same number have their states in the same G
   std::int32_t n_keyframes = 0, n_landmarks = 0, n_observations = 0;
   /// > 0: the samples begin this long (us) before the first keyframe, at the last keyframe of segment `serial` - 1.
   std::int32_t lead_us = 0;

@@ -13,15 +13,22 @@ S link_cost(const ImuIntegral<S>& I, const State<S>& x0, const State<S>& x1, con
   return whiten_residual(I, model.imu, r, &w) ? w.squaredNorm() : S(0);
 }
 
-/// Robust cost of all image points, and the prior on each landmark's inverse distance.
+/// Cost of the prior on a landmark's inverse distance.
 template <class S>
-S image_cost(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model) {
+S inverse_depth_cost(const Landmark<S>& l, const MeasurementModel<S>& model) {
+  const S prior = l.rho / model.inverse_depth_sigma;
+  return prior * prior;
+}
+
+/// Robust cost of all image points, and the prior on each landmark's inverse distance; that of a tie is not the segment's.
+template <class S>
+S image_cost(const Segment<S>& segment, const TiedLandmarks& tied, const Calibration<S>& theta,
+             const MeasurementModel<S>& model) {
   const S inverse_variance = S(1) / (model.pixel_sigma * model.pixel_sigma);
   S total = S(0);
   for (int j = 0; j < segment.n_landmarks; ++j) {
     const Landmark<S>& l = segment.states.landmark[j];
-    const S prior = l.rho / model.inverse_depth_sigma;
-    S sum = prior * prior;
+    S sum = tied.place_of(j) >= 0 ? S(0) : inverse_depth_cost(l, model);
     for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
       const Observation& z = segment.observation[o];
       if (z.rejected) continue;
@@ -77,7 +84,7 @@ S inertial_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Cali
 template <class S>
 S segment_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                const MeasurementModel<S>& model) {
-  return image_cost(segment, theta, model) + inertial_cost(segment, guest, theta, model);
+  return image_cost(segment, guest.tied, theta, model) + inertial_cost(segment, guest, theta, model);
 }
 
 /// False if the states break the segment's own IMU links by a hundred sigmas: the odometry that gave them had not settled,
