@@ -190,6 +190,12 @@ void test_rotation_in_place_says_nothing_of_the_lever_arm() {
   check_fit(id, out);
   const Eigen::VectorXd normalised = minus(out.theta, session.truth).cwiseQuotient(out.sigma);
   for (int i = 0; i < normalised.size(); ++i) test::check_near(id.add("column", i), "error in sigmas", 0, normalised(i), 5);
+  // Along the lever arm itself the prior's sigma stays: the sum of the components' sigmas there is at least that of the
+  // direction (triangle inequality), less the tenth that noise may feign.
+  const Vec3<double> along = session.nominal.camera[0].p_CI.normalized().cwiseAbs();
+  double sigma = 0;
+  for (int i = 0; i < 3; ++i) sigma += along(i) * out.sigma(3 + i);
+  test::check_between(id, "sigma along the lever arm over the prior's", 0.75, sigma / out.prior_sigma(3), 2);
 }
 
 void test_joins_add_information() {

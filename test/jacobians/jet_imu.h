@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "jet_camera.h"
-#include "sensors/imu.h"
+#include "sensors/imu_link.h"
 
 namespace jet {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "random.h"
-#include "sensors/imu.h"
+#include "sensors/imu_link.h"
 
 namespace test {
 

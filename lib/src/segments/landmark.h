@@ -7,7 +7,7 @@
 #pragma once
 
 #include "sensors/camera.h"
-#include "sensors/imu.h"
+#include "sensors/inertial_state.h"
 
 namespace SEGCAL_NS {
 

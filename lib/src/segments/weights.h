@@ -1,7 +1,7 @@
 // Measurement model of a segment: noise, priors on nuisance states, robust weights.
 #pragma once
 
-#include "sensors/imu.h"
+#include "sensors/imu_link.h"
 
 namespace SEGCAL_NS {
 

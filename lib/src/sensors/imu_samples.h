@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "sensors/imu.h"
+#include "sensors/imu_integral.h"
 
 namespace SEGCAL_NS {
 

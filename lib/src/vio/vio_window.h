@@ -8,7 +8,7 @@
 #pragma once
 
 #include "math/qr.h"
-#include "sensors/imu.h"
+#include "sensors/imu_link.h"
 #include "vio/vio_types.h"
 
 namespace SEGCAL_NS {
