@@ -6,8 +6,8 @@
 #pragma once
 
 #include "calibration/chain.h"
+#include "calibration/global_system.h"
 #include "calibration/partitions.h"
-#include "calibration/prior.h"
 #include "segments/segment_cost.h"
 #include "segments/triangulation.h"
 #include "segments/visible_translation.h"
@@ -42,10 +42,7 @@ class Calibrator {
   const Calibration<S>& theta() const { return theta_; }
   const CalibrationFit<S>& fit() const { return fit_; }
   /// Triangle over [theta | rhs] at the last linearisation, prior included: Sigma_theta = (R'R)^-1.
-  PackedTriangle<S> theta_triangle() {
-    const int n = theta_.columns() + 1;  // its last rows are a triangle of their own: theta's marginal
-    return PackedTriangle<S>(global_data_ + packed_size(global_columns() + 1) - packed_size(n), n);
-  }
+  PackedTriangle<S> theta_triangle() { return global_.theta_triangle(); }
   const SegmentLink<S>& link(int i) const { return link_[i]; }
   /// One gauge is held in each.
   int partitions() const { return partition_count_; }
@@ -73,13 +70,9 @@ class Calibrator {
 
  private:
   void form_partitions();
-  int global_columns() const { return kLandmarkColumns * partitions_.ties().count() + theta_.columns(); }
-  PackedTriangle<S> global_triangle() { return PackedTriangle<S>(global_data_, global_columns() + 1); }
   GuestLink<S> guest(int i);
   const Landmark<S>& tie(int t) const;
-  void add_ties(S damping, PackedTriangle<S>* G);
   S tie_prior_share(int t) const;
-  void solve_ties(const S* theta_step);
   void step_back(SegmentEliminator<S>* eliminator, S damping, const S* theta_step);
   void refine_landmarks();
   void save();
@@ -100,8 +93,7 @@ class Calibrator {
   LeftRows<S> left_[kMaxSegments > 1 ? kMaxSegments - 1 : 1];  ///< the first segment has nobody on its left
   SegmentStates<S> saved_[kMaxSegments];
   S last_step_[kMaxTheta];
-  S global_data_[packed_size(kMaxGlobal + 1)];  ///< [ties | theta | rhs]
-  S global_step_[kMaxGlobal];
+  GlobalSystem<S> global_;
   S step_[kStateColumns * (kMaxKeyframes + 1) + kMaxGlobal + 1];
 };
 
@@ -152,24 +144,6 @@ S Calibrator<S>::total_cost() {
   return total;
 }
 
-/// What a tie has once, whatever the number of segments that see it: prior and damping.
-template <class S>
-void Calibrator<S>::add_ties(S damping, PackedTriangle<S>* G) {
-  const int n = G->columns();
-  S row[kMaxGlobal + 1], work[kMaxGlobal + 1];
-  const auto fold = [&](int column, S weight, S value) {
-    for (int c = 0; c < n; ++c) row[c] = S(0);
-    row[column] = weight;
-    row[n - 1] = -weight * value;
-    fold_rows(*G, row, 1, n, column, n, work);
-  };
-  for (int t = 0; t < partitions_.ties().count(); ++t) {
-    const int first = kLandmarkColumns * t;
-    fold(first + 2, S(1) / model_.inverse_depth_sigma, tie(t).rho);
-    for (int c = 0; damping > S(0) && c < kLandmarkColumns; ++c) fold(first + c, damping / kTypicalLandmarkStep<S>, S(0));
-  }
-}
-
 /// Part of a tie's inverse depth's information that is prior, as LandmarkFit has it for other landmarks.
 template <class S>
 S Calibrator<S>::tie_prior_share(int t) const {
@@ -186,14 +160,15 @@ S Calibrator<S>::tie_prior_share(int t) const {
 
 template <class S>
 void Calibrator<S>::linearise(SegmentEliminator<S>* eliminator, S damping) {
-  PackedTriangle<S> T = theta_triangle(), G = global_triangle();
-  G.clear();
-  write_prior(prior_, theta_, &T);
-  add_ties(damping, &G);
-  chain_.begin(global_columns());
+  const int ties = partitions_.ties().count();
+  global_.begin(ties, theta_.columns());
+  global_.clear_to_prior(prior_, theta_);
+  for (int t = 0; t < ties; ++t) global_.add_tie(t, tie(t), model_, damping);
+  PackedTriangle<S> G = global_.triangle();
+  chain_.begin(global_.columns());
   fit_.image_points = 0;
   fit_.dof = count_ > 0 ? -S(theta_.columns()) : S(0);
-  for (int t = 0; t < partitions_.ties().count(); ++t) fit_.dof -= S(kLandmarkColumns) - tie_prior_share(t);
+  for (int t = 0; t < ties; ++t) fit_.dof -= S(kLandmarkColumns) - tie_prior_share(t);
   for (int i = 0; i < count_; ++i) {
     segment_[i]->turned_only = !translation_shows(*segment_[i], theta_, model_);
     eliminator->eliminate(*segment_[i], guest(i), theta_, model_, damping);
@@ -203,39 +178,25 @@ void Calibrator<S>::linearise(SegmentEliminator<S>* eliminator, S damping) {
   }
 }
 
-/// Steps of the ties for a given step of theta; both in the order of the global columns.
-template <class S>
-void Calibrator<S>::solve_ties(const S* theta_step) {
-  const PackedTriangle<S> G = global_triangle();
-  const int n = global_columns(), first = n - theta_.columns();
-  for (int c = first; c < n; ++c) global_step_[c] = theta_step[c - first];
-  for (int i = first - 1; i >= 0; --i) {
-    const S* r = G.row(i);
-    S sum = r[n];
-    for (int c = i + 1; c < n; ++c) sum -= r[c] * global_step_[c];
-    global_step_[i] = r[i] == S(0) ? S(0) : sum / r[i];
-  }
-}
-
 template <class S>
 void Calibrator<S>::step_back(SegmentEliminator<S>* eliminator, S damping, const S* theta_step) {
   const int n_theta = theta_.columns();
   S last[kStateColumns], guest_step[kStateColumns] = {};
-  solve_ties(theta_step);
+  const S* global_step = global_.solve_ties(theta_step);
   for (int i = count_ - 1; i >= 0; --i) {
     const bool has_guest = link_[i].join != Join::none;
     // The step that the segment after this one found for our last keyframe; none hangs on it: none is known.
     for (int c = 0; c < kStateColumns; ++c) last[c] = link_[i].passes_on ? guest_step[c] : S(0);
     const GuestLink<S> g = guest(i);
     eliminator->eliminate(*segment_[i], g, theta_, model_, damping);
-    if (has_guest) chain_.solve_guest(eliminator, link_[i].passes_on, left_[i - 1], last, global_step_, guest_step);
+    if (has_guest) chain_.solve_guest(eliminator, link_[i].passes_on, left_[i - 1], last, global_step, guest_step);
     for (int c = 0; c < kStateColumns; ++c) {
       step_[eliminator->last_column() + c] = last[c];
       if (has_guest) step_[eliminator->guest_column() + c] = guest_step[c];
     }
     for (int c = 0; c < n_theta; ++c) step_[eliminator->theta_column() + c] = theta_step[c];
     for (int c = 0; c < kLandmarkColumns * g.tied.n; ++c) {
-      step_[eliminator->tie_column() + c] = global_step_[kLandmarkColumns * g.tied.number[c / kLandmarkColumns] + c % kLandmarkColumns];
+      step_[eliminator->tie_column() + c] = global_step[kLandmarkColumns * g.tied.number[c / kLandmarkColumns] + c % kLandmarkColumns];
     }
     eliminator->back_substitute(*segment_[i], g, theta_, model_, damping, step_,
                                 link_[i].passes_on ? eliminator->last_column() : eliminator->guest_column());
