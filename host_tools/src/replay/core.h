@@ -15,7 +15,7 @@ namespace host {
 struct CoreOptions {
   Calibration calibration;
   ImuNoise noise;
-  std::string metric = "A";          ///< A, D, E or random
+  std::string metric = "A";          ///< A, D, E, set_d or random
   bool multi_session = false;
   int segments = 8;
   double segment_s = 4;

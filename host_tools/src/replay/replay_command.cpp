@@ -87,7 +87,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   sub->add_option("--calib", a->calibration, "starting calibration, Kalibr's camchain-imucam.yaml (default: the recording's own)");
   sub->add_option("--out", a->out, "folder for result.json, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml")->required();
   sub->add_option("--profile", a->replay.profile, "capacities of the core, as compiled for firmware: mcu, mobile, host")->capture_default_str();
-  sub->add_option("--metric", a->replay.core.metric, "what makes a segment informative: A, D, E or random")->capture_default_str();
+  sub->add_option("--metric", a->replay.core.metric, "what makes a segment informative: A, D, E or random; set_d: the set that tells most together")->capture_default_str();
   sub->add_option("--segments", a->replay.core.segments, "segments to keep in the database")->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_option("--segment-seconds", a->replay.core.segment_s, "length of a segment, s")->capture_default_str()->check(CLI::Range(1.0, 30.0));
   sub->add_option("--strategy", a->strategy, "single: each session starts with an empty database; multi: the best of all stay")

@@ -60,7 +60,8 @@ enum {
 
 /* ---- configuration: a struct of zeroes means all defaults, except for the camera itself ---- */
 enum { SEGCAL_FOV = 0, SEGCAL_RADTAN = 1, SEGCAL_EQUIDISTANT = 2 };
-enum { SEGCAL_METRIC_A = 0, SEGCAL_METRIC_D = 1, SEGCAL_METRIC_E = 2, SEGCAL_METRIC_RANDOM = 3 };
+enum { SEGCAL_METRIC_A = 0, SEGCAL_METRIC_D = 1, SEGCAL_METRIC_E = 2, SEGCAL_METRIC_RANDOM = 3,
+       SEGCAL_METRIC_SET_D = 4 };
 enum { SEGCAL_SINGLE_SESSION = 0, SEGCAL_MULTI_SESSION = 1 };
 
 typedef struct {
@@ -95,7 +96,7 @@ typedef struct {
   double frame_interval_s;         /* frames closer than this are skipped by the filter; 0: 0.1 */
   double segment_s;                /* length of a segment; 0: 4 */
   int32_t keep_segments;           /* 1..SEGCAL_MAX_SEGMENTS; 0: 8, or the maximum if that is smaller */
-  int32_t metric;                  /* SEGCAL_METRIC_* */
+  int32_t metric;                  /* SEGCAL_METRIC_*; A, D and E judge each segment alone, SET_D all kept ones together */
   int32_t strategy;                /* SEGCAL_SINGLE_SESSION or SEGCAL_MULTI_SESSION */
   double least_gain_nats;          /* a segment that tells less is never kept; 0: half a nat per parameter */
   double prior_sigma[SEGCAL_MAX_PARAMETERS]; /* 0: the table in DESIGN, section 3 */

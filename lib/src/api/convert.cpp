@@ -87,7 +87,7 @@ bool sigmas_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
 bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   if (c.n_cameras < 0 || c.n_cameras > SEGCAL_MAX_CAMERAS) return false;
   if (c.keep_segments < 0 || c.keep_segments > SEGCAL_MAX_SEGMENTS) return false;
-  if (c.metric < SEGCAL_METRIC_A || c.metric > SEGCAL_METRIC_RANDOM) return false;
+  if (c.metric < SEGCAL_METRIC_A || c.metric > SEGCAL_METRIC_SET_D) return false;
   if (c.strategy != SEGCAL_SINGLE_SESSION && c.strategy != SEGCAL_MULTI_SESSION) return false;
   out->theta = Calibration<Real>();
   out->theta.n_cameras = c.n_cameras == 0 ? 1 : c.n_cameras;

@@ -88,6 +88,11 @@ class Device {
   void restart_filter();
   void use_odometry(bool own);
   Calibration<S> working_theta() const;
+  /// Sums of information, in the eliminator's memory: what it holds is lost.
+  JointInformation<S> joint_information() {
+    static_assert(kJointScratch <= ReducedSystem<S>::kScratch, "the eliminator has too little to lend");
+    return JointInformation<S>(prior_.sigma, theta_.columns(), eliminator_.reduced().scratch());
+  }
 
   DeviceOptions<S> options_;
   Calibration<S> theta_;   ///< best known: released, else the start
@@ -322,7 +327,8 @@ void Device<S>::score() {
   last_ = summary_of(segment);
   const bool settled = follows_its_imu(segment, theta, options_.model);
   if (!settled) ++faults_.segments_unsettled;
-  last_.kept = settled && database_.offer();
+  JointInformation<S> joint = joint_information();
+  last_.kept = settled && database_.offer(&joint);
   if (last_.kept && database_.full() && !was_full_) {
     was_full_ = true;
     calibration_due_ = true;  // paper, Alg. 1: enough segments

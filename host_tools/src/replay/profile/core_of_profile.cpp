@@ -20,7 +20,8 @@ int metric_code(const std::string& name) {
   if (name == "D") return SEGCAL_METRIC_D;
   if (name == "E") return SEGCAL_METRIC_E;
   if (name == "random") return SEGCAL_METRIC_RANDOM;
-  throw InputError("--metric: expected A, D, E or random, found '" + name + "'");
+  if (name == "set_d") return SEGCAL_METRIC_SET_D;
+  throw InputError("--metric: expected A, D, E, set_d or random, found '" + name + "'");
 }
 
 void put_rotation(const Eigen::Matrix3d& R, double* q_wxyz) {
