@@ -15,12 +15,13 @@ namespace host {
 struct CoreOptions {
   Calibration calibration;
   ImuNoise noise;
-  std::string metric = "A";          ///< A, D, E or random
+  std::string metric = "A";          ///< A, D, E, set_d or random
   bool multi_session = false;
   int segments = 8;
   double segment_s = 4;
   double pixel_sigma = 0.5;          ///< px
   std::uint64_t seed = 1;
+  double trigger_fraction = 0;       ///< sigmas over the prior's at which the device calibrates of its own; 0: it does not
 };
 
 struct CoreState {
@@ -89,7 +90,7 @@ class Core {
   virtual FrameOutcome push_frame(std::int64_t t_ns, const std::vector<const Frame*>& per_camera) = 0;
   virtual bool state(CoreState* out) const = 0;
   /// Scores and, when due, calibrates. True if a calibration ran.
-  virtual void background() = 0;
+  virtual bool background() = 0;
   virtual void flush() = 0;
   virtual void new_session() = 0;
   /// False if there is no segment to calibrate from.

@@ -47,7 +47,8 @@ std::vector<RigFrame> rig_frames(const Recording& recording) {
 
 class Session {
  public:
-  Session(Core& core, ReplayResult& out) : core_(core), out_(out) {}
+  /// `background`: the device works in the background as in firmware, and so calibrates when it knows enough.
+  Session(Core& core, ReplayResult& out, bool background) : core_(core), out_(out), background_(background) {}
 
   void run(const Recording& recording, const std::function<void(double)>& progress) {
     const std::vector<RigFrame> frames = rig_frames(recording);
@@ -67,6 +68,12 @@ class Session {
     }
     core_.flush();
     collect_segment();
+    if (background_ && core_.background()) note_calibration(true);
+  }
+
+  void note_calibration(bool by_targets) {
+    const CoreResult result = core_.result();
+    out_.calibrations.push_back({newest_, by_targets, result.segments, result.status, result.parameters});
   }
 
   std::vector<double> frame_ms, score_ms;
@@ -74,6 +81,7 @@ class Session {
  private:
   void take_frame(const RigFrame& frame, Clock::time_point start) {
     const FrameOutcome outcome = core_.push_frame(frame.t_ns, frame.cameras);
+    newest_ = frame.t_ns;
     const double ms = ms_since(start);
     if (collect_segment()) {
       score_ms.push_back(ms);
@@ -82,6 +90,7 @@ class Session {
     }
     CoreState state;
     if (outcome == FrameOutcome::tracking && core_.state(&state)) out_.trajectory.push_back(state);
+    if (background_ && core_.background()) note_calibration(true);
   }
 
   bool collect_segment() {
@@ -93,6 +102,8 @@ class Session {
 
   Core& core_;
   ReplayResult& out_;
+  bool background_;
+  std::int64_t newest_ = 0;
 };
 
 void mark_kept(ReplayResult& out) {
@@ -107,7 +118,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   const std::unique_ptr<Core> core = make_core(options.profile, options.core);
   ReplayResult out;
   out.noise = options.core.noise;
-  Session session(*core, out);
+  Session session(*core, out, options.calibrate && options.core.trigger_fraction > 0);
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     if (i > 0) core->new_session();
     session.run(sessions[i], options.progress);
@@ -115,6 +126,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
     const auto start = Clock::now();
     out.calibrated = core->calibrate() || out.calibrated;
     out.timing.calibrate_ms = ms_since(start);
+    session.note_calibration(false);
   }
   out.result = core->result();
   out.calibration = core->calibration();

@@ -14,6 +14,15 @@ struct ReplayOptions {
   std::function<void(double)> progress;  ///< called with the fraction done, 0..1; may be empty
 };
 
+/// One calibration that ran.
+struct ReplayCalibration {
+  std::int64_t t_ns = 0;             ///< stamp of the newest frame then
+  bool by_targets = false;           ///< the device began it of its own, else the replay did at the session's end
+  int segments = 0;
+  std::string status;
+  std::vector<CoreParameter> parameters;
+};
+
 struct ReplayTiming {
   double vio_ms_median = 0, vio_ms_p95 = 0;  ///< per processed frame, IMU included
   double score_ms_median = 0;                ///< per segment: frames on which a segment was closed
@@ -23,6 +32,7 @@ struct ReplayTiming {
 struct ReplayResult {
   CoreResult result;
   bool calibrated = false;           ///< a calibration ran
+  std::vector<ReplayCalibration> calibrations;
   Calibration calibration;
   ImuNoise noise;
   std::vector<CoreState> trajectory; ///< at each processed frame

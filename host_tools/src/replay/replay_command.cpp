@@ -47,6 +47,10 @@ void print_summary(const ReplayResult& r) {
   std::printf("%s: %d of %zu segments kept, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n",
               c.status.c_str(), c.segments, r.segments.size(), c.dof > 0 ? c.chi2 / c.dof : 0.0, c.reprojection_rms_px,
               c.reprojection_median_px, c.iterations);
+  for (const ReplayCalibration& done : r.calibrations) {
+    if (done.by_targets) std::printf("targets reached at %.2f s with %d segments: %s\n", 1e-9 * static_cast<double>(done.t_ns),
+                                     done.segments, done.status.c_str());
+  }
   std::printf("%-14s %14s %12s %-4s %14s  %s\n", "parameter", "value", "sigma", "unit", "initial", "verdict");
   for (const CoreParameter& p : c.parameters) {
     std::printf("%-14s %14.6f %12.6f %-4s %14.6f  %s\n", p.name.c_str(), p.value, p.sigma, p.unit.c_str(), p.initial,
@@ -87,7 +91,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   sub->add_option("--calib", a->calibration, "starting calibration, Kalibr's camchain-imucam.yaml (default: the recording's own)");
   sub->add_option("--out", a->out, "folder for result.json, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml")->required();
   sub->add_option("--profile", a->replay.profile, "capacities of the core, as compiled for firmware: mcu, mobile, host")->capture_default_str();
-  sub->add_option("--metric", a->replay.core.metric, "what makes a segment informative: A, D, E or random")->capture_default_str();
+  sub->add_option("--metric", a->replay.core.metric, "what makes a segment informative: A, D, E or random; set_d: the set that tells most together")->capture_default_str();
   sub->add_option("--segments", a->replay.core.segments, "segments to keep in the database")->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_option("--segment-seconds", a->replay.core.segment_s, "length of a segment, s")->capture_default_str()->check(CLI::Range(1.0, 30.0));
   sub->add_option("--strategy", a->strategy, "single: each session starts with an empty database; multi: the best of all stay")
@@ -95,6 +99,9 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
   sub->add_option("--pixel-sigma", a->replay.core.pixel_sigma, "stated noise of a tracked corner per axis, px")->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_option("--seed", a->replay.core.seed, "of the random metric")->capture_default_str();
+  sub->add_option("--trigger-sigma", a->replay.core.trigger_fraction,
+                  "calibrate in between, as soon as all predicted sigmas are below this fraction of the prior's; 0: at the end only")
+      ->capture_default_str()->check(CLI::Range(0.0, 0.99));
   sub->add_flag("--no-calibration", a->no_calibration, "odometry only: the trajectory with the starting calibration");
   sub->add_flag("--json", a->json, "print result.json on standard output");
   sub->footer(R"(Example:

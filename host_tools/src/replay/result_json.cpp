@@ -29,6 +29,14 @@ Json segment_json(const CoreSegment& s, const std::vector<std::string>& names) {
           {"gain_nats", s.gain_nats}, {"not_excited", words}};
 }
 
+Json calibrations_json(const ReplayResult& out) {
+  Json json = Json::array();
+  for (const ReplayCalibration& c : out.calibrations) {
+    json.push_back({{"t_ns", c.t_ns}, {"by", c.by_targets ? "targets" : "end"}, {"segments", c.segments}, {"status", c.status}});
+  }
+  return json;
+}
+
 }  // namespace
 
 Json result_json(const ReplayResult& out) {
@@ -42,6 +50,7 @@ Json result_json(const ReplayResult& out) {
   for (const CoreDirection& d : r.unobservable) json["unobservable"].push_back(direction_json(d, names));
   json["segments"] = Json::array();
   for (const CoreSegment& s : out.segments) json["segments"].push_back(segment_json(s, names));
+  json["calibrations"] = calibrations_json(out);
   json["fit"] = {{"chi2", r.chi2}, {"dof", r.dof}, {"iterations", r.iterations}, {"converged", r.converged},
                  {"reprojection_rms_px", r.reprojection_rms_px}, {"reprojection_median_px", r.reprojection_median_px},
                  {"noise_scale", r.noise_scale}, {"partitions", r.partitions}, {"image_points", r.image_points}};

@@ -60,7 +60,8 @@ enum {
 
 /* ---- configuration: a struct of zeroes means all defaults, except for the camera itself ---- */
 enum { SEGCAL_FOV = 0, SEGCAL_RADTAN = 1, SEGCAL_EQUIDISTANT = 2 };
-enum { SEGCAL_METRIC_A = 0, SEGCAL_METRIC_D = 1, SEGCAL_METRIC_E = 2, SEGCAL_METRIC_RANDOM = 3 };
+enum { SEGCAL_METRIC_A = 0, SEGCAL_METRIC_D = 1, SEGCAL_METRIC_E = 2, SEGCAL_METRIC_RANDOM = 3,
+       SEGCAL_METRIC_SET_D = 4 };
 enum { SEGCAL_SINGLE_SESSION = 0, SEGCAL_MULTI_SESSION = 1 };
 
 typedef struct {
@@ -95,12 +96,18 @@ typedef struct {
   double frame_interval_s;         /* frames closer than this are skipped by the filter; 0: 0.1 */
   double segment_s;                /* length of a segment; 0: 4 */
   int32_t keep_segments;           /* 1..SEGCAL_MAX_SEGMENTS; 0: 8, or the maximum if that is smaller */
-  int32_t metric;                  /* SEGCAL_METRIC_* */
+  int32_t metric;                  /* SEGCAL_METRIC_*; A, D and E judge each segment alone, SET_D all kept ones together */
   int32_t strategy;                /* SEGCAL_SINGLE_SESSION or SEGCAL_MULTI_SESSION */
   double least_gain_nats;          /* a segment that tells less is never kept; 0: half a nat per parameter */
   double prior_sigma[SEGCAL_MAX_PARAMETERS]; /* 0: the table in DESIGN, section 3 */
   double sigma_ref[SEGCAL_MAX_PARAMETERS];   /* normalises the metrics; 0: the prior's sigma */
   uint64_t seed;                   /* of the random metric */
+  /* When segcal_background starts a calibration. All 0: when keep_segments are kept. Else as soon as the kept segments
+     together predict all of these sigmas (before scaling by what the fit shows); once the database is full, parameters
+     that it hardly shows (sigma above 0.8 of the prior's) are not waited for. Checked at each segment that is kept, once
+     per session. */
+  double trigger_sigma[SEGCAL_MAX_PARAMETERS]; /* of theta's entries, units as prior_sigma; 0: trigger_fraction's */
+  double trigger_fraction;         /* of each prior sigma, 0..1; 0: no target but those above */
 } segcal_config_t;
 
 /* ---- data in ---- */
@@ -195,8 +202,8 @@ int segcal_push_tracks(segcal_t *device, int64_t t_ns, const segcal_point_t *poi
 /* Instead of segcal_push_tracks, for users with their own odometry: a keyframe's state and its points. The filter is not
    used. IMU samples up to its stamp must have been pushed. */
 int segcal_push_keyframe(segcal_t *device, const segcal_state_t *state, const segcal_point_t *points, int32_t n);
-/* Does pending background work (scoring of a finished segment, calibration when the database has become full); at most
-   `slices` pieces. Returns the pieces still waiting, or an error. */
+/* Does pending background work (scoring of a finished segment, calibration when the database has become full, or when the
+   targets of segcal_config_t are reached); at most `slices` pieces. Returns the pieces still waiting, or an error. */
 int segcal_background(segcal_t *device, int32_t slices);
 /* Ends the open segment now and scores it. */
 int segcal_flush(segcal_t *device);

@@ -75,9 +75,12 @@ bool noise_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
 
 bool sigmas_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   default_prior_sigmas(out->theta, out->prior_sigma);
+  if (!(c.trigger_fraction >= 0 && c.trigger_fraction < 1)) return false;
   for (int i = 0; i < out->theta.columns(); ++i) {
     if (!positive(c.prior_sigma[i], static_cast<double>(out->prior_sigma[i]), 1e6, &out->prior_sigma[i])) return false;
     if (!positive(c.sigma_ref[i], static_cast<double>(out->prior_sigma[i]), 1e6, &out->sigma_ref[i])) return false;
+    const double relative = c.trigger_fraction * static_cast<double>(out->prior_sigma[i]);
+    if (!positive(c.trigger_sigma[i], relative, 1e6, &out->target_sigma[i])) return false;
   }
   return true;
 }
@@ -87,7 +90,7 @@ bool sigmas_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
 bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   if (c.n_cameras < 0 || c.n_cameras > SEGCAL_MAX_CAMERAS) return false;
   if (c.keep_segments < 0 || c.keep_segments > SEGCAL_MAX_SEGMENTS) return false;
-  if (c.metric < SEGCAL_METRIC_A || c.metric > SEGCAL_METRIC_RANDOM) return false;
+  if (c.metric < SEGCAL_METRIC_A || c.metric > SEGCAL_METRIC_SET_D) return false;
   if (c.strategy != SEGCAL_SINGLE_SESSION && c.strategy != SEGCAL_MULTI_SESSION) return false;
   out->theta = Calibration<Real>();
   out->theta.n_cameras = c.n_cameras == 0 ? 1 : c.n_cameras;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "api/release.h"
+#include "api/trigger.h"
 #include "calibration/calibrator.h"
 #include "database/database.h"
 #include "information/metrics.h"
@@ -15,6 +16,7 @@ template <class S>
 struct DeviceOptions {
   Calibration<S> theta;         ///< starting calibration, mean of the prior
   S prior_sigma[kMaxTheta], sigma_ref[kMaxTheta];
+  S target_sigma[kMaxTheta];    ///< calibration starts when the kept segments predict these; all 0: when the database is full
   MeasurementModel<S> model;
   S imu_rate_hz = S(200), gyro_range = S(35), accel_range = S(157);
   S frame_interval_s = S(0.1), segment_s = S(4);
@@ -84,10 +86,16 @@ class Device {
   void break_stream();
   void end_segment(bool continues);
   void score();
+  bool knows_enough();
   void drop_misfits();
   void restart_filter();
   void use_odometry(bool own);
   Calibration<S> working_theta() const;
+  /// Sums of information, in the eliminator's memory: what it holds is lost.
+  JointInformation<S> joint_information() {
+    static_assert(kJointScratch <= ReducedSystem<S>::kScratch, "the eliminator has too little to lend");
+    return JointInformation<S>(prior_.sigma, theta_.columns(), eliminator_.reduced().scratch());
+  }
 
   DeviceOptions<S> options_;
   Calibration<S> theta_;   ///< best known: released, else the start
@@ -107,7 +115,7 @@ class Device {
   std::int32_t pending_count_;
   SegmentSummary<S> last_;
   std::uint32_t session_, serial_, frame_;
-  bool calibrated_, calibration_due_, was_full_, own_odometry_;
+  bool calibrated_, calibration_due_, knew_enough_, own_odometry_;
 };
 
 template <class S>
@@ -124,7 +132,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   frame_period_ = 0;
   session_ = serial_ = frame_ = 0;
   last_ = SegmentSummary<S>{};
-  calibrated_ = calibration_due_ = was_full_ = own_odometry_ = false;
+  calibrated_ = calibration_due_ = knew_enough_ = own_odometry_ = false;
   restart_filter();
 }
 
@@ -322,11 +330,26 @@ void Device<S>::score() {
   last_ = summary_of(segment);
   const bool settled = follows_its_imu(segment, theta, options_.model);
   if (!settled) ++faults_.segments_unsettled;
-  last_.kept = settled && database_.offer();
-  if (last_.kept && database_.full() && !was_full_) {
-    was_full_ = true;
-    calibration_due_ = true;  // paper, Alg. 1: enough segments
+  JointInformation<S> joint = joint_information();
+  last_.kept = settled && database_.offer(&joint);
+  if (last_.kept && !knew_enough_ && knows_enough()) {
+    knew_enough_ = true;
+    calibration_due_ = true;
   }
+}
+
+/// True if the kept segments are worth a calibration: there are enough (paper, Alg. 1), or, where there are targets, they
+/// predict that these will be reached.
+template <class S>
+bool Device<S>::knows_enough() {
+  if (!has_targets(options_.target_sigma, theta_.columns())) return database_.full();
+  const SegmentInformation<S>* segments[kMaxSegments];
+  int n = 0;
+  for (int i = 0; i < Database<S>::kSlots; ++i) {
+    if (database_.kept(i)) segments[n++] = &database_.slot(i).information;
+  }
+  JointInformation<S> joint = joint_information();
+  return reaches_targets(joint.sum(segments, n), prior_.sigma, options_.target_sigma, database_.full());
 }
 
 template <class S>
@@ -341,7 +364,7 @@ void Device<S>::new_session() {
   flush();
   ++session_;
   ++frame_;
-  was_full_ = false;
+  knew_enough_ = false;
   database_.begin_session();
   restart_filter();
 }
@@ -387,7 +410,7 @@ void Device<S>::drop_misfits() {
     database_.drop(i);
     ++faults_.segments_unsettled;
   }
-  was_full_ = database_.full();
+  knew_enough_ = knew_enough_ && knows_enough();
 }
 
 }  // namespace SEGCAL_NS

@@ -1,12 +1,16 @@
 // The fixed-size database of segments: a ring of N + 1 slots, one of them being built (paper, Sec. V-C).
 // It keeps the set with the smallest sum of the metric: since the sum is over independent terms, that is the N smallest.
+// `set_d` judges the set as a whole instead: of the N kept segments and a new one, the one leaves without which the others
+// know most together, by log det of the prior's and their information. That is the best of all exchanges of one segment;
+// it may miss an exchange of two.
 #pragma once
 
+#include "information/joint_information.h"
 #include "segments/segment.h"
 
 namespace SEGCAL_NS {
 
-enum class Metric : std::int32_t { A = 0, D = 1, E = 2, random = 3 };
+enum class Metric : std::int32_t { A = 0, D = 1, E = 2, random = 3, set_d = 4 };
 enum class Strategy : std::int32_t {
   single_session = 0,  ///< each session starts empty
   multi_session = 1    ///< the best of all sessions stay
@@ -56,13 +60,16 @@ class Database {
   int capacity() const { return capacity_; }
   bool full() const { return size() == capacity_; }
 
-  /// Offers the scored segment in the building slot. True if it is kept; the next building slot is free then.
-  bool offer() {
+  /// Offers the scored segment in the building slot. True if it is kept; the next building slot is free then. `joint`
+  /// does the sums of set_d; without it a full database stays as it is.
+  bool offer(JointInformation<S>* joint = nullptr) {
     const Segment<S>& segment = slot_[building_];
     if (!is_finite(segment.metrics.A) || segment.metrics.gain < least_gain_) return false;
     ++offered_;
     if (full()) {
-      const int victim = metric_ == Metric::random ? random_victim() : worse_than(value(segment));
+      const int victim = metric_ == Metric::random  ? random_victim()
+                         : metric_ == Metric::set_d ? least_missed(joint)
+                                                    : worse_than(value(segment));
       if (victim < 0) return false;
       kept_[victim] = false;
     }
@@ -98,6 +105,28 @@ class Database {
       if (kept_[i] && value(slot_[i]) > (worst < 0 ? limit : value(slot_[worst]))) worst = i;
     }
     return worst;
+  }
+  /// The kept segment without which the others and the new one know most together; -1 if that is the new one itself.
+  int least_missed(JointInformation<S>* joint) const {
+    if (!joint) return -1;
+    const SegmentInformation<S>* information[kSlots];
+    int slot[kSlots], n = 0, victim = -1;
+    for (int i = 0; i < kSlots; ++i) {
+      if (!kept_[i] && i != building_) continue;
+      information[n] = &slot_[i].information;
+      slot[n++] = i;
+    }
+    S gain[kSlots], most = S(0);
+    joint->gains_without_one(information, n, gain);
+    for (int i = 0; i < n; ++i) {
+      if (slot[i] == building_) most = gain[i];
+    }
+    for (int i = 0; i < n; ++i) {
+      if (slot[i] == building_ || !(gain[i] > most)) continue;
+      victim = slot[i];
+      most = gain[i];
+    }
+    return victim;
   }
   /// Reservoir sampling: each segment of the stream stays with the same probability.
   int random_victim() {

@@ -109,6 +109,10 @@ class ReducedSystem {
     fold(row_, 1, kReducedColumns, layout_.pose(k));
   }
 
+  /// Memory of kScratch numbers to borrow; what was eliminated is lost then.
+  static constexpr int kScratch = packed_size(kReducedColumns);
+  S* scratch() { return data_; }
+
   /// x[j] for j < known, from x[known..rhs).
   void back_substitute(S* x, int known) {
     const PackedTriangle<S> triangle = R();

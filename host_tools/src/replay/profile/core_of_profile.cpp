@@ -20,7 +20,8 @@ int metric_code(const std::string& name) {
   if (name == "D") return SEGCAL_METRIC_D;
   if (name == "E") return SEGCAL_METRIC_E;
   if (name == "random") return SEGCAL_METRIC_RANDOM;
-  throw InputError("--metric: expected A, D, E or random, found '" + name + "'");
+  if (name == "set_d") return SEGCAL_METRIC_SET_D;
+  throw InputError("--metric: expected A, D, E, set_d or random, found '" + name + "'");
 }
 
 void put_rotation(const Eigen::Matrix3d& R, double* q_wxyz) {
@@ -84,6 +85,7 @@ segcal_config_t config_of(const CoreOptions& options) {
   c.metric = metric_code(options.metric);
   c.strategy = options.multi_session ? SEGCAL_MULTI_SESSION : SEGCAL_SINGLE_SESSION;
   c.seed = options.seed;
+  c.trigger_fraction = options.trigger_fraction;
   return c;
 }
 
@@ -162,7 +164,11 @@ class ProfileCore final : public Core {
     return true;
   }
 
-  void background() override { segcal_background(device_, 1); }
+  bool background() override {
+    const bool due = segcal_background(device_, 0) > 0;
+    segcal_background(device_, 1);
+    return due;
+  }
   void flush() override { segcal_flush(device_); }
   void new_session() override { segcal_new_session(device_); }
   bool calibrate() override { return segcal_calibrate(device_) >= 0; }
