@@ -21,6 +21,7 @@ struct CoreOptions {
   double segment_s = 4;
   double pixel_sigma = 0.5;          ///< px
   std::uint64_t seed = 1;
+  std::vector<double> sigma_ref;     ///< normalises the metrics, per parameter; empty: the prior sigmas
 };
 
 struct CoreState {
@@ -41,6 +42,7 @@ struct CoreSegment {
   double A = 0, D = 0, E = 0, gain_nats = 0;
   bool kept = false;
   std::vector<CoreDirection> not_excited;
+  std::vector<double> sigma;         ///< per parameter, from this segment and the prior alone
 };
 
 struct CoreParameter {
