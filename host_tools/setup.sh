@@ -9,7 +9,7 @@ packages=(
   libeigen3-dev                                # the core
   libopencv-dev libceres-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev   # the host program
   libbenchmark-dev                             # benchmarks
-  python3-venv                                 # the report's plots
+  python3-venv                                 # the report's plots, evo for a test
 )
 
 is_installed() {

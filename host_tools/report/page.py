@@ -181,9 +181,13 @@ def body(name, result, data):
     ])
 
 
-def render(name, result, data):
+def document(name, content):
     """The whole page; plotly.js is inside once, nothing is fetched from elsewhere."""
     return ("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
             "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
             f"<title>segcal: {escape(name)}</title>\n<style>{STYLE}</style>\n"
-            f"<script>{get_plotlyjs()}</script>\n</head>\n<body>\n{body(name, result, data)}\n</body>\n</html>\n")
+            f"<script>{get_plotlyjs()}</script>\n</head>\n<body>\n{content}\n</body>\n</html>\n")
+
+
+def render(name, result, data):
+    return document(name, body(name, result, data))

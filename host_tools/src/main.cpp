@@ -49,6 +49,8 @@ int run(int argc, char** argv) {
   host::add_track_command(app, exit_code);
   host::add_replay_command(app, exit_code);
   host::add_report_command(app, exit_code);
+  host::add_compare_command(app, exit_code);
+  host::add_experiments_command(app, exit_code);
   app.footer(walk_through);  // last: a subcommand would inherit it
 
   const std::string command = argc > 1 ? argv[1] : "";

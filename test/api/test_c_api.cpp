@@ -118,6 +118,7 @@ void test_null_pointers() {
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_get_direction(device, 0, nullptr));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_get_segment(device, 0, nullptr));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_get_segment_directions(device, nullptr, 1));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_get_segment_sigmas(device, nullptr, 1));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_get_counters(device, nullptr));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_get_point_residuals(device, 0, nullptr, 1));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_get_imu_residuals(device, 0, nullptr, 1));

@@ -22,6 +22,7 @@ struct CoreOptions {
   double pixel_sigma = 0.5;          ///< px
   std::uint64_t seed = 1;
   double trigger_fraction = 0;       ///< sigmas over the prior's at which the device calibrates of its own; 0: it does not
+  std::vector<double> sigma_ref;     ///< normalises the metrics, per parameter; empty: the prior sigmas
 };
 
 struct CoreState {
@@ -42,6 +43,7 @@ struct CoreSegment {
   double A = 0, D = 0, E = 0, gain_nats = 0;
   bool kept = false;
   std::vector<CoreDirection> not_excited;
+  std::vector<double> sigma;         ///< per parameter, from this segment and the prior alone
 };
 
 struct CoreParameter {

@@ -127,6 +127,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
     out.calibrated = core->calibrate() || out.calibrated;
     out.timing.calibrate_ms = ms_since(start);
     session.note_calibration(false);
+    if (options.after_session) options.after_session(i, core->result(), core->calibration());
   }
   out.result = core->result();
   out.calibration = core->calibration();

@@ -11,6 +11,8 @@ struct ReplayOptions {
   CoreOptions core;
   std::string profile = "mobile";
   bool calibrate = true;             ///< false: odometry only, the calibration stays as it is
+  /// Called after each session with what has been found so far; may be empty. The number counts from 0.
+  std::function<void(std::size_t, const CoreResult&, const Calibration&)> after_session;
   std::function<void(double)> progress;  ///< called with the fraction done, 0..1; may be empty
 };
 

@@ -222,6 +222,9 @@ int segcal_get_direction(const segcal_t *device, int32_t index, segcal_direction
 int segcal_get_segment(const segcal_t *device, int32_t index, segcal_segment_t *segment);
 /* Directions that the segment scored last does not excite: fills up to `capacity`, returns their number. */
 int segcal_get_segment_directions(const segcal_t *device, segcal_direction_t *out, int32_t capacity);
+/* Sigma of each parameter from the segment scored last and the prior, in the units of theta: fills up to `capacity`, returns
+   their number. What sigma_ref is measured from. */
+int segcal_get_segment_sigmas(const segcal_t *device, double *sigma, int32_t capacity);
 int segcal_get_counters(const segcal_t *device, segcal_counters_t *counters);
 /* Residuals of kept slot `index` after calibration; fill up to `capacity`, return their number. */
 int segcal_get_point_residuals(const segcal_t *device, int32_t index, segcal_point_residual_t *out, int32_t capacity);

@@ -21,6 +21,7 @@
 #define segcal_get_result SEGCAL_NAME(get_result)
 #define segcal_get_segment SEGCAL_NAME(get_segment)
 #define segcal_get_segment_directions SEGCAL_NAME(get_segment_directions)
+#define segcal_get_segment_sigmas SEGCAL_NAME(get_segment_sigmas)
 #define segcal_get_state SEGCAL_NAME(get_state)
 #define segcal_memory SEGCAL_NAME(memory)
 #define segcal_new_session SEGCAL_NAME(new_session)

@@ -185,6 +185,23 @@ int segcal_get_segment_directions(const segcal_t* device, segcal_direction_t* ou
   return n;
 }
 
+int segcal_get_segment_sigmas(const segcal_t* device, double* sigma, int32_t capacity) {
+  if (!sigma) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  if (!d || !d->device.last_scored().valid) return SEGCAL_ERROR_STATE;
+  const InformationAnalysis<Real>& a = d->device.analysis();
+  int j = 0;
+  for (; j < a.n && j < capacity; ++j) {
+    Real sum = Real(0);
+    for (int i = 0; i < a.n; ++i) {
+      const Real share = a.V[j * a.n + i] * a.relative_sigma(i);
+      sum += share * share;
+    }
+    sigma[j] = static_cast<double>(d->device.options().prior_sigma[j] * square_root(sum));
+  }
+  return j;
+}
+
 int segcal_get_counters(const segcal_t* device, segcal_counters_t* out) {
   if (!out) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);

@@ -86,6 +86,7 @@ segcal_config_t config_of(const CoreOptions& options) {
   c.strategy = options.multi_session ? SEGCAL_MULTI_SESSION : SEGCAL_SINGLE_SESSION;
   c.seed = options.seed;
   c.trigger_fraction = options.trigger_fraction;
+  for (std::size_t i = 0; i < options.sigma_ref.size() && i < SEGCAL_MAX_PARAMETERS; ++i) c.sigma_ref[i] = options.sigma_ref[i];
   return c;
 }
 
@@ -233,6 +234,8 @@ class ProfileCore final : public Core {
     std::vector<segcal_direction_t> directions(SEGCAL_MAX_DIRECTIONS);
     const int n = segcal_get_segment_directions(device_, directions.data(), SEGCAL_MAX_DIRECTIONS);
     for (int i = 0; i < n; ++i) out->not_excited.push_back(direction(directions[i], parameters()));
+    out->sigma.resize(SEGCAL_MAX_PARAMETERS);
+    out->sigma.resize(std::max(0, segcal_get_segment_sigmas(device_, out->sigma.data(), SEGCAL_MAX_PARAMETERS)));
     return true;
   }
 

@@ -1,0 +1,99 @@
+#include "experiments/methods.h"
+
+#include <algorithm>
+
+#include "simulate/device.h"
+
+namespace host::experiments {
+namespace {
+
+constexpr int all_segments = 64;  // what the largest profile holds
+
+std::vector<SessionCalibration> from_database(const std::vector<Recording>& sessions, const Calibration& start,
+                                              const std::string& profile, const std::string& metric,
+                                              const MethodOptions& options) {
+  std::vector<SessionCalibration> out;
+  ReplayOptions r;
+  r.core.calibration = start;
+  r.core.noise = sessions.front().imu.noise;
+  r.core.metric = metric;
+  r.core.multi_session = options.multi_session;
+  r.core.segments = options.segments;
+  r.core.seed = options.seed;
+  r.profile = profile;
+  r.after_session = [&out](std::size_t, const CoreResult& result, const Calibration& calibration) {
+    out.push_back({calibration, result});
+  };
+  replay(sessions, r);
+  return out;
+}
+
+std::vector<SessionCalibration> initial(const std::vector<Recording>& sessions, const Calibration& start, const Method&,
+                                        const MethodOptions&) {
+  return std::vector<SessionCalibration>(sessions.size(), {start, {}});
+}
+
+/// No sparsification: every segment of the session, up to what profile host holds.
+std::vector<SessionCalibration> all(const std::vector<Recording>& sessions, const Calibration& start, const Method&,
+                                    const MethodOptions& options) {
+  MethodOptions o = options;
+  o.segments = all_segments;
+  return from_database(sessions, start, "host", "A", o);
+}
+
+std::vector<SessionCalibration> selected(const std::vector<Recording>& sessions, const Calibration& start, const Method& method,
+                                         const MethodOptions& options) {
+  return from_database(sessions, start, "mobile", method.metric, options);
+}
+
+bool always() { return true; }
+
+bool metric_offered(const char* metric) {
+  CoreOptions options;
+  options.calibration = sim::nominal_device(DistortionModel::fov, 1);
+  options.metric = metric;
+  try {
+    return make_core("mobile", options) != nullptr;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+bool set_d_offered() { return metric_offered("set_d"); }
+
+}  // namespace
+
+const std::vector<Method>& methods() {
+  static const std::vector<Method> offered = [] {
+    const std::vector<Method> known = {
+        {"initial", "the data sheet's calibration", always, initial, ""},
+        {"all", "no sparsification: all segments, up to 64", always, all, ""},
+        {"A", "8 segments of 4 s by A (trace)", always, selected, "A"},
+        {"D", "8 segments of 4 s by D (determinant)", always, selected, "D"},
+        {"E", "8 segments of 4 s by E (largest eigenvalue)", always, selected, "E"},
+        {"set_d", "8 segments of 4 s by the joint determinant", set_d_offered, selected, "set_d"},
+        {"random", "8 segments of 4 s at random", always, selected, "random"},
+    };
+    std::vector<Method> out;
+    std::copy_if(known.begin(), known.end(), std::back_inserter(out), [](const Method& m) { return m.offered(); });
+    return out;
+  }();
+  return offered;
+}
+
+const Method& method_named(const std::string& name) {
+  for (const Method& m : methods()) {
+    if (name == m.name) return m;
+  }
+  throw InputError("method '" + name + "' is not offered");
+}
+
+std::vector<SessionCalibration> calibrate(const std::string& method, const std::vector<SimulationResult>& sessions,
+                                          const MethodOptions& options) {
+  std::vector<Recording> recordings;
+  for (const SimulationResult& s : sessions) recordings.push_back(s.recording);
+  const Method& m = method_named(method);
+  return m.run(recordings, sessions.front().nominal, m, options);
+}
+
+}  // namespace host::experiments

@@ -1,0 +1,27 @@
+#include "experiments/registry.h"
+
+namespace host::experiments {
+
+const std::vector<Experiment>& experiments() {
+  static const std::vector<Experiment> all = {
+      {"accuracy", "odometry RMSE with the calibration of each method (paper, table II)", false, accuracy_cells, accuracy_run,
+       accuracy_gather},
+      {"repeatability", "calibrations of one device from several sessions: mean and scatter (table III)", false,
+       repeatability_cells, repeatability_run, repeatability_gather},
+      {"sessions", "database kept over sessions against one that starts anew each session (figure 7)", false, sessions_cells,
+       sessions_run, sessions_gather},
+      {"database_size", "how many segments are enough: 1 to 15 (figure 9)", false, database_size_cells, database_size_run,
+       database_size_gather},
+      {"runtime", "time per image, per segment and per calibration on this machine (table IV)", true, runtime_cells,
+       runtime_run, runtime_gather},
+      {"basin", "starts that are 1, 2, 3 and 5 sigmas off: does the calibration converge?", false, basin_cells, basin_run,
+       basin_gather},
+      {"degenerate", "line, rotation in place, planar motion, rest: nothing false is released", false, degenerate_cells,
+       degenerate_run, degenerate_gather},
+      {"sigma_ref", "typical sigma of each parameter from one segment, measured on REC... (paper, Sec. V-B)", false,
+       sigma_ref_cells, sigma_ref_run, sigma_ref_gather},
+  };
+  return all;
+}
+
+}  // namespace host::experiments
