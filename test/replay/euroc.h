@@ -23,15 +23,15 @@ inline double sequence_time(std::int64_t t_ns) { return static_cast<double>(t_ns
 /// Makes the tracks with the program, as a user does, in `folder`. They do not depend on the start that is tried later:
 /// this one only serves to reject outliers.
 inline host::Recording tracked(const std::filesystem::path& data, const std::filesystem::path& start,
-                               const std::filesystem::path& folder) {
+                               const std::filesystem::path& folder, int cameras = 1) {
   const std::string command = std::string("\"") + SEGCAL_PROGRAM + "\" track \"" + (data / "euroc_mh01").string() +
                               "\" --calib \"" + start.string() + "\" --out \"" + folder.string() + "\" > /dev/null 2>&1";
   if (std::system(command.c_str()) != 0) throw host::InputError("this failed: " + command);
-  return host::read_recording(folder, 1);
+  return host::read_recording(folder, cameras);
 }
 
 /// A start as far off the published calibration as the one in fixtures/, in a random direction: 2 % in f, 10 px in c,
-/// 1.7 deg, 27 mm, and the same wrong distortion.
+/// 1.7 deg, 27 mm, and the same wrong distortion; each camera in a direction of its own.
 inline host::Calibration disturbed(const host::Calibration& published, unsigned seed) {
   std::mt19937 bits(seed);
   const auto uniform = [&bits](double low, double high) { return low + (high - low) * (bits() / 4294967296.0); };
@@ -40,14 +40,33 @@ inline host::Calibration disturbed(const host::Calibration& published, unsigned 
     return Eigen::Vector3d(r * std::cos(a), r * std::sin(a), z);
   };
   host::Calibration out = published;
-  host::CameraCalibration& camera = out.cameras[0];
-  const double f = uniform(0, 1) < 0.5 ? 0.98 : 1.02, a = uniform(-M_PI, M_PI);
-  camera.intrinsics.head<2>() *= f;
-  camera.intrinsics.tail<2>() += 10 * Eigen::Vector2d(std::cos(a), std::sin(a));
-  camera.distortion = {-0.24, 0.05, 0, 0};
-  camera.R_CI = Eigen::AngleAxisd(1.7 * M_PI / 180, direction()).toRotationMatrix() * camera.R_CI;
-  camera.p_CI += 0.027 * direction();
+  for (host::CameraCalibration& camera : out.cameras) {
+    const double f = uniform(0, 1) < 0.5 ? 0.98 : 1.02, a = uniform(-M_PI, M_PI);
+    camera.intrinsics.head<2>() *= f;
+    camera.intrinsics.tail<2>() += 10 * Eigen::Vector2d(std::cos(a), std::sin(a));
+    camera.distortion = {-0.24, 0.05, 0, 0};
+    camera.R_CI = Eigen::AngleAxisd(1.7 * M_PI / 180, direction()).toRotationMatrix() * camera.R_CI;
+    camera.p_CI += 0.027 * direction();
+  }
   return out;
+}
+
+/// How far a camera is from what is published.
+struct CameraError {
+  double f, c, R_CI, p_CI;  ///< share, px, rad, m
+};
+
+inline CameraError camera_error(const host::CameraCalibration& camera, const host::CameraCalibration& published) {
+  const Eigen::Vector2d ratio = camera.intrinsics.head<2>().cwiseQuotient(published.intrinsics.head<2>());
+  return {(ratio - Eigen::Vector2d::Ones()).cwiseAbs().maxCoeff(),
+          (camera.intrinsics - published.intrinsics).tail<2>().cwiseAbs().maxCoeff(),
+          Eigen::AngleAxisd(camera.R_CI * published.R_CI.transpose()).angle(), (camera.p_CI - published.p_CI).norm()};
+}
+
+/// Place of cam0 seen from cam1, in cam1's axes, m.
+inline Eigen::Vector3d baseline(const host::Calibration& calibration) {
+  const host::CameraCalibration &first = calibration.cameras[0], &second = calibration.cameras[1];
+  return second.p_CI - second.R_CI * first.R_CI.transpose() * first.p_CI;
 }
 
 /// The published position at a stamp, between its neighbours; false outside.

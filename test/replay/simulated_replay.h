@@ -20,6 +20,17 @@ inline host::SimulationResult simulated(const std::string& scenario, double seco
   return host::simulate(options);
 }
 
+/// With a second camera beside the first. `matches`: corners that both see have one track id.
+inline host::SimulationResult simulated_pair(const std::string& scenario, double seconds, std::uint64_t seed, bool matches) {
+  host::SimulationOptions options;
+  options.scenario = scenario;
+  options.seconds = seconds;
+  options.seed = seed;
+  options.cameras = 2;
+  options.stereo_matches = matches;
+  return host::simulate(options);
+}
+
 /// As `segcal replay` does it, from the device's data sheet.
 inline host::ReplayResult replayed(const host::SimulationResult& session, const std::string& profile = "mobile",
                                    int segments = 8) {

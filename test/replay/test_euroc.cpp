@@ -39,20 +39,16 @@ const host::ReplayResult& first_replay() {
 }
 
 void check_calibration(const Id& id, const host::ReplayResult& found) {
-  const host::CameraCalibration &camera = found.calibration.cameras[0], &truth = published.cameras[0];
-  const double f = (camera.intrinsics.head<2>().cwiseQuotient(truth.intrinsics.head<2>()) - Eigen::Vector2d::Ones())
-                       .cwiseAbs().maxCoeff();
-  const double c = (camera.intrinsics - truth.intrinsics).tail<2>().cwiseAbs().maxCoeff();
-  const double R_CI = Eigen::AngleAxisd(camera.R_CI * truth.R_CI.transpose()).angle() / kDegree;
-  const double p_CI = (camera.p_CI - truth.p_CI).norm();
+  const test::euroc::CameraError error = test::euroc::camera_error(found.calibration.cameras[0], published.cameras[0]);
+  const double R_CI = error.R_CI / kDegree;
   std::printf("%s: %s, chi2/dof %.3f, f %.2f %%, c %.2f px, R_CI %.2f deg, p_CI %.1f mm, reprojection median %.2f px\n",
-              id.text().c_str(), found.result.status.c_str(), found.result.chi2 / found.result.dof, 100 * f, c, R_CI,
-              1e3 * p_CI, found.result.reprojection_median_px);
+              id.text().c_str(), found.result.status.c_str(), found.result.chi2 / found.result.dof, 100 * error.f, error.c,
+              R_CI, 1e3 * error.p_CI, found.result.reprojection_median_px);
   test::check_true(id, "not calibrated", found.result.status == "calibrated");
-  test::check_between(id, "f, share", 0, f, 0.015);
-  test::check_between(id, "c, px", 0, c, 5);
+  test::check_between(id, "f, share", 0, error.f, 0.015);
+  test::check_between(id, "c, px", 0, error.c, 5);
   test::check_between(id, "R_CI, deg", 0, R_CI, 0.8);
-  test::check_between(id, "p_CI, m", 0, p_CI, 0.020);
+  test::check_between(id, "p_CI, m", 0, error.p_CI, 0.020);
   test::check_between(id, "reprojection median, px", 0, found.result.reprojection_median_px, 0.6);
 }
 

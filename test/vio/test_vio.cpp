@@ -138,6 +138,25 @@ void consistent_with_an_uncalibrated_imu(void) {
   check_consistency<float>(scene, 16, 0.2);
 }
 
+void consistent_with_two_cameras(void) {
+  Scene scene;
+  scene.cameras = 2;
+  scene.tracks = 90;
+  check_consistency<float>(scene, 16, 0.15);
+  scene.focal_error = 0.015;
+  scene.imu_error = 0.012;
+  check_consistency<float>(scene, 16, 0.2);
+}
+
+void two_cameras_at_rest(void) {
+  Scene scene;
+  scene.cameras = 2;
+  scene.rest_until = 3;
+  check_consistency<float>(scene, 5, 0.15);
+  const Outcome out = run<float>(scene);
+  TEST_ASSERT_GREATER_THAN(15, out.statistics.standstill_frames);
+}
+
 void consistent_with_mismatched_tracks(void) {
   Scene scene;
   scene.outliers = 0.1;
@@ -347,6 +366,8 @@ int main(void) {
   RUN_TEST(consistent_from_a_start_in_motion);
   RUN_TEST(consistent_with_wrong_intrinsics);
   RUN_TEST(consistent_with_an_uncalibrated_imu);
+  RUN_TEST(consistent_with_two_cameras);
+  RUN_TEST(two_cameras_at_rest);
   RUN_TEST(consistent_with_mismatched_tracks);
   RUN_TEST(starts_at_rest);
   RUN_TEST(starts_in_motion_within_two_seconds);

@@ -45,6 +45,7 @@ struct Scene {
   double imu_error = 0;         ///< scale, misalignment and rotation (rad) of the accelerometer; the gyroscope's: half
   double outliers = 0;          ///< share of tracks that slide over the image
   int tracks = 60;
+  int cameras = 1;              ///< 2: every second point is seen by both, under one id; every seventh frame cam1 is blind
 };
 
 /// Path and attitude: sums of sinusoids with random phases, slowed down to rest where the scene says so.
@@ -113,15 +114,20 @@ struct Recording {
   std::vector<TrueFrame> frames;
 };
 
-inline Calibration<double> simulated_device() {
+inline Calibration<double> simulated_device(int cameras = 1) {
   Calibration<double> theta;
-  theta.n_cameras = 1;
+  theta.n_cameras = cameras;
   CameraCalibration<double>& camera = theta.camera[0];
   camera.model = Distortion::fov;
   camera.intrinsics << 256, 256, 320, 240;
   camera.distortion << 0.92, 0, 0, 0;
   camera.R_CI << 0, -1, 0, 0, 0, -1, 1, 0, 0;  // looks along x of I
   camera.p_CI = Vec3<double>(0.03, -0.02, 0.05);
+  if (cameras == 2) {
+    theta.camera[1] = camera;
+    theta.camera[1].R_CI = so3_exp<double>(Vec3<double>(0.02, 0.1, -0.03)) * camera.R_CI;
+    theta.camera[1].p_CI = Vec3<double>(-0.07, -0.02, 0.05);
+  }
   return theta;
 }
 
@@ -133,10 +139,10 @@ struct SimulatedTrack {
   int age;
 };
 
-/// A point behind a random pixel of the camera at x.
+/// A point behind a random pixel of its camera at x.
 inline SimulatedTrack new_track(const Calibration<double>& theta, const State<double>& x, const Scene& scene,
                                 std::uint32_t id, Random* random) {
-  const CameraCalibration<double>& camera = theta.camera[0];
+  const CameraCalibration<double>& camera = theta.camera[id % theta.n_cameras];
   const Vec2<double> uv(random->uniform(20, 620), random->uniform(20, 460));
   Vec2<double> xy = Vec2<double>::Zero();
   unproject(camera, uv, &xy);
@@ -152,22 +158,34 @@ inline SimulatedTrack new_track(const Calibration<double>& theta, const State<do
   return track;
 }
 
-/// The image points of one frame; tracks that left the image or are too old are replaced.
-inline void observe_frame(const Calibration<double>& theta, const Scene& scene, std::vector<SimulatedTrack>* tracks,
+/// Where a camera sees a track, with noise.
+inline bool see_track(const CameraCalibration<double>& camera, const Scene& scene, const State<double>& x,
+                      const SimulatedTrack& track, Random* random, Vec2<double>* uv) {
+  const Vec3<double> p_I = x.R_GI.transpose() * (track.l - x.p_GI);
+  if (!project<double>(camera, camera.R_CI * p_I + camera.p_CI, uv)) return false;
+  *uv += track.slide * track.age;
+  if (uv->x() < 0 || uv->x() > 640 || uv->y() < 0 || uv->y() > 480) return false;
+  *uv += Vec2<double>(random->normal(scene.pixel_noise), random->normal(scene.pixel_noise));
+  return true;
+}
+
+/// The image points of one frame; tracks that left the image of their camera or are too old are replaced.
+inline void observe_frame(const Calibration<double>& theta, const Scene& scene, bool blind, std::vector<SimulatedTrack>* tracks,
                           std::uint32_t* next_id, Random* random, TrueFrame* frame) {
-  const CameraCalibration<double>& camera = theta.camera[0];
   while (static_cast<int>(tracks->size()) < scene.tracks) {
     tracks->push_back(new_track(theta, frame->x, scene, (*next_id)++, random));
   }
   std::vector<SimulatedTrack> kept;
   for (SimulatedTrack& track : *tracks) {
+    const int home = static_cast<int>(track.id) % theta.n_cameras;
     Vec2<double> uv;
-    const Vec3<double> p_I = frame->x.R_GI.transpose() * (track.l - frame->x.p_GI);
-    if (track.frames_left-- <= 0 || !project<double>(camera, camera.R_CI * p_I + camera.p_CI, &uv)) continue;
-    uv += track.slide * track.age++;
-    if (uv.x() < 0 || uv.x() > 640 || uv.y() < 0 || uv.y() > 480) continue;
-    uv += Vec2<double>(random->normal(scene.pixel_noise), random->normal(scene.pixel_noise));
-    frame->points.push_back({track.id, 0, uv});
+    if (track.frames_left-- <= 0 || !see_track(theta.camera[home], scene, frame->x, track, random, &uv)) continue;
+    if (!(blind && home == 1)) frame->points.push_back({track.id, home, uv});
+    const bool shared = theta.n_cameras == 2 && track.id % 4 < 2 && !(blind && home == 0);
+    if (shared && see_track(theta.camera[1 - home], scene, frame->x, track, random, &uv)) {
+      frame->points.push_back({track.id, 1 - home, uv});
+    }
+    ++track.age;
     kept.push_back(track);
   }
   *tracks = kept;
@@ -202,12 +220,13 @@ inline Recording simulate(const Scene& scene) {
   Random random(scene.seed);
   const Path path(scene, &random);
   Recording out;
-  out.truth = out.initial = simulated_device();
-  out.initial.camera[0].R_CI = so3_exp<double>(random.normal3(scene.r_CI_error)) * out.truth.camera[0].R_CI;
-  out.initial.camera[0].p_CI += random.normal3(scene.p_CI_error);
-  if (scene.focal_error > 0) {
+  out.truth = out.initial = simulated_device(scene.cameras);
+  for (int c = 0; c < scene.cameras; ++c) {
+    CameraCalibration<double>& camera = out.initial.camera[c];
+    camera.R_CI = so3_exp<double>(random.normal3(scene.r_CI_error)) * out.truth.camera[c].R_CI;
+    camera.p_CI += random.normal3(scene.p_CI_error);
+    if (scene.focal_error == 0) continue;
     const double f = random.normal(scene.focal_error);
-    CameraCalibration<double>& camera = out.initial.camera[0];
     camera.intrinsics += Vec<double, 4>(256 * (f + random.normal(0.2 * scene.focal_error)), 256 * f,
                                         random.normal(scene.centre_error), random.normal(scene.centre_error));
     camera.distortion(0) += random.normal(scene.distortion_error);
@@ -233,7 +252,7 @@ inline Recording simulate(const Scene& scene) {
     frame.x.R_GI = path.attitude(t);
     frame.x.p_GI = path.position(t);
     frame.x.v_GI = path.velocity(t);
-    observe_frame(out.truth, scene, &tracks, &next_id, &random, &frame);
+    observe_frame(out.truth, scene, k % 7 == 0, &tracks, &next_id, &random, &frame);
     out.frames.push_back(frame);
   }
   return out;

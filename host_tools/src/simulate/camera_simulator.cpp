@@ -99,7 +99,26 @@ std::vector<CameraSimulator::Sighting> CameraSimulator::free_sightings(double t)
   }
   for (std::size_t i = sightings.size(); i > 1; --i)
     std::swap(sightings[i - 1], sightings[static_cast<std::size_t>(choices_.integer(0, static_cast<int>(i) - 1))]);
+  if (first_camera_) {
+    std::stable_partition(sightings.begin(), sightings.end(), [this](const Sighting& s) { return matched_track(s.landmark) != nullptr; });
+  }
   return sightings;
+}
+
+/// The first camera's track of a landmark, if it has one that was no track here yet.
+const CameraSimulator::Track* CameraSimulator::matched_track(std::size_t landmark) const {
+  if (!first_camera_ || !first_camera_->in_use_[landmark]) return nullptr;
+  for (const Track& track : first_camera_->tracks_) {
+    if (track.landmark == landmark) return matched_ids_.count(track.id) == 0 ? &track : nullptr;
+  }
+  return nullptr;
+}
+
+std::uint32_t CameraSimulator::id_for(std::size_t landmark, std::uint32_t& next_track_id) {
+  const Track* const matched = matched_track(landmark);
+  if (!matched) return next_track_id++;
+  matched_ids_.insert(matched->id);
+  return matched->id;
 }
 
 bool CameraSimulator::stays_visible(std::size_t landmark) const {
@@ -124,7 +143,7 @@ void CameraSimulator::start_tracks(double t, std::uint32_t& next_track_id, std::
         later.push_back(sighting);
       } else if (stays_visible(sighting.landmark)) {
         ++count;
-        start_track(sighting, next_track_id++, points);
+        start_track(sighting, id_for(sighting.landmark, next_track_id), points);
       }
     }
     candidates = std::move(later);

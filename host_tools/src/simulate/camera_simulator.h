@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <unordered_set>
 #include <vector>
 
 #include "../calibration_file.h"
@@ -26,6 +27,10 @@ class CameraSimulator {
   CameraSimulator(const CameraCalibration& camera, const Trajectory& truth, const std::vector<Eigen::Vector3d>& scene,
                   const Effects& effects, const TrackOptions& options, double period, std::uint64_t seed);
 
+  /// From now on landmarks that `first`, the rig's first camera, follows at the time are preferred, under its ids. `first`
+  /// must outlive this and make each frame before.
+  void match_with(const CameraSimulator* first) { first_camera_ = first; }
+
   /// Tracks of the frame at `t`, s since the first frame. New ids are taken from `next_track_id`.
   std::vector<TrackPoint> next_frame(double t, std::uint32_t& next_track_id);
 
@@ -47,6 +52,8 @@ class CameraSimulator {
   std::vector<Sighting> free_sightings(double t);
   void continue_tracks(double t, std::vector<TrackPoint>& points);
   void start_tracks(double t, std::uint32_t& next_track_id, std::vector<TrackPoint>& points);
+  const Track* matched_track(std::size_t landmark) const;
+  std::uint32_t id_for(std::size_t landmark, std::uint32_t& next_track_id);
   void start_track(const Sighting& sighting, std::uint32_t id, std::vector<TrackPoint>& points);
   TrackPoint measured(std::uint32_t id, const Eigen::Vector2d& pixel);
 
@@ -58,6 +65,8 @@ class CameraSimulator {
   double period_;
   Random choices_, noise_;
   std::vector<Track> tracks_;
+  const CameraSimulator* first_camera_ = nullptr;
+  std::unordered_set<std::uint32_t> matched_ids_;                 ///< ids of the first camera used here before
   std::vector<bool> in_use_;                                      ///< per landmark
   std::vector<std::pair<double, BodyState>> states_ahead_;        ///< time and state of this frame and the next few
 };

@@ -130,6 +130,7 @@ void simulate_cameras(const SimulationOptions& options, const Session& session, 
   for (std::size_t i = 0; i < result.truth.cameras.size(); ++i)
     simulators.emplace_back(result.truth.cameras[i], session.trajectory, scene, options.effects, options.tracks, period,
                             options.seed + seed_step_per_camera * i);
+  for (std::size_t i = 1; options.stereo_matches && i < simulators.size(); ++i) simulators[i].match_with(&simulators[0]);
   result.recording.cameras.resize(simulators.size());
   std::uint32_t next_track_id = 1;
   const auto frames = static_cast<int>(std::floor((session.last_frame - session.first_frame) / period + 1e-6)) + 1;

@@ -24,6 +24,7 @@ struct SimulationOptions {
   double device_scale = 1;                    ///< factor on the scatter of devices; 0 simulates the nominal device
   DistortionModel distortion = DistortionModel::fov;
   int cameras = 1;                            ///< 1 or 2
+  bool stereo_matches = true;                 ///< corners seen by both cameras have one track id in both; false: never
   double camera_rate_hz = 10;                 ///< Hz
   ImuNoise imu_noise;                         ///< rate and noise that are written to sensor.yaml and simulated
   bool with_imu_noise = true;                 ///< false: no white noise and no biases

@@ -97,6 +97,7 @@ void add_device_options(CLI::App& app, Command& command) {
   app.add_option("--device-scale", options.device_scale, "factor on the scatter of devices, 0 for the nominal one")
       ->check(CLI::Range(0.0, 100.0))->capture_default_str();
   app.add_option("--cameras", options.cameras, "1 or 2")->check(CLI::Range(1, 2))->capture_default_str();
+  app.add_flag("!--no-matches", options.stereo_matches, "with two cameras: no corner has the same track id in both");
   app.add_option("--distortion", command.distortion, "lens model")
       ->check(CLI::IsMember({"fov", "radtan", "equidistant"}))->capture_default_str();
 }

@@ -31,19 +31,39 @@ std::vector<unsigned char> lucas_kanade(const std::vector<cv::Mat>& from, const 
 
 }  // namespace
 
-FeatureTracker::FeatureTracker(const CameraCalibration& camera, const TrackerOptions& options)
-    : camera_(camera), options_(options) {
+std::vector<bool> tracked_there_and_back(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
+                                         const std::vector<cv::Point2f>& start, std::vector<cv::Point2f>& found,
+                                         const TrackerOptions& options) {
+  std::vector<bool> good(start.size(), false);
+  if (start.empty()) return good;
+  std::vector<cv::Point2f> back = start;
+  const auto forward_ok = lucas_kanade(from, to, start, found, options);
+  const auto backward_ok = lucas_kanade(to, from, found, back, options);
+  const cv::Size size = to.front().size();
+  for (std::size_t i = 0; i < start.size(); ++i)
+    good[i] = forward_ok[i] && backward_ok[i] && inside(found[i], size) &&
+              distance_px(start[i], back[i]) <= options.max_forward_backward_px;
+  return good;
+}
+
+FeatureTracker::FeatureTracker(const CameraCalibration& camera, const TrackerOptions& options,
+                               std::shared_ptr<std::uint32_t> next_id)
+    : camera_(camera), options_(options), next_id_(std::move(next_id)) {
   if (options.equalise) equaliser_ = cv::createCLAHE(2.0, cv::Size(8, 8));
 }
 
-std::vector<TrackPoint> FeatureTracker::next(const cv::Mat& image) {
-  cv::Mat prepared = image;
-  if (equaliser_) equaliser_->apply(image, prepared);
-  std::vector<cv::Mat> pyramid = pyramid_of(prepared);
-  if (!tracks_.empty()) follow(pyramid, image.size());
-  add_corners(prepared);
-  previous_ = std::move(pyramid);
+void FeatureTracker::follow(const cv::Mat& image) {
+  prepared_ = image;
+  if (equaliser_) {
+    prepared_ = cv::Mat();
+    equaliser_->apply(image, prepared_);
+  }
+  std::vector<cv::Mat> pyramid = pyramid_of(prepared_);
+  if (!tracks_.empty()) follow(pyramid);
+  latest_ = std::move(pyramid);
+}
 
+std::vector<TrackPoint> FeatureTracker::points() const {
   std::vector<TrackPoint> points;
   for (const Track& track : tracks_) points.push_back({track.id, track.point.x, track.point.y});
   return points;
@@ -55,18 +75,15 @@ std::vector<cv::Mat> FeatureTracker::pyramid_of(const cv::Mat& image) const {
   return pyramid;
 }
 
-void FeatureTracker::follow(const std::vector<cv::Mat>& pyramid, const cv::Size& size) {
+void FeatureTracker::follow(const std::vector<cv::Mat>& pyramid) {
   std::vector<cv::Point2f> before;
   for (const Track& track : tracks_) before.push_back(track.point);
-  std::vector<cv::Point2f> after = before, back = before;
-  const auto forward_ok = lucas_kanade(previous_, pyramid, before, after, options_);
-  const auto backward_ok = lucas_kanade(pyramid, previous_, after, back, options_);
-
+  std::vector<cv::Point2f> after = before;
+  const std::vector<bool> good = tracked_there_and_back(latest_, pyramid, before, after, options_);
   std::vector<Track> kept;
   std::vector<cv::Point2f> kept_before;
   for (std::size_t i = 0; i < before.size(); ++i) {
-    if (!forward_ok[i] || !backward_ok[i] || !inside(after[i], size)) continue;
-    if (distance_px(before[i], back[i]) > options_.max_forward_backward_px) continue;
+    if (!good[i]) continue;
     kept.push_back({tracks_[i].id, after[i]});
     kept_before.push_back(before[i]);
   }
@@ -78,7 +95,7 @@ void FeatureTracker::follow(const std::vector<cv::Mat>& pyramid, const cv::Size&
 void FeatureTracker::reject_outliers(const std::vector<cv::Point2f>& before) {
   std::vector<cv::Point2f> after;
   for (const Track& track : tracks_) after.push_back(track.point);
-  const std::vector<bool> inlier = epipolar_inliers(camera_, before, after, options_.max_epipolar_px);
+  const std::vector<bool> inlier = epipolar_inliers(camera_, before, camera_, after, options_.max_epipolar_px);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < tracks_.size(); ++i)
     if (inlier[i]) tracks_[kept++] = tracks_[i];
@@ -95,11 +112,25 @@ void FeatureTracker::drop_merged() {
   tracks_ = std::move(kept);
 }
 
-void FeatureTracker::add_corners(const cv::Mat& image) {
+void FeatureTracker::add_corners() {
   std::vector<cv::Point2f> occupied;
   for (const Track& track : tracks_) occupied.push_back(track.point);
-  for (const cv::Point2f& corner : detect_corners(image, occupied, options_.corners))
-    if (inside(corner, image.size())) tracks_.push_back({next_id_++, corner});
+  for (const cv::Point2f& corner : detect_corners(prepared_, occupied, options_.corners))
+    if (inside(corner, prepared_.size())) tracks_.push_back({(*next_id_)++, corner});
+}
+
+bool FeatureTracker::adopt(const Track& track, const std::unordered_set<std::uint32_t>& protected_ids) {
+  const auto close = [&](const Track& other) { return distance_px(other.point, track.point) < options_.corners.min_distance_px; };
+  const auto in_the_way = [&](const Track& other) { return close(other) && protected_ids.count(other.id) != 0; };
+  if (std::any_of(tracks_.begin(), tracks_.end(), in_the_way)) return false;
+  tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), close), tracks_.end());
+  tracks_.push_back(track);
+  return true;
+}
+
+void FeatureTracker::rename(std::uint32_t id) {
+  for (Track& track : tracks_)
+    if (track.id == id) track.id = (*next_id_)++;
 }
 
 }  // namespace host

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <unordered_set>
 #include <vector>
 
 #include "../calibration_file.h"
@@ -21,34 +23,55 @@ struct TrackerOptions {
   bool equalise = true;                   ///< CLAHE: contrast by region, for dark or unevenly lit scenes
 };
 
+struct Track {
+  std::uint32_t id;
+  cv::Point2f point;  ///< in the latest image, px
+};
+
+/// Lucas-Kanade from `start` (of pyramid `from`) to `to`, and back. `found` holds first guesses and then the points.
+/// One flag per point: found, at the same place on the way back, and not at the image's edge.
+std::vector<bool> tracked_there_and_back(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
+                                         const std::vector<cv::Point2f>& start, std::vector<cv::Point2f>& found,
+                                         const TrackerOptions& options);
+
 /// Pyramidal Lucas-Kanade from image to image, checked backwards and by RANSAC; lost corners are replaced by new ones.
-/// Identifiers rise from 0 and are never used twice. Deterministic: the same images give the same tracks.
+/// Identifiers rise from 0 over all cameras that share a counter and are never used twice in one camera. Deterministic:
+/// the same images give the same tracks.
 class FeatureTracker {
  public:
-  FeatureTracker(const CameraCalibration& camera, const TrackerOptions& options);
+  /// `next_id` counts identifiers; the cameras of one rig share it.
+  FeatureTracker(const CameraCalibration& camera, const TrackerOptions& options, std::shared_ptr<std::uint32_t> next_id);
 
-  /// The corners of the next image: those that survived, in the order of their identifiers, then new ones.
+  /// The corners of the next image: first those that survived, in the order in which they came.
   /// `image` is 8-bit grey and of the calibration's size.
-  std::vector<TrackPoint> next(const cv::Mat& image);
+  void follow(const cv::Mat& image);
+  /// Then new ones where there are none.
+  void add_corners();
+  /// A corner found otherwise, with its identifier. Tracks too close to it end, but for those whose identifiers are in
+  /// `protected_ids`: where one of these is, nothing changes and the answer is false.
+  bool adopt(const Track& track, const std::unordered_set<std::uint32_t>& protected_ids);
+  /// The track goes on as another corner.
+  void rename(std::uint32_t id);
+
+  const std::vector<Track>& tracks() const { return tracks_; }
+  const CameraCalibration& camera() const { return camera_; }
+  /// Of the latest image.
+  const std::vector<cv::Mat>& pyramid() const { return latest_; }
+  std::vector<TrackPoint> points() const;
 
  private:
-  struct Track {
-    std::uint32_t id;
-    cv::Point2f point;  ///< in the latest image, px
-  };
-
   std::vector<cv::Mat> pyramid_of(const cv::Mat& image) const;
-  void follow(const std::vector<cv::Mat>& pyramid, const cv::Size& size);
+  void follow(const std::vector<cv::Mat>& pyramid);
   void reject_outliers(const std::vector<cv::Point2f>& before);
   void drop_merged();
-  void add_corners(const cv::Mat& image);
 
   CameraCalibration camera_;
   TrackerOptions options_;
   cv::Ptr<cv::CLAHE> equaliser_;
-  std::vector<cv::Mat> previous_;  ///< pyramid of the latest image
+  cv::Mat prepared_;             ///< the latest image
+  std::vector<cv::Mat> latest_;  ///< its pyramid
   std::vector<Track> tracks_;
-  std::uint32_t next_id_ = 0;
+  std::shared_ptr<std::uint32_t> next_id_;
 };
 
 }  // namespace host

@@ -16,12 +16,12 @@ struct Rays {
 
 cv::Point2d to_point(const Eigen::Vector2d& v) { return {v.x(), v.y()}; }
 
-Rays undistorted_pairs(const CameraCalibration& camera, const std::vector<cv::Point2f>& before,
-                       const std::vector<cv::Point2f>& after) {
+Rays undistorted_pairs(const CameraCalibration& first_camera, const std::vector<cv::Point2f>& before,
+                       const CameraCalibration& second_camera, const std::vector<cv::Point2f>& after) {
   Rays rays;
   for (std::size_t i = 0; i < before.size(); ++i) {
-    const auto first = undistort(camera, {before[i].x, before[i].y});
-    const auto second = undistort(camera, {after[i].x, after[i].y});
+    const auto first = undistort(first_camera, {before[i].x, before[i].y});
+    const auto second = undistort(second_camera, {after[i].x, after[i].y});
     if (!first || !second) continue;
     rays.before.push_back(to_point(*first));
     rays.after.push_back(to_point(*second));
@@ -32,13 +32,14 @@ Rays undistorted_pairs(const CameraCalibration& camera, const std::vector<cv::Po
 
 }  // namespace
 
-std::vector<bool> epipolar_inliers(const CameraCalibration& camera, const std::vector<cv::Point2f>& before,
-                                   const std::vector<cv::Point2f>& after, double threshold_px) {
+std::vector<bool> epipolar_inliers(const CameraCalibration& first, const std::vector<cv::Point2f>& before,
+                                   const CameraCalibration& second, const std::vector<cv::Point2f>& after,
+                                   double threshold_px) {
   std::vector<bool> inlier(before.size(), false);
-  const Rays rays = undistorted_pairs(camera, before, after);
+  const Rays rays = undistorted_pairs(first, before, second, after);
   std::vector<unsigned char> agrees(rays.index.size(), 1);
   if (rays.index.size() >= min_correspondences) {
-    const double threshold = threshold_px / std::max(camera.intrinsics[0], camera.intrinsics[1]);
+    const double threshold = threshold_px / std::max(second.intrinsics[0], second.intrinsics[1]);
     cv::findFundamentalMat(rays.before, rays.after, cv::FM_RANSAC, threshold, 0.999, 500, agrees);
   }
   for (std::size_t i = 0; i < rays.index.size() && i < agrees.size(); ++i) inlier[rays.index[i]] = agrees[i] != 0;

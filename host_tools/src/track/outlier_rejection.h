@@ -1,4 +1,4 @@
-// Which correspondences between two images agree with one epipolar geometry.
+// Which correspondences between two images, of one camera or of two, agree with one epipolar geometry.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -12,7 +12,8 @@ namespace host {
 /// length. Its seven degrees of freedom take up an intrinsic calibration that is some per cent off, as a start may be, so
 /// good tracks are not lost to it. Fewer than 8 correspondences with a ray are all accepted: they prove nothing.
 /// Returns one flag per correspondence; one without a ray in front of the camera is rejected.
-std::vector<bool> epipolar_inliers(const CameraCalibration& camera, const std::vector<cv::Point2f>& before,
-                                   const std::vector<cv::Point2f>& after, double threshold_px);
+std::vector<bool> epipolar_inliers(const CameraCalibration& first, const std::vector<cv::Point2f>& before,
+                                   const CameraCalibration& second, const std::vector<cv::Point2f>& after,
+                                   double threshold_px);
 
 }  // namespace host

@@ -12,6 +12,7 @@
 #include "../recording.h"
 #include "feature_tracker.h"
 #include "recording_view.h"
+#include "stereo_matcher.h"
 
 namespace host {
 namespace {
@@ -22,12 +23,14 @@ constexpr const char* description = "Finds corners in the images of a recording 
 
 constexpr const char* details =
     R"(Where REC is read-only, --out FOLDER makes FOLDER a recording that links to REC and holds the tracks; replay FOLDER then.
+Identifiers are those of the whole rig: the same number in two cameras is the same corner. Corners of cam0 are looked for
+in the other cameras' images of the same moment, and checked by an epipolar geometry that needs no calibration.
 The calibration (--calib, else REC/camchain-imucam.yaml, else camN/sensor.yaml) serves to reject outliers only; a start
 that is some per cent off is good enough.)";
 
 struct TrackSettings {
   std::string recording, calibration, out;
-  int n_cameras = 1;
+  int n_cameras = 0;  // 0: all
   bool json = false, no_equalise = false;
   TrackerOptions tracker;
 };
@@ -42,21 +45,56 @@ cv::Mat read_image(const fs::path& file, const CameraCalibration& camera) {
   return image;
 }
 
-void show_progress(int camera, std::size_t done, std::size_t total, std::size_t corners) {
+void show_progress(std::size_t done, std::size_t total, const std::vector<FeatureTracker>& trackers) {
   if (done % 100 != 0 && done != total) return;
-  std::cerr << "cam" << camera << ": " << done << " of " << total << " images, " << corners << " tracks in the last\n";
+  std::cerr << done << " of " << total << " moments, tracks:";
+  for (const FeatureTracker& tracker : trackers) std::cerr << ' ' << tracker.tracks().size();
+  std::cerr << '\n';
 }
 
-std::vector<Frame> track_camera(int index, const CameraData& data, const CameraCalibration& camera,
-                                const TrackerOptions& options) {
-  FeatureTracker tracker(camera, options);
-  std::vector<Frame> frames;
-  for (const ImageEntry& entry : data.images) {
-    frames.push_back({entry.t_ns, tracker.next(read_image(entry.file, camera))});
-    show_progress(index, frames.size(), data.images.size(), frames.back().points.size());
+/// The images of one moment, by camera; null where a camera has none.
+using Moment = std::vector<const ImageEntry*>;
+
+/// In the order of their stamps.
+std::map<std::int64_t, Moment> moments_of(const Recording& recording) {
+  std::map<std::int64_t, Moment> moments;
+  const std::size_t n = recording.cameras.size();
+  for (std::size_t c = 0; c < n; ++c) {
+    for (const ImageEntry& entry : recording.cameras[c].images) {
+      Moment& moment = moments[entry.t_ns];
+      moment.resize(n, nullptr);
+      moment[c] = &entry;
+    }
   }
-  return frames;
+  return moments;
 }
+
+/// The first camera leads: the others look for its new corners first, and fill up with corners of their own.
+class RigTracker {
+ public:
+  RigTracker(const Calibration& calibration, const TrackerOptions& options)
+      : matchers_(calibration.cameras.size(), StereoMatcher(options)), frames(calibration.cameras.size()) {
+    const auto next_id = std::make_shared<std::uint32_t>(0);
+    for (const CameraCalibration& camera : calibration.cameras) trackers.emplace_back(camera, options, next_id);
+  }
+
+  void next(std::int64_t t_ns, const Moment& moment) {
+    for (std::size_t c = 0; c < trackers.size(); ++c) {
+      if (!moment[c]) continue;
+      trackers[c].follow(read_image(moment[c]->file, trackers[c].camera()));
+      if (c > 0 && moment[0]) matchers_[c].match(trackers[0], trackers[c]);
+      trackers[c].add_corners();
+      frames[c].push_back({t_ns, trackers[c].points()});
+    }
+  }
+
+ private:
+  std::vector<StereoMatcher> matchers_;
+
+ public:
+  std::vector<FeatureTracker> trackers;
+  std::vector<std::vector<Frame>> frames;
+};
 
 /// What a user wants to know of the tracks: how many at a time, and how long they live.
 nlohmann::json statistics(const std::vector<Frame>& frames) {
@@ -90,15 +128,36 @@ void check_writable(const fs::path& root, int n_cameras) {
 
 std::vector<std::vector<Frame>> track_all(const Recording& recording, const TrackSettings& settings) {
   const Calibration calibration = find_calibration(recording.root, settings.calibration, settings.n_cameras);
-  std::vector<std::vector<Frame>> tracks;
   for (int i = 0; i < settings.n_cameras; ++i) {
-    const auto index = static_cast<std::size_t>(i);
-    if (recording.cameras[index].images.empty())
+    if (recording.cameras[static_cast<std::size_t>(i)].images.empty())
       throw InputError((tracks_file(recording.root, i).parent_path() / "data.csv").string() +
                        ": file is missing: expected the list of images");
-    tracks.push_back(track_camera(i, recording.cameras[index], calibration.cameras[index], settings.tracker));
   }
-  return tracks;
+  const std::map<std::int64_t, Moment> moments = moments_of(recording);
+  RigTracker rig(calibration, settings.tracker);
+  std::size_t done = 0;
+  for (const auto& [t_ns, moment] : moments) {
+    rig.next(t_ns, moment);
+    show_progress(++done, moments.size(), rig.trackers);
+  }
+  return rig.frames;
+}
+
+/// Cameras of the recording that have images and a calibration.
+int cameras_present(const TrackSettings& settings) {
+  const fs::path mav0 = fs::path(settings.recording) / "mav0";
+  int n = 1;
+  while (n < 8 && fs::exists(mav0 / ("cam" + std::to_string(n)) / "data.csv")) ++n;
+  while (n > 1) {
+    try {
+      find_calibration(settings.recording, settings.calibration, n);
+      break;
+    } catch (const InputError& error) {
+      --n;
+      std::cerr << "cam" << n << " is left out, it has no calibration: " << error.what() << '\n';
+    }
+  }
+  return n;
 }
 
 void report(const std::vector<std::vector<Frame>>& tracks, const TrackSettings& settings) {
@@ -125,6 +184,7 @@ void finish(const std::vector<std::vector<Frame>>& tracks, const TrackSettings& 
 
 void run(TrackSettings settings) {
   cv::setNumThreads(1);  // one image is too small a task to share out, and the result must not depend on the machine
+  if (settings.n_cameras == 0) settings.n_cameras = cameras_present(settings);
   const Recording recording = read_recording(settings.recording, settings.n_cameras);
   const bool in_place = settings.out.empty() || (fs::exists(settings.out) && fs::equivalent(settings.out, recording.root));
   if (in_place) {
@@ -147,8 +207,8 @@ void add_track_command(CLI::App& app, int& exit_code) {
   command->add_option("REC", settings->recording, "recording with images, EuRoC's folder layout")->required();
   command->add_option("--calib", settings->calibration, "calibration in Kalibr's layout (camchain-imucam.yaml)");
   command->add_option("--out", settings->out, "folder to make a recording with the tracks, instead of writing into REC");
-  command->add_option("--cameras", settings->n_cameras, "number of cameras, cam0 first")
-      ->check(CLI::Range(1, 8))->capture_default_str();
+  command->add_option("--cameras", settings->n_cameras, "number of cameras, cam0 first (default: all that have images and a calibration)")
+      ->check(CLI::Range(1, 8));
   command->add_option("--max-tracks", tracker.corners.max_tracks, "corners to keep in each image")
       ->check(CLI::Range(8, 2000))->capture_default_str();
   command->add_option("--min-distance", tracker.corners.min_distance_px, "between corners, px")

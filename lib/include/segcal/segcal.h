@@ -118,7 +118,7 @@ typedef struct {
 } segcal_imu_t;
 
 typedef struct {
-  uint32_t track_id; /* the same corner has the same number in all frames */
+  uint32_t track_id; /* the same corner has the same number in all frames and cameras, different ones never */
   int32_t camera;    /* 0..n_cameras - 1 */
   float u, v;        /* px, raw (distorted) image coordinates */
 } segcal_point_t;

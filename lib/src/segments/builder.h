@@ -50,6 +50,7 @@ class SegmentBuilder {
   static constexpr std::int64_t kNever = INT64_MIN;
   static constexpr int kDropped = 0xFFFF, kFewestKeyframes = 4, kFewestLandmarks = 5;
   bool copy_imu(std::int64_t from_ns, std::int64_t to_ns, const ImuHistory<S>& imu);
+  void add_point(const TrackPoint<S>& point);
   int landmark_of(std::uint32_t track_id);
   int free_landmark();
   void remove_landmark(int j);
@@ -96,21 +97,36 @@ bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, const State<S>& state, c
   s.t_us[k] = static_cast<std::int32_t>((t_ns - s.t0_ns + 500) / 1000);
   s.states.x[k] = state;
   last_keyframe_ns_ = t_ns;
-  for (int i = 0; i < n; ++i) {
-    const int j = landmark_of(points[i].id);
-    if (j < 0) {
-      ++counts_.landmarks_left_out;
-    } else if (s.n_observations == kMaxObservations) {
-      ++counts_.points_left_out;
-    } else {
-      s.observation[s.n_observations++] = {static_cast<float>(points[i].uv.x()), static_cast<float>(points[i].uv.y()),
-                                           static_cast<std::uint16_t>(j), static_cast<std::uint8_t>(k),
-                                           static_cast<std::uint8_t>(points[i].camera & 0x7F), 0};
-      last_seen_[j] = static_cast<std::uint8_t>(k);
-      ++seen_[j];
-    }
+  // The cameras take turns, so that the first does not fill the places of the others.
+  int next[kMaxCameras] = {};
+  for (int c = 0, ended = 0; ended < kMaxCameras; c = (c + 1) % kMaxCameras) {
+    while (next[c] < n && points[next[c]].camera != c) ++next[c];
+    ended = next[c] < n ? 0 : ended + 1;
+    if (next[c] < n) add_point(points[next[c]++]);
   }
   return true;
+}
+
+/// A point of the newest keyframe. Each keyframe may use what those before it left of their even shares: without this the
+/// last ones of a segment with many tracks would have no points at all.
+template <class S>
+void SegmentBuilder<S>::add_point(const TrackPoint<S>& point) {
+  Segment<S>& s = *segment_;
+  const int k = s.n_keyframes - 1;
+  if (s.n_observations >= kMaxObservations * (k + 1) / kMaxKeyframes) {
+    ++counts_.points_left_out;
+    return;
+  }
+  const int j = landmark_of(point.id);
+  if (j < 0) {
+    ++counts_.landmarks_left_out;
+    return;
+  }
+  s.observation[s.n_observations++] = {static_cast<float>(point.uv.x()), static_cast<float>(point.uv.y()),
+                                       static_cast<std::uint16_t>(j), static_cast<std::uint8_t>(k),
+                                       static_cast<std::uint8_t>(point.camera & 0x7F), 0};
+  last_seen_[j] = static_cast<std::uint8_t>(k);
+  ++seen_[j];
 }
 
 /// The track's place; a new one for a new track; -1 if there is none.

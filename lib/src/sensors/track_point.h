@@ -5,7 +5,7 @@
 
 namespace SEGCAL_NS {
 
-/// Raw (distorted) pixels. The id is unique within its camera.
+/// Raw (distorted) pixels. The same id is the same corner, in all frames and cameras.
 template <class S>
 struct TrackPoint {
   std::uint32_t id;

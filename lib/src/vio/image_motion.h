@@ -23,6 +23,8 @@ class ImageMotion {
     square_ += from.squaredNorm();
   }
 
+  bool seen_enough() const { return seen_ >= kFewest; }
+
   /// Less than `limit` px for a point at the usual distance from the centre; needs 8 tracks, most of them close.
   bool none(S limit) const { return less(limit, S(1)); }
 
@@ -31,9 +33,10 @@ class ImageMotion {
   bool no_translation(S share, S focal) const { return less(share * focal, S(1) / focal); }
 
  private:
+  static constexpr int kFewest = 8;
   /// `growth_by`: 1, or 1 px by the focal length: then the limit of the growth shrinks with the points' spread.
   bool less(S limit, S growth_by) const {
-    if (seen_ < 8 || S(close_) < S(0.7) * S(seen_)) return false;
+    if (!seen_enough() || S(close_) < S(0.7) * S(seen_)) return false;
     const S n = S(close_);
     const Vec2<S> d = shift_ / n, c = place_ / n;
     const S spread = square_ / n - c.squaredNorm();
@@ -45,6 +48,29 @@ class ImageMotion {
   int seen_ = 0, close_ = 0;
   Vec2<S> shift_ = Vec2<S>::Zero(), place_ = Vec2<S>::Zero();
   S along_ = S(0), across_ = S(0), square_ = S(0);
+};
+
+/// The motion in the images of all cameras. Cameras look in different directions, and what shifts one image to the left may
+/// shift another to the right: each is asked alone. All that see enough must agree, and at least one must see enough.
+template <class S>
+class RigMotion {
+ public:
+  void add(int camera, const Vec2<S>& from, const Vec2<S>& to) { camera_[camera].add(from, to); }
+
+  /// `says`: (camera, its motion) to yes or no.
+  template <class Says>
+  bool all(Says says) const {
+    int asked = 0;
+    for (int c = 0; c < kMaxCameras; ++c) {
+      if (!camera_[c].seen_enough()) continue;
+      if (!says(c, camera_[c])) return false;
+      ++asked;
+    }
+    return asked > 0;
+  }
+
+ private:
+  ImageMotion<S> camera_[kMaxCameras];
 };
 
 /// Where a point at `uv` is seen after the device has turned in place; R_turn takes directions in I before to I after.

@@ -36,12 +36,12 @@ struct StillTest {
 
   /// No common motion between the frame of a pose and the points of the present one.
   bool image_stays(const WindowPose<S>& pose, const TrackPoint<S>* points, int n) const {
-    ImageMotion<S> motion;
+    RigMotion<S> motion;
     for (int i = 0; i < n; ++i) {
       const VioTrack<S>* track = tracks.find(points[i].id, points[i].camera);
-      if (track && track->in(pose.slot)) motion.add(track->uv[pose.slot], points[i].uv);
+      if (track && track->in(pose.slot)) motion.add(points[i].camera, track->uv[pose.slot], points[i].uv);
     }
-    return motion.none(options.still_pixels);
+    return motion.all([&](int, const ImageMotion<S>& camera) { return camera.none(options.still_pixels); });
   }
 
   /// The newest pose against a frame at t1. A quiet IMU and an image that stays since the last frame are enough. If the
@@ -58,17 +58,21 @@ struct StillTest {
   /// Once the turning (R_GI: the present attitude) is taken out, is the image that of a pose at the same place?
   bool same_place(const WindowPose<S>& pose, const Mat3<S>& R_GI, S nearness, const TrackPoint<S>* points, int n) const {
     const Mat3<S> R_turn = R_GI.transpose() * pose.R_GI;
-    ImageMotion<S> motion;
+    RigMotion<S> motion;
     Vec2<S> expected;
     for (int i = 0; i < n; ++i) {
       const VioTrack<S>* track = tracks.find(points[i].id, points[i].camera);
       if (!track || !track->in(pose.slot)) continue;
       const CameraCalibration<S>& camera = window.theta.camera[points[i].camera];
-      if (turned_point(camera, R_turn, track->uv[pose.slot], &expected)) motion.add(expected, points[i].uv);
+      if (turned_point(camera, R_turn, track->uv[pose.slot], &expected)) {
+        motion.add(points[i].camera, expected, points[i].uv);
+      }
     }
-    const S focal = window.theta.camera[0].intrinsics(0);
-    const S share = options.still_metres * nearness, most = S(1.5) / focal;
-    return motion.no_translation(share < most ? share : most, focal);
+    const S share = options.still_metres * nearness;
+    return motion.all([&](int c, const ImageMotion<S>& camera) {
+      const S focal = window.theta.camera[c].intrinsics(0), most = S(1.5) / focal;
+      return camera.no_translation(share < most ? share : most, focal);
+    });
   }
 
   /// The pose of the window whose place the device has not left, or -1. Three frames back tell slow motion from none;

@@ -47,12 +47,14 @@ bool window_at_rest(const Window<S>& w, const TrackTable<S>& tracks, const VioOp
   const ReadingSpread<S> spread = reading_spread(imu, t0, t1);
   if (spread.gyro > options.still_gyro || spread.accel > options.still_accel) return false;
   const int first = w.pose[0].slot, last = w.newest().slot;
-  ImageMotion<S> motion;
+  RigMotion<S> motion;
   for (int k = 0; k < tracks.end(); ++k) {
     const VioTrack<S>& track = tracks[k];
-    if (track.used && track.in(first) && track.in(last)) motion.add(track.uv[first], track.uv[last]);
+    if (track.used && track.in(first) && track.in(last)) {
+      motion.add(track.camera, track.uv[first], track.uv[last]);
+    }
   }
-  return motion.none(options.still_pixels);
+  return motion.all([&](int, const ImageMotion<S>& camera) { return camera.none(options.still_pixels); });
 }
 
 /// What rest tells: v = 0, b_g = mean rate, and mean specific force = R_IG (-g) + b_a.
