@@ -36,7 +36,9 @@ struct ReplayResult {
   bool calibrated = false;           ///< a calibration ran
   std::vector<ReplayCalibration> calibrations;
   Calibration calibration;
+  Calibration start;                 ///< where it started from, the mean of the prior
   ImuNoise noise;
+  CoreModel model;
   std::vector<CoreState> trajectory; ///< at each processed frame
   std::vector<CoreSegment> segments; ///< every segment scored, `kept` as at the end
   std::vector<CoreKept> kept;
