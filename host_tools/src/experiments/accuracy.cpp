@@ -51,7 +51,7 @@ Json accuracy_run(const Json& parameters) {
   const Evaluation evaluation(seed, parameters.at("evaluations"), parameters.at("evaluation_s"));
   Json after = Json::array();
   for (const SessionCalibration& c : calibrations) {
-    Json one = evaluation(c.calibration);
+    Json one = evaluation(c.calibration, method_named(parameters.at("method")).odometry);
     one["status"] = c.result.status;
     one["segments"] = c.result.segments;
     after.push_back(one);

@@ -53,11 +53,12 @@ SimulationResult simulate_evaluation(std::uint64_t seed, int index, double sessi
   return simulate(options);
 }
 
-OdometryError odometry_error(const SimulationResult& session, const Calibration& calibration) {
+OdometryError odometry_error(const SimulationResult& session, const Calibration& calibration, Odometry odometry) {
   ReplayOptions options;
   options.core.calibration = calibration;
   options.core.noise = session.recording.imu.noise;
   options.calibrate = false;
+  options.core.hold_calibration = odometry == Odometry::held;
   const ReplayResult replayed = replay({session.recording}, options);
   ErrorOptions error;
   const auto e = trajectory_error(poses_of(replayed.trajectory), poses_of(session.recording.truth), error);
@@ -69,11 +70,11 @@ Evaluation::Evaluation(std::uint64_t seed, int count, double session_s) {
   for (int i = 0; i < count; ++i) sessions_.push_back(simulate_evaluation(seed, i, session_s));
 }
 
-Json Evaluation::operator()(const Calibration& calibration) const {
+Json Evaluation::operator()(const Calibration& calibration, Odometry odometry) const {
   constexpr double degree = 3.14159265358979323846 / 180;
   Json position = Json::array(), attitude = Json::array();
   for (const SimulationResult& session : sessions_) {
-    const OdometryError e = odometry_error(session, calibration);
+    const OdometryError e = odometry_error(session, calibration, odometry);
     position.push_back(100 * e.position_m);
     attitude.push_back(e.attitude_rad / degree);
   }

@@ -21,6 +21,7 @@ struct CoreOptions {
   double segment_s = 4;
   double pixel_sigma = 0.5;          ///< px
   std::uint64_t seed = 1;
+  bool hold_calibration = false;     ///< the filter runs with the calibration as it is, without estimates of its own
   std::vector<double> sigma_ref;     ///< normalises the metrics, per parameter; empty: the prior sigmas
 };
 

@@ -95,6 +95,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
   sub->add_option("--pixel-sigma", a->replay.core.pixel_sigma, "stated noise of a tracked corner per axis, px")->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_option("--seed", a->replay.core.seed, "of the random metric")->capture_default_str();
+  sub->add_flag("--hold-calibration", a->replay.core.hold_calibration, "the odometry runs with the calibration as it is, without estimates of its own");
   sub->add_flag("--no-calibration", a->no_calibration, "odometry only: the trajectory with the starting calibration");
   sub->add_flag("--json", a->json, "print result.json on standard output");
   sub->footer(R"(Example:
