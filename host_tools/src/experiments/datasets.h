@@ -36,7 +36,7 @@ SimulationResult simulate_evaluation(std::uint64_t seed, int index, double sessi
 /// estimating it in the filter, as this one does unless told otherwise.
 enum class Odometry { held, estimating };
 
-/// RMSE after yaw and position alignment with the truth; no segments are used.
+/// RMSE after yaw and position alignment with the truth, from 15 s after the start on; no segments are used.
 struct OdometryError {
   double position_m = 0, attitude_rad = 0;
 };
