@@ -51,7 +51,7 @@ Json accuracy_run(const Json& parameters) {
   const Evaluation evaluation(seed, parameters.at("evaluations"), parameters.at("evaluation_s"));
   Json after = Json::array();
   for (const SessionCalibration& c : calibrations) {
-    Json one = evaluation(c.calibration);
+    Json one = evaluation(c.calibration, method_named(parameters.at("method")).odometry);
     one["status"] = c.result.status;
     one["segments"] = c.result.segments;
     after.push_back(one);
@@ -69,7 +69,7 @@ Findings accuracy_gather(const std::vector<CellResult>& cells) {
     }
   }
   Findings out;
-  Table table{"Odometry with each calibration", "RMSE against the simulated truth after alignment of yaw and position: median and "
+  Table table{"Odometry with each calibration", "RMSE against the simulated truth from 15 s on after alignment of yaw and position: median and "
               "standard deviation over all evaluation sessions and the calibrations after each session. Ratio: median over the same "
               "pairs, to `all`.",
               {{"dataset", ""}, {"method", ""}, {"position", "cm"}, {"+-", "cm"}, {"attitude", "deg"}, {"+-", "deg"},

@@ -32,17 +32,21 @@ SimulationResult simulate_session(const Dataset& dataset, std::uint64_t seed, in
 /// shaking in turn, as the paper's sessions in the motion capture room are mixed.
 SimulationResult simulate_evaluation(std::uint64_t seed, int index, double session_s);
 
-/// How well the odometry does with a calibration that it keeps: RMSE after yaw and position alignment with the truth.
+/// What the odometry does with the calibration that it is given: it runs with it as it is, as the paper's does, or goes on
+/// estimating it in the filter, as this one does unless told otherwise.
+enum class Odometry { held, estimating };
+
+/// RMSE after yaw and position alignment with the truth, from 15 s after the start on; no segments are used.
 struct OdometryError {
   double position_m = 0, attitude_rad = 0;
 };
-OdometryError odometry_error(const SimulationResult& session, const Calibration& calibration);
+OdometryError odometry_error(const SimulationResult& session, const Calibration& calibration, Odometry odometry);
 
 /// Over `count` evaluation sessions of `session_s` seconds: {"position_cm": [...], "attitude_deg": [...]}.
 class Evaluation {
  public:
   Evaluation(std::uint64_t seed, int count, double session_s);
-  Json operator()(const Calibration& calibration) const;
+  Json operator()(const Calibration& calibration, Odometry odometry = Odometry::held) const;
 
  private:
   std::vector<SimulationResult> sessions_;

@@ -33,8 +33,9 @@ std::vector<SessionCalibration> initial(const std::vector<Recording>& sessions, 
   return std::vector<SessionCalibration>(sessions.size(), {start, {}});
 }
 
-/// No sparsification: every segment of the session, up to what profile host holds.
-std::vector<SessionCalibration> all(const std::vector<Recording>& sessions, const Calibration& start, const Method&,
+/// Every segment, up to what profile host holds. A batch over all keyframes and landmarks of a recording (`segcal reference`)
+/// belongs beside it in the table below, as a method of the same form named `batch`.
+std::vector<SessionCalibration> no_sparsification(const std::vector<Recording>& sessions, const Calibration& start, const Method&,
                                     const MethodOptions& options) {
   MethodOptions o = options;
   o.segments = all_segments;
@@ -67,12 +68,14 @@ const std::vector<Method>& methods() {
   static const std::vector<Method> offered = [] {
     const std::vector<Method> known = {
         {"initial", "the data sheet's calibration", always, initial, ""},
-        {"all", "no sparsification: all segments, up to 64", always, all, ""},
+        {"all", "no sparsification: all segments, up to 64", always, no_sparsification, ""},
         {"A", "8 segments of 4 s by A (trace)", always, selected, "A"},
         {"D", "8 segments of 4 s by D (determinant)", always, selected, "D"},
         {"E", "8 segments of 4 s by E (largest eigenvalue)", always, selected, "E"},
         {"set_d", "8 segments of 4 s by the joint determinant", set_d_offered, selected, "set_d"},
         {"random", "8 segments of 4 s at random", always, selected, "random"},
+        {"filter", "the data sheet's, and the filter's own estimates on the way", always, initial, "", Odometry::estimating},
+        {"filter_A", "as A, and the filter's own estimates on the way", always, selected, "A", Odometry::estimating},
     };
     std::vector<Method> out;
     std::copy_if(known.begin(), known.end(), std::back_inserter(out), [](const Method& m) { return m.offered(); });

@@ -26,6 +26,7 @@ struct Method {
   std::vector<SessionCalibration> (*run)(const std::vector<Recording>& sessions, const Calibration& start, const Method& method,
                                          const MethodOptions& options);
   const char* metric;        ///< of the database, where the method has one
+  Odometry odometry = Odometry::held;  ///< how its calibrations are evaluated
 };
 
 /// Those that are offered.

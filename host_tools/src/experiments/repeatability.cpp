@@ -14,7 +14,7 @@ std::vector<Cell> repeatability_cells(const StudyOptions& options) {
     if (!d.multi_session) continue;  // the AR/VR use case, as the paper has it
     for (int session = 0; session < (options.quick ? 3 : d.sessions); ++session) {
       for (const Method& m : methods()) {
-        if (std::string(m.name) == "initial") continue;
+        if (std::string(m.name) == "initial" || m.odometry != Odometry::held) continue;
         cells.push_back({std::string(d.name) + "_session" + std::to_string(session) + "_" + m.name,
                          {{"dataset", d.name}, {"session", session}, {"session_s", d.session_s}, {"method", m.name},
                           {"seed", options.seed}}});

@@ -94,6 +94,7 @@ std::vector<CellResult> run_cells(const Experiment& experiment, const std::vecto
   const std::size_t found = cells.size() - open.size();
   Workers workers(experiment, dir);
   const int most = experiment.alone ? 1 : jobs;
+  if (open.empty()) show_progress(experiment.name, found, cells.size(), found);
   for (std::size_t next = 0, done = 0; done < open.size();) {
     while (next < open.size() && workers.running() < most) workers.start(*open[next++]);
     const int before = workers.running();

@@ -22,6 +22,7 @@ struct CoreOptions {
   double pixel_sigma = 0.5;          ///< px
   std::uint64_t seed = 1;
   double trigger_fraction = 0;       ///< sigmas over the prior's at which the device calibrates of its own; 0: it does not
+  bool hold_calibration = false;     ///< the filter runs with the calibration as it is, without estimates of its own
   std::vector<double> sigma_ref;     ///< normalises the metrics, per parameter; empty: the prior sigmas
 };
 

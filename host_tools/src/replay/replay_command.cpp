@@ -90,6 +90,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   sub->add_option("--trigger-sigma", a->replay.core.trigger_fraction,
                   "calibrate in between, as soon as all predicted sigmas are below this fraction of the prior's; 0: at the end only")
       ->capture_default_str()->check(CLI::Range(0.0, 0.99));
+  sub->add_flag("--hold-calibration", a->replay.core.hold_calibration, "the odometry runs with the calibration as it is, without estimates of its own");
   sub->add_flag("--no-calibration", a->no_calibration, "odometry only: the trajectory with the starting calibration");
   sub->add_flag("--json", a->json, "print result.json on standard output");
   sub->footer(R"(Example:

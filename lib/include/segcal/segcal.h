@@ -101,6 +101,8 @@ typedef struct {
   double least_gain_nats;          /* a segment that tells less is never kept; 0: half a nat per parameter */
   double prior_sigma[SEGCAL_MAX_PARAMETERS]; /* 0: the table in DESIGN, section 3 */
   double sigma_ref[SEGCAL_MAX_PARAMETERS];   /* normalises the metrics; 0: the prior's sigma */
+  double filter_share;             /* the filter estimates the calibration along its way; factor on the prior sigmas of these
+                                      estimates, up to 1; 0: 1. 1e-3 holds it at what is given */
   uint64_t seed;                   /* of the random metric */
   /* When segcal_background starts a calibration. All 0: when keep_segments are kept. Else as soon as the kept segments
      together predict all of these sigmas (before scaling by what the fit shows); once the database is full, parameters

@@ -20,6 +20,7 @@ struct DeviceOptions {
   MeasurementModel<S> model;
   S imu_rate_hz = S(200), gyro_range = S(35), accel_range = S(157);
   S frame_interval_s = S(0.1), segment_s = S(4);
+  S filter_share = S(1);        ///< on the sigmas of the filter's own estimates of the calibration
   int keep_segments = 8;
   Metric metric = Metric::A;
   Strategy strategy = Strategy::single_session;
@@ -144,6 +145,7 @@ void Device<S>::restart_filter() {
   vio.noise = options_.model.imu;
   vio.g = options_.model.g;
   vio.frame_interval_s = options_.frame_interval_s;
+  vio.share_calibration(options_.filter_share);
   vio_.reset(theta_, vio);
   if (calibrated_ && release_.status != Status::failed) vio_.set_calibration(theta_);
   if (!own_odometry_) ++frame_;

@@ -35,6 +35,18 @@ struct VioOptions {
   S max_speed = S(10);             ///< m/s; faster: the filter has diverged
   S max_gap_s = S(0.6);            ///< s between processed frames; longer: start again
   S max_blind_s = S(2);            ///< s without a usable feature; longer: start again
+
+  /// Multiplies the sigmas of the calibration: a small share makes the filter run with what it is given.
+  void share_calibration(S share) {
+    sigma_r_CI *= share;
+    sigma_p_CI *= share;
+    sigma_focal *= share;
+    sigma_centre *= share;
+    sigma_distortion *= share;
+    sigma_gyro *= share;
+    sigma_accel *= share;
+    sigma_r_AI *= share;
+  }
 };
 
 enum class VioStatus : std::int32_t {
