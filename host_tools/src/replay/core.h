@@ -21,6 +21,7 @@ struct CoreOptions {
   double segment_s = 4;
   double pixel_sigma = 0.5;          ///< px
   std::uint64_t seed = 1;
+  bool joint_ekf = false;            ///< the filter's own calibration is the result; no segments
 };
 
 struct CoreState {

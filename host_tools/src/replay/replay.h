@@ -10,6 +10,7 @@ namespace host {
 struct ReplayOptions {
   CoreOptions core;
   std::string profile = "mobile";
+  bool joint_ekf = false;            ///< no segments: the filter gives the calibration itself, at the end of each session
   bool calibrate = true;             ///< false: odometry only, the calibration stays as it is
   std::function<void(double)> progress;  ///< called with the fraction done, 0..1; may be empty
 };

@@ -16,6 +16,7 @@
 #define segcal_get_direction SEGCAL_NAME(get_direction)
 #define segcal_get_imu_calibration SEGCAL_NAME(get_imu_calibration)
 #define segcal_get_imu_residuals SEGCAL_NAME(get_imu_residuals)
+#define segcal_get_filter_calibration SEGCAL_NAME(get_filter_calibration)
 #define segcal_get_keyframes SEGCAL_NAME(get_keyframes)
 #define segcal_get_point_residuals SEGCAL_NAME(get_point_residuals)
 #define segcal_get_result SEGCAL_NAME(get_result)

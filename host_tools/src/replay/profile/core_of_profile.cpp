@@ -84,6 +84,7 @@ segcal_config_t config_of(const CoreOptions& options) {
   c.metric = metric_code(options.metric);
   c.strategy = options.multi_session ? SEGCAL_MULTI_SESSION : SEGCAL_SINGLE_SESSION;
   c.seed = options.seed;
+  c.joint_filter = options.joint_ekf ? 1 : 0;
   return c;
 }
 
