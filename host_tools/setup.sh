@@ -8,7 +8,7 @@ packages=(
   g++ cmake ninja-build git ca-certificates dpkg-dev
   libeigen3-dev                                # the core
   libopencv-dev libceres-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev   # the host program
-  libbenchmark-dev                             # benchmarks
+  libbenchmark-dev libopenblas0 liblapack3     # benchmarks, and LAPACK's QR beside the core's
   python3-venv                                 # the report's plots, evo for a test
 )
 

@@ -24,6 +24,7 @@ struct CoreOptions {
   double trigger_fraction = 0;       ///< sigmas over the prior's at which the device calibrates of its own; 0: it does not
   bool hold_calibration = false;     ///< the filter runs with the calibration as it is, without estimates of its own
   std::vector<double> sigma_ref;     ///< normalises the metrics, per parameter; empty: the prior sigmas
+  bool joint_ekf = false;            ///< the filter's own calibration is the result; no segments
 };
 
 struct CoreState {

@@ -115,7 +115,9 @@ void mark_kept(ReplayResult& out) {
 }  // namespace
 
 ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions& options) {
-  const std::unique_ptr<Core> core = make_core(options.profile, options.core);
+  CoreOptions core_options = options.core;
+  core_options.joint_ekf = options.joint_ekf;
+  const std::unique_ptr<Core> core = make_core(options.profile, core_options);
   ReplayResult out;
   out.noise = options.core.noise;
   Session session(*core, out, options.calibrate && options.core.trigger_fraction > 0);

@@ -10,6 +10,7 @@ namespace host {
 struct ReplayOptions {
   CoreOptions core;
   std::string profile = "mobile";
+  bool joint_ekf = false;            ///< no segments: the filter gives the calibration itself, at the end of each session
   bool calibrate = true;             ///< false: odometry only, the calibration stays as it is
   /// Called after each session with what has been found so far; may be empty. The number counts from 0.
   std::function<void(std::size_t, const CoreResult&, const Calibration&)> after_session;

@@ -91,13 +91,23 @@ void add_replay_command(CLI::App& app, int& exit_code) {
                   "calibrate in between, as soon as all predicted sigmas are below this fraction of the prior's; 0: at the end only")
       ->capture_default_str()->check(CLI::Range(0.0, 0.99));
   sub->add_flag("--hold-calibration", a->replay.core.hold_calibration, "the odometry runs with the calibration as it is, without estimates of its own");
+  sub->add_flag("--joint-ekf", a->replay.joint_ekf,
+                "for comparison: no segments, the filter's own estimate of the calibration is the result");
   sub->add_flag("--no-calibration", a->no_calibration, "odometry only: the trajectory with the starting calibration");
   sub->add_flag("--json", a->json, "print result.json on standard output");
   sub->footer(R"(Example:
   segcal replay rec --calib start.yaml --out out && segcal report out
 
 Verdicts: observed, the sigma fell below 0.3 of the prior's; weak, below 0.8; fixed, the data cannot tell: the parameter
-stays where it was. Exit code 1: the result is not `calibrated` (too little motion, or the model does not fit).)");
+stays where it was.
+
+The odometry estimates extrinsics, intrinsics and the IMU's scales, misalignments and rotation as states of its filter in
+every run, from priors of its own (4 % of f, 10 px, 0.05 per lens coefficient; 0.01 gyroscope, 0.02 accelerometer), so that
+a wrong start does not spoil the trajectory. That estimate stays inside the filter; the result comes from the segments and
+replaces it. With --joint-ekf the filter has the result's prior and the stated pixel noise, its estimate at the end of a
+session is the result, and the next session goes on from it with all of its information.
+
+Exit code 1: the result is not `calibrated` (too little motion, or the model does not fit).)");
   sub->callback([a, &exit_code] { exit_code = run(*a); });
 }
 

@@ -110,6 +110,9 @@ typedef struct {
      per session. */
   double trigger_sigma[SEGCAL_MAX_PARAMETERS]; /* of theta's entries, units as prior_sigma; 0: trigger_fraction's */
   double trigger_fraction;         /* of each prior sigma, 0..1; 0: no target but those above */
+  int32_t joint_filter;            /* 1: no segments; the filter's own calibration is the result, for comparison. 0: off.
+                                      The filter estimates all of theta in either case, from priors of its own; what it
+                                      finds stays with it, and segcal_calibrate's result replaces it */
 } segcal_config_t;
 
 /* ---- data in ---- */
@@ -247,13 +250,17 @@ int segcal_flush(segcal_t *device);
 /* Ends the session: as segcal_flush, then the filter starts again; the database is emptied if single session. */
 int segcal_new_session(segcal_t *device);
 /* Calibrates from the kept segments and, if something is released, puts the new theta into the filter. With none kept the
-   result is `insufficient`, and every direction is named as not excited. */
+   result is `insufficient`, and every direction is named as not excited. With joint_filter: takes what the filter knows at
+   this moment; a new session goes on from it, with all of its information. */
 int segcal_calibrate(segcal_t *device);
 
 int segcal_get_state(const segcal_t *device, segcal_state_t *state);
 int segcal_get_camera(const segcal_t *device, int32_t camera, segcal_camera_t *out);
 int segcal_get_imu_calibration(const segcal_t *device, segcal_imu_calibration_t *out);
 int segcal_get_result(const segcal_t *device, segcal_result_t *result);
+/* What the filter itself knows about the calibration at this moment: values, sigmas and verdicts by the same rule. Nothing
+   about a fit. Before the filter's start: the prior. */
+int segcal_get_filter_calibration(segcal_t *device, segcal_result_t *result);
 int segcal_get_direction(const segcal_t *device, int32_t index, segcal_direction_t *direction);
 /* The segment scored last (index -1) or slot `index` of the database, 0..SEGCAL_MAX_SEGMENTS. SEGCAL_ERROR_STATE if empty. */
 int segcal_get_segment(const segcal_t *device, int32_t index, segcal_segment_t *segment);

@@ -16,6 +16,7 @@
 #define segcal_get_direction SEGCAL_NAME(get_direction)
 #define segcal_get_imu_calibration SEGCAL_NAME(get_imu_calibration)
 #define segcal_get_imu_residuals SEGCAL_NAME(get_imu_residuals)
+#define segcal_get_filter_calibration SEGCAL_NAME(get_filter_calibration)
 #define segcal_get_keyframes SEGCAL_NAME(get_keyframes)
 #define segcal_get_landmarks SEGCAL_NAME(get_landmarks)
 #define segcal_get_link SEGCAL_NAME(get_link)

@@ -102,6 +102,7 @@ bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   out->metric = static_cast<Metric>(c.metric);
   out->strategy = static_cast<Strategy>(c.strategy);
   out->seed = c.seed;
+  out->joint_filter = c.joint_filter != 0;
   // Half a nat per parameter: what stands still, or is only shaken by motors, stays well below.
   return positive(c.filter_share, 1, 1, &out->filter_share) &&
          positive(c.least_gain_nats, 0.5 * out->theta.columns(), 1e6, &out->least_gain) && sigmas_from_config(c, out);

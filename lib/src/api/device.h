@@ -26,6 +26,7 @@ struct DeviceOptions {
   Strategy strategy = Strategy::single_session;
   S least_gain = S(14);
   std::uint64_t seed = 0;
+  bool joint_filter = false;    ///< the filter's own calibration is the result; no segments
 };
 
 /// Data faults, counted and survived.
@@ -54,6 +55,8 @@ class Device {
   void new_session();
   int background(int slices);
   void calibrate();
+  /// The filter's own calibration at this moment, judged as a result.
+  void read_filter(Release<S>* out) { read_filter(out, nullptr); }
 
   const State<S>& state() const { return state_; }
   std::int64_t state_time() const { return state_time_; }
@@ -91,6 +94,8 @@ class Device {
   void drop_misfits();
   void restart_filter();
   void use_odometry(bool own);
+  VioOptions<S> vio_options() const;
+  void read_filter(Release<S>* out, InformationAnalysis<S>* analysis);
   Calibration<S> working_theta() const;
   /// Sums of information, in the eliminator's memory: what it holds is lost.
   JointInformation<S> joint_information() {
@@ -134,20 +139,43 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   session_ = serial_ = frame_ = 0;
   last_ = SegmentSummary<S>{};
   calibrated_ = calibration_due_ = knew_enough_ = own_odometry_ = false;
+  vio_.reset(theta_, vio_options());
   restart_filter();
+}
+
+/// The filter states its own calibration only where that is asked for; then it starts from the device's prior.
+template <class S>
+VioOptions<S> Device<S>::vio_options() const {
+  VioOptions<S> vio;
+  vio.noise = options_.model.imu;
+  vio.g = options_.model.g;
+  vio.frame_interval_s = options_.frame_interval_s;
+  vio.share_calibration(options_.filter_share);
+  if (!options_.joint_filter) return vio;
+  const S* sigma = options_.prior_sigma;
+  const S* imu_sigma = sigma + options_.theta.imu_column();
+  vio.pixel_sigma = options_.model.pixel_sigma;
+  vio.sigma_r_CI = sigma[0];
+  vio.sigma_p_CI = sigma[3];
+  vio.sigma_focal = sigma[6] / options_.theta.camera[0].intrinsics(0);
+  vio.sigma_centre = sigma[8];
+  vio.sigma_distortion = sigma[10];
+  vio.sigma_gyro = imu_sigma[0];
+  vio.sigma_accel = imu_sigma[6];
+  vio.sigma_r_AI = imu_sigma[12];
+  return vio;
 }
 
 /// Everything that belongs to one unbroken stretch of data starts anew.
 template <class S>
 void Device<S>::restart_filter() {
   imu_.clear();
-  VioOptions<S> vio;
-  vio.noise = options_.model.imu;
-  vio.g = options_.model.g;
-  vio.frame_interval_s = options_.frame_interval_s;
-  vio.share_calibration(options_.filter_share);
-  vio_.reset(theta_, vio);
-  if (calibrated_ && release_.status != Status::failed) vio_.set_calibration(theta_);
+  if (options_.joint_filter && vio_.knows_sensors()) {
+    vio_.next_session();
+  } else {
+    vio_.reset(theta_, vio_options());
+  }
+  if (!options_.joint_filter && calibrated_ && release_.status != Status::failed) vio_.set_calibration(theta_);
   if (!own_odometry_) ++frame_;
   builder_.begin(&database_.building(), session_, serial_, false);
   state_time_ = last_imu_ = last_frame_ = pending_time_ = next_keyframe_ = kNever;
@@ -262,7 +290,7 @@ Taken Device<S>::process_frame() {
   ++faults_.frames_used;
   state_ = vio_.state();
   state_time_ = vio_.time();
-  if (keyframe_due(state_time_)) take_keyframe(state_time_, state_, pending_, n);
+  if (!options_.joint_filter && keyframe_due(state_time_)) take_keyframe(state_time_, state_, pending_, n);
   return Taken::tracking;
 }
 
@@ -378,8 +406,24 @@ int Device<S>::background(int slices) {
 }
 
 template <class S>
+void Device<S>::read_filter(Release<S>* out, InformationAnalysis<S>* analysis) {
+  if (!vio_.knows_sensors()) return release_prior(prior_, out);
+  const Calibration<S>& theta = vio_.calibration();
+  PackedTriangle<S> R(analysis_.W, theta.columns() + 1);  // free between two scores
+  vio_.calibration_information(&R);
+  if (analysis) analyse_with_prior(R, prior_.sigma, analysis);
+  judge_filter(theta, prior_, ReleaseRules<S>{}, &R, out);
+}
+
+template <class S>
 void Device<S>::calibrate() {
   calibration_due_ = false;
+  if (options_.joint_filter) {
+    read_filter(&release_, &joint_);
+    calibrated_ = true;
+    theta_ = release_.theta;
+    return;
+  }
   Segment<S>* segments[kMaxSegments];
   const int count = database_.in_order(segments);
   calibrator_.begin(segments, count, prior_, working_theta(), options_.model);

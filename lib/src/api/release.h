@@ -90,15 +90,12 @@ void hold_fixed(const ThetaPrior<S>& prior, const Verdict* verdict, PackedTriang
   add_step(theta, step);
 }
 
-/// Verdicts, sigmas and status from the finished fit.
+/// Verdicts and sigmas from the triangle over [theta | rhs]; returns how many parameters are observed.
 template <class S>
-void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseRules<S>& rules, Release<S>* out) {
-  PackedTriangle<S> R = calibrator->theta_triangle();
-  const CalibrationFit<S>& fit = calibrator->fit();
-  const int n = calibrator->theta().columns();
+int judge_parameters(const PackedTriangle<S>& R, const Calibration<S>& theta, const ThetaPrior<S>& prior,
+                     const ReleaseRules<S>& rules, Release<S>* out) {
+  const int n = theta.columns();
   S work[kMaxTheta + 1];
-  const S ratio = fit.dof > S(0) ? fit.chi2 / fit.dof : S(0);
-  out->noise_scale = ratio > S(1) ? square_root(ratio) : S(1);
   int observed = 0;
   for (int i = 0; i < n; ++i) {
     const S one = S(1);
@@ -108,7 +105,20 @@ void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseR
     out->verdict[i] = relative < rules.observed ? Verdict::observed : relative < rules.weak ? Verdict::weak : Verdict::fixed;
     observed += out->verdict[i] == Verdict::observed ? 1 : 0;
   }
-  printed_sigmas(R, calibrator->theta(), out->noise_scale, out->sigma, out->printed_sigma, work);
+  printed_sigmas(R, theta, out->noise_scale, out->sigma, out->printed_sigma, work);
+  return observed;
+}
+
+/// Verdicts, sigmas and status from the finished fit.
+template <class S>
+void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseRules<S>& rules, Release<S>* out) {
+  PackedTriangle<S> R = calibrator->theta_triangle();
+  const CalibrationFit<S>& fit = calibrator->fit();
+  const int n = calibrator->theta().columns();
+  S work[kMaxTheta + 1];
+  const S ratio = fit.dof > S(0) ? fit.chi2 / fit.dof : S(0);
+  out->noise_scale = ratio > S(1) ? square_root(ratio) : S(1);
+  const int observed = judge_parameters(R, calibrator->theta(), prior, rules, out);
   const bool plausible = ratio > rules.least_chi2_per_dof && ratio < rules.most_chi2_per_dof;
   const bool fell = fit.cost <= fit.start_cost * S(1.0001) && is_finite(fit.cost);  // a fit that begins at its minimum may round up
   out->theta = calibrator->theta();
@@ -124,6 +134,31 @@ void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseR
     for (int i = 0; i < n; ++i) out->verdict[i] = Verdict::fixed;
   } else {
     hold_fixed(prior, out->verdict, &R, &out->theta, work);
+  }
+}
+
+/// The same of the filter's own calibration: `R` over theta's columns with a right-hand side of zero; it is changed. The
+/// filter has paid for its residuals in its weights, so that nothing is left to scale.
+template <class S>
+void judge_filter(const Calibration<S>& theta, const ThetaPrior<S>& prior, const ReleaseRules<S>& rules, PackedTriangle<S>* R,
+                  Release<S>* out) {
+  S work[kMaxTheta + 1];
+  out->theta = theta;
+  out->noise_scale = S(1);
+  const int observed = judge_parameters(*R, theta, prior, rules, out);
+  out->status = 2 * observed >= theta.columns() ? Status::calibrated : Status::insufficient;
+  hold_fixed(prior, out->verdict, R, &out->theta, work);
+}
+
+/// A filter that has not started knows the prior.
+template <class S>
+void release_prior(const ThetaPrior<S>& prior, Release<S>* out) {
+  out->theta = prior.mean;
+  out->status = Status::insufficient;
+  out->noise_scale = S(1);
+  for (int i = 0; i < prior.mean.columns(); ++i) {
+    out->sigma[i] = out->printed_sigma[i] = prior.sigma[i];
+    out->verdict[i] = Verdict::fixed;
   }
 }
 

@@ -29,6 +29,25 @@ int count_unexcited(const InformationAnalysis<Real>& a) {
   return n;
 }
 
+/// Parameters and verdicts.
+void release_to_c(const CDevice& d, const Release<Real>& release, segcal_result_t* out) {
+  out->status = static_cast<int32_t>(release.status);
+  out->n_parameters = release.theta.columns();
+  out->noise_scale = static_cast<double>(release.noise_scale);
+  double value[SEGCAL_MAX_PARAMETERS], initial[SEGCAL_MAX_PARAMETERS];
+  parameter_names(release.theta, out->parameter);
+  parameter_values(release.theta, value);
+  parameter_values(d.device.options().theta, initial);
+  for (int i = 0; i < out->n_parameters; ++i) {
+    segcal_parameter_t& p = out->parameter[i];
+    p.value = value[i];
+    p.initial = initial[i];
+    p.sigma = static_cast<double>(release.printed_sigma[i]);
+    p.prior_sigma = static_cast<double>(d.device.options().prior_sigma[i]);
+    p.verdict = static_cast<int32_t>(release.verdict[i]);
+  }
+}
+
 /// Over all kept segments, px: root mean square of the image residuals' lengths without the points left out as far off,
 /// and their median with them.
 void reprojection_statistics(const CDevice& d, segcal_result_t* out) {
@@ -100,24 +119,11 @@ int segcal_get_result(const segcal_t* device, segcal_result_t* result) {
   if (!result) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d || !d->device.has_release()) return SEGCAL_ERROR_STATE;
-  const Release<Real>& release = d->device.release();
   const CalibrationFit<Real>& fit = d->device.calibrator().fit();
   *result = segcal_result_t{};
-  result->status = static_cast<int32_t>(release.status);
-  result->n_parameters = release.theta.columns();
-  double value[SEGCAL_MAX_PARAMETERS], initial[SEGCAL_MAX_PARAMETERS];
-  parameter_names(release.theta, result->parameter);
-  parameter_values(release.theta, value);
-  parameter_values(d->device.options().theta, initial);
-  for (int i = 0; i < result->n_parameters; ++i) {
-    segcal_parameter_t& p = result->parameter[i];
-    p.value = value[i];
-    p.initial = initial[i];
-    p.sigma = static_cast<double>(release.printed_sigma[i]);
-    p.prior_sigma = static_cast<double>(d->device.options().prior_sigma[i]);
-    p.verdict = static_cast<int32_t>(release.verdict[i]);
-  }
+  release_to_c(*d, d->device.release(), result);
   result->n_directions = count_unexcited(d->device.joint_analysis());
+  if (d->device.options().joint_filter) return SEGCAL_OK;
   result->iterations = fit.iterations;
   result->converged = fit.converged ? 1 : 0;
   result->segments = d->device.database().size();
@@ -125,8 +131,18 @@ int segcal_get_result(const segcal_t* device, segcal_result_t* result) {
   result->image_points = fit.image_points;
   result->chi2 = static_cast<double>(fit.chi2);
   result->dof = static_cast<double>(fit.dof);
-  result->noise_scale = static_cast<double>(release.noise_scale);
   reprojection_statistics(*d, result);
+  return SEGCAL_OK;
+}
+
+int segcal_get_filter_calibration(segcal_t* device, segcal_result_t* result) {
+  if (!result) return SEGCAL_ERROR_NULL;
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  Release<Real> release;
+  d->device.read_filter(&release);
+  *result = segcal_result_t{};
+  release_to_c(*d, release, result);
   return SEGCAL_OK;
 }
 

@@ -50,7 +50,6 @@ class SegmentBuilder {
   static constexpr std::int64_t kNever = INT64_MIN;
   static constexpr int kDropped = 0xFFFF, kFewestKeyframes = 4, kFewestLandmarks = 5;
   bool copy_imu(std::int64_t from_ns, std::int64_t to_ns, const ImuHistory<S>& imu);
-  void add_points(const TrackPoint<S>* points, int n);
   void add_point(const TrackPoint<S>& point);
   int landmark_of(std::uint32_t track_id);
   int free_landmark();
@@ -98,31 +97,14 @@ bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, const State<S>& state, c
   s.t_us[k] = static_cast<std::int32_t>((t_ns - s.t0_ns + 500) / 1000);
   s.states.x[k] = state;
   last_keyframe_ns_ = t_ns;
-  add_points(points, n);
-  return true;
-}
-
-/// The cameras take turns, so that the first does not fill the places of the others. So do, within a camera, corners that
-/// another one sees too, which tie the cameras together and share one place, and those of its own, which are also where the
-/// others do not look.
-template <class S>
-void SegmentBuilder<S>::add_points(const TrackPoint<S>* points, int n) {
-  const auto is_shared = [&](const TrackPoint<S>& point) {
-    for (int i = 0; i < n; ++i) {
-      if (points[i].id == point.id && points[i].camera != point.camera) return true;
-    }
-    return false;
-  };
-  constexpr int kLists = 2 * kMaxCameras;  // of each camera its own points and the shared ones
-  int next[kLists] = {};
-  for (int list = 0, ended = 0; ended < kLists; list = (list + 1) % kLists) {
-    const int camera = list % kMaxCameras;
-    const bool shared = list >= kMaxCameras;
-    int& i = next[list];
-    while (i < n && (points[i].camera != camera || is_shared(points[i]) != shared)) ++i;
-    ended = i < n ? 0 : ended + 1;
-    if (i < n) add_point(points[i++]);
+  // The cameras take turns, so that the first does not fill the places of the others.
+  int next[kMaxCameras] = {};
+  for (int c = 0, ended = 0; ended < kMaxCameras; c = (c + 1) % kMaxCameras) {
+    while (next[c] < n && points[next[c]].camera != c) ++next[c];
+    ended = next[c] < n ? 0 : ended + 1;
+    if (next[c] < n) add_point(points[next[c]++]);
   }
+  return true;
 }
 
 /// A point of the newest keyframe. Each keyframe may use what those before it left of their even shares: without this the

@@ -11,8 +11,9 @@
 namespace SEGCAL_NS {
 
 constexpr int kRefineColumns = kStateColumns + kExtrinsicColumns * kMaxCameras;
-static_assert(2 * packed_size(kRefineColumns + 1) <= packed_size(kFilterColumns + 1),
-              "both fit where the filter will have R");
+static_assert(2 * packed_size(kRefineColumns + 1) + packed_size(kFilterColumns + 1 - camera_column(0)) <=
+                  packed_size(kFilterColumns + 1),
+              "both fit where the filter will have R, without its rows of the sensors");
 
 /// d (pose i) / d x0, by (theta, p).
 template <class S>
@@ -58,9 +59,9 @@ void fold_camera_prior(const Window<S>& w, const VioOptions<S>& options, PackedT
   }
 }
 
-/// Prior of the first state and the cameras. Place and heading are held: nothing measures them.
+/// Prior of the first state. Place and heading are held: nothing measures them.
 template <class S>
-void fold_start_prior(const Window<S>& w, const VioOptions<S>& options, const State<S>& x0, PackedTriangle<S>* R,
+void fold_start_prior(const VioOptions<S>& options, const State<S>& x0, PackedTriangle<S>* R,
                       const StartColumns& at, S sigma_v, S* row, S* work) {
   const Mat3<S> unit = Mat3<S>::Identity();
   for (int i = 0; i < 3; ++i) {
@@ -72,7 +73,6 @@ void fold_start_prior(const Window<S>& w, const VioOptions<S>& options, const St
     fold_prior_row<S>(R, at.motion + 3, e, x0.b_a(i), options.sigma_b_a, row, work);
     fold_prior_row<S>(R, at.motion + 6, e, x0.b_g(i), options.sigma_b_g, row, work);
   }
-  fold_camera_prior(w, options, R, at, row, work);
 }
 
 /// Cost and number of the window's image rows.
@@ -139,7 +139,9 @@ RefineFit<S> linearise_start(Window<S>* w, const TrackTable<S>& tracks, const Vi
   integrate_links(*w, options, imu, s);
   place_poses(w, options, *s);
   R->clear();
-  fold_start_prior(*w, options, s->x0, R, {0, 3, 6, kStateColumns, kExtrinsicColumns}, S(3), w->block, w->work);
+  const StartColumns at{0, 3, 6, kStateColumns, kExtrinsicColumns};
+  fold_start_prior(options, s->x0, R, at, S(3), w->block, w->work);
+  fold_camera_prior(*w, options, R, at, w->block, w->work);
   RefineFit<S> fit;
   const int n = R->columns() - 1;
   for (int j = 0; j < n; ++j) fit.cost += (*R)(j, n) * (*R)(j, n);

@@ -31,6 +31,9 @@ class Vio {
   /// A new calibration for the running filter. It replaces the filter's own, with a smaller prior.
   void set_calibration(const Calibration<S>& theta);
 
+  /// Forgets place and motion and waits for frames, but keeps what was learnt about the sensors, with its information.
+  void next_session();
+
   /// The next frame of all cameras, stamps in IMU time. `imu` must cover the time since the last frame up to t_ns.
   VioStatus push_frame(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
 
@@ -43,6 +46,11 @@ class Vio {
 
   /// The calibration that the filter runs with; its cameras are the filter's own estimates.
   const Calibration<S>& calibration() const { return window_.theta; }
+  /// Information on it, as a triangle over theta's columns and a right-hand side of zero; only
+  /// where knows_sensors().
+  void calibration_information(PackedTriangle<S>* out) { sensor_triangle(&window_, out); }
+  /// It runs, or has learnt about the sensors in an earlier session.
+  bool knows_sensors() const { return running_ || window_.learnt; }
   const Mat3<S>& R_CI(int camera) const { return window_.theta.camera[camera].R_CI; }
   const Vec3<S>& p_CI(int camera) const { return window_.theta.camera[camera].p_CI; }
   /// Standard deviations of (r_CI 3, p_CI 3).
@@ -101,6 +109,18 @@ template <class S>
 void Vio<S>::set_calibration(const Calibration<S>& theta) {
   window_.replace_calibration(theta);
   if (running_) replace_sensor_priors(&window_, options_);
+}
+
+template <class S>
+void Vio<S>::next_session() {
+  if (running_) {
+    window_.learnt = true;
+    window_.given = window_.theta;
+  }
+  origin_ = Origin<S>();
+  monitor_ = ResidualMonitor<S>();
+  time_ = INT64_MIN;
+  forget();
 }
 
 template <class S>

@@ -14,13 +14,17 @@ constexpr int kStartFrames = kWindow < 8 ? kWindow : 8;  // fewer frames than th
 template <class S>
 bool open_window(Window<S>* w, const VioOptions<S>& options, const ImuHistory<S>& imu, const State<S>& x0, S sigma_v) {
   PackedTriangle<S> R = w->R();
-  R.clear();
   for (int c = 0; c < w->theta.n_cameras; ++c) w->camera_first[c] = w->theta.camera[c];
-  fold_start_prior(*w, options, x0, &R,
-                   {pose_column(0), pose_column(0) + 3, 0, camera_column(0), kMaxCameraColumns}, sigma_v, w->block,
-                   w->work);
-  for (int i = 0; i < kImuColumns; ++i) {
-    if (imu_sigma(options, i) > S(0)) R.row(w->imu_column() + i)[w->imu_column() + i] = S(1) / imu_sigma(options, i);
+  w->clear_information();
+  const StartColumns at{pose_column(0), pose_column(0) + 3, 0, camera_column(0), kMaxCameraColumns};
+  fold_start_prior(options, x0, &R, at, sigma_v, w->block, w->work);
+  if (w->learnt) {
+    fold_learnt(w);
+  } else {
+    fold_camera_prior(*w, options, &R, at, w->block, w->work);
+    for (int i = 0; i < kImuColumns; ++i) {
+      if (imu_sigma(options, i) > S(0)) R.row(w->imu_column() + i)[w->imu_column() + i] = S(1) / imu_sigma(options, i);
+    }
   }
   w->now = w->now_first = x0;
   for (int i = 1; i < w->n_poses; ++i) {

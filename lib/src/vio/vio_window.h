@@ -46,6 +46,7 @@ struct Window {
   S triangle[packed_size(kFilterColumns + 1)];
   S block[kBlockRows * kBlockStride];
   S work[kBlockStride];
+  bool learnt;                       ///< R's rows of the sensors hold what earlier sessions told
   S pivot[kFilterColumns];           ///< diagonal of R before the last fold, to undo it
   ImuRows<S> link;
 
@@ -57,19 +58,28 @@ struct Window {
 
   void reset(const Calibration<S>& calibration) {
     theta = given = calibration;
+    learnt = false;
     clear();
   }
 
-  /// No poses, no information; the cameras' first estimates are the present ones.
+  /// No poses, no information but what was learnt in earlier sessions; the cameras' first estimates are the present ones.
   void clear() {
     n_poses = 0;
-    R().clear();
+    clear_information();
     now = now_first = State<S>();
     for (int c = 0; c < theta.n_cameras; ++c) camera_first[c] = theta.camera[c];
   }
 
+  /// The triangle is cleared. The sensors stand last: their own rows, which hold exactly their marginal information, stay
+  /// where they were learnt in earlier sessions.
+  void clear_information() {
+    const int end = learnt ? packed_size(columns() + 1) - packed_size(columns() + 1 - camera_column(0)) : packed_size(columns() + 1);
+    for (int i = 0; i < end; ++i) triangle[i] = S(0);
+  }
+
   void replace_calibration(const Calibration<S>& calibration) {
     theta = given = calibration;
+    learnt = false;
     for (int c = 0; c < theta.n_cameras; ++c) camera_first[c] = theta.camera[c];
   }
 
@@ -220,6 +230,22 @@ void state_covariance(Window<S>* w, Mat<S, kStateColumns, kStateColumns>* P) {
   }
 }
 
+/// The sensors' marginal information as a triangle over theta's columns and a right-hand side of zero: the filter's estimates
+/// are its solution. Lenses with one coefficient leave places of the filter empty.
+template <class S>
+void sensor_triangle(Window<S>* w, PackedTriangle<S>* out) {
+  std::int32_t from[kMaxTheta];
+  int n = 0;
+  for (int c = 0; c < w->theta.n_cameras; ++c) {
+    for (int i = 0; i < w->theta.camera[c].columns(); ++i) from[n++] = camera_column(c) + i;
+  }
+  for (int i = 0; i < kImuColumns; ++i) from[n++] = w->imu_column() + i;
+  out->clear();
+  for (int j = 0; j < n; ++j) {
+    for (int c = j; c < n; ++c) out->row(j)[c] = w->R()(from[j], from[c]);
+  }
+}
+
 template <class S>
 void extrinsics_sigma(Window<S>* w, int camera, Vec<S, kExtrinsicColumns>* sigma) {
   for (int i = 0; i < kExtrinsicColumns; ++i) {
@@ -242,6 +268,28 @@ S camera_sigma(const VioOptions<S>& options, const CameraCalibration<S>& camera,
 template <class S>
 S imu_sigma(const VioOptions<S>& options, int i) {
   return i < 6 ? options.sigma_gyro : i < 12 ? options.sigma_accel : options.sigma_r_AI;
+}
+
+/// The kept information on the sensors as a prior at `given`, seen from the present theta (the start moves the extrinsics).
+template <class S>
+void fold_learnt(Window<S>* w) {
+  PackedTriangle<S> R = w->R();
+  const int n = w->columns();
+  S* offset = w->block;
+  for (int j = 0; j < n; ++j) offset[j] = S(0);
+  for (int c = 0; c < w->theta.n_cameras; ++c) {
+    const CameraCalibration<S>&now = w->theta.camera[c], &given = w->given.camera[c];
+    const Vec3<S> r = so3_log<S>(given.R_CI * now.R_CI.transpose()), dp = given.p_CI - now.p_CI;
+    for (int i = 0; i < 3; ++i) {
+      offset[camera_column(c) + i] = r(i);
+      offset[camera_column(c) + 3 + i] = dp(i);
+    }
+  }
+  for (int j = camera_column(0); j < n; ++j) {
+    S sum = S(0);
+    for (int c = j; c < n; ++c) sum += R(j, c) * offset[c];
+    R.row(j)[n] = sum;
+  }
 }
 
 /// What was learnt about the sensors is replaced by a prior at their new values; the poses, given the sensors, are

@@ -88,6 +88,7 @@ segcal_config_t config_of(const CoreOptions& options) {
   c.trigger_fraction = options.trigger_fraction;
   c.filter_share = options.hold_calibration ? 1e-3 : 1;
   for (std::size_t i = 0; i < options.sigma_ref.size() && i < SEGCAL_MAX_PARAMETERS; ++i) c.sigma_ref[i] = options.sigma_ref[i];
+  c.joint_filter = options.joint_ekf ? 1 : 0;
   return c;
 }
 

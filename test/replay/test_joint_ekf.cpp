@@ -1,0 +1,96 @@
+// The joint EKF, which the paper compares with: the filter's own calibration at the end of a session. Is it a result like any
+// other, does the next session go on from it, and how honest are its sigmas? 5 devices, 20 where SEGCAL_LONG is set.
+#include <unity.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include "../support/cases.h"
+#include "simulated_replay.h"
+
+extern "C" void setUp() {}
+extern "C" void tearDown() {}
+
+namespace {
+
+using test::Id;
+
+host::ReplayResult joint(const std::vector<host::Recording>& sessions, const host::SimulationResult& device) {
+  host::ReplayOptions options;
+  options.core.calibration = device.nominal;
+  options.core.noise = device.recording.imu.noise;
+  options.joint_ekf = true;
+  return host::replay(sessions, options);
+}
+
+host::SimulationResult session_of(std::uint64_t device, std::uint64_t seed) {
+  host::SimulationOptions options;
+  options.seconds = 60;
+  options.seed = seed;
+  options.device_seed = device;
+  return host::simulate(options);
+}
+
+/// A filter linearises each point once and is surer of itself than a batch: the mean over all parameters is 1.2 over 20
+/// devices, and the worst parameter's 2.7. The limits say that it is no worse than that by much: a filter that invents
+/// information or forgets it is far outside.
+void test_sigmas_are_about_right() {
+  const int devices = test::long_run() ? 20 : 5;
+  std::map<std::string, double> mean;
+  for (int seed = 1; seed <= devices; ++seed) {
+    const Id id = Id().add("seed", seed);
+    const host::SimulationResult session = test::simulated("rich", 60, static_cast<std::uint64_t>(seed));
+    const host::ReplayResult found = joint({session.recording}, session);
+    test::check_true(id, "not calibrated", found.result.status == "calibrated");
+    test::check_true(id, "it has scored segments", found.segments.empty() && found.kept.empty());
+    test::check_near(id, "focal length of the calibration and of the result", found.result.parameters[6].value,
+                     found.calibration.cameras[0].intrinsics[0], 1e-4);
+    for (const auto& [name, error] : test::normalised_errors(session, found.result)) mean[name] += error * error / devices;
+  }
+  double all = 0;
+  for (const auto& [name, square] : mean) {
+    if (test::long_run()) std::printf("%-14s mean (error/sigma)^2 %.2f\n", name.c_str(), square);
+    all += square / static_cast<double>(mean.size());
+  }
+  std::printf("%d devices: mean (error/sigma)^2 %.2f\n", devices, all);
+  test::check_between(Id().add("check", "honest"), "mean (error/sigma)^2", 0.5, all, 2);
+}
+
+/// Two sessions with the same device: the second adds to what the first told, and both together are right.
+void test_the_next_session_goes_on() {
+  const host::SimulationResult first = session_of(1, 1), second = session_of(1, 100);
+  const host::CoreResult one = joint({first.recording}, first).result;
+  const host::CoreResult two = joint({first.recording, second.recording}, first).result;
+  const auto errors = test::normalised_errors(first, two);
+  for (std::size_t i = 0; i < one.parameters.size(); ++i) {
+    const host::CoreParameter& p = two.parameters[i];
+    const Id id = Id().add("check", "sessions").add("parameter", p.name);
+    // As much information again would make it 0.71; the two sessions tell different things to different degrees.
+    test::check_between(id, "sigma after two sessions, of that after one", 0.4, p.sigma / one.parameters[i].sigma, 0.95);
+    test::check_between(id, "error / sigma", -6, errors.at(p.name), 6);
+  }
+}
+
+/// The filter never starts without frames: the prior, and nothing observed.
+void test_without_motion_nothing_is_claimed() {
+  host::SimulationResult session = test::simulated("rich", 5, 1);
+  for (host::Frame& frame : session.recording.cameras[0].frames) frame.points.resize(3);
+  const host::CoreResult found = joint({session.recording}, session).result;
+  const Id id = Id().add("check", "nothing");
+  test::check_true(id, ("status " + found.status).c_str(), found.status == "insufficient");
+  for (const host::CoreParameter& p : found.parameters) {
+    test::check_true(id.add("parameter", p.name), p.verdict.c_str(), p.verdict == "fixed" && p.sigma == p.prior_sigma);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  test::select_cases(argc, argv);
+  UNITY_BEGIN();
+  RUN_TEST(test_sigmas_are_about_right);
+  RUN_TEST(test_the_next_session_goes_on);
+  RUN_TEST(test_without_motion_nothing_is_claimed);
+  return UNITY_END();
+}
