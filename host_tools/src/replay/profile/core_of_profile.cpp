@@ -77,6 +77,10 @@ segcal_config_t config_of(const CoreOptions& options) {
   c.accel_random_walk = options.noise.accel_random_walk;
   c.pixel_sigma = options.pixel_sigma;
   c.segment_s = options.segment_s;
+  if (options.adaptive_segments) {
+    c.least_segment_s = 0.5 * options.segment_s;
+    c.most_segment_s = 2 * options.segment_s;
+  }
   if (options.segments > SEGCAL_MAX_SEGMENTS) {
     throw InputError("--segments: this profile keeps at most " + std::to_string(SEGCAL_MAX_SEGMENTS) + ", found " +
                      std::to_string(options.segments));
@@ -85,6 +89,7 @@ segcal_config_t config_of(const CoreOptions& options) {
   c.metric = metric_code(options.metric);
   c.strategy = options.multi_session ? SEGCAL_MULTI_SESSION : SEGCAL_SINGLE_SESSION;
   c.seed = options.seed;
+  c.outdated_level = options.outdated_level;
   c.trigger_fraction = options.trigger_fraction;
   return c;
 }
@@ -240,8 +245,17 @@ class ProfileCore final : public Core {
     std::vector<CoreKept> out;
     for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
       segcal_segment_t s;
-      if (segcal_get_segment(device_, slot, &s) != SEGCAL_OK) continue;
+      if (segcal_get_segment(device_, slot, &s) != SEGCAL_OK || !s.kept) continue;
       out.push_back(kept_slot(slot, s));
+    }
+    return out;
+  }
+
+  std::vector<std::uint32_t> outdated() const override {
+    std::vector<std::uint32_t> out;
+    for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
+      segcal_segment_t s;
+      if (segcal_get_segment(device_, slot, &s) == SEGCAL_OK && s.outdated) out.push_back(s.serial);
     }
     return out;
   }
@@ -258,7 +272,8 @@ class ProfileCore final : public Core {
             {"features_gated", c.features_gated}, {"segments_closed", c.segments_closed},
             {"segments_discarded", c.segments_discarded}, {"segments_unsettled", c.segments_unsettled},
             {"segments_ended_early", c.segments_ended_early},
-            {"landmarks_left_out", c.landmarks_left_out}, {"points_left_out", c.points_left_out}};
+            {"landmarks_left_out", c.landmarks_left_out}, {"points_left_out", c.points_left_out},
+            {"segments_outdated", c.segments_outdated}};
   }
 
   CoreMemory memory() const override {
