@@ -19,8 +19,10 @@ struct CoreOptions {
   bool multi_session = false;
   int segments = 8;
   double segment_s = 4;
+  bool adaptive_segments = false;    ///< segments of half to twice segment_s, where motion says
   double pixel_sigma = 0.5;          ///< px
   std::uint64_t seed = 1;
+  double outdated_level = 1e-3;      ///< probability that a calibration drops segments of an unchanged device; -1: it never drops any
   double trigger_fraction = 0;       ///< sigmas over the prior's at which the device calibrates of its own; 0: it does not
   bool hold_calibration = false;     ///< the filter runs with the calibration as it is, without estimates of its own
   std::vector<double> sigma_ref;     ///< normalises the metrics, per parameter; empty: the prior sigmas
@@ -44,6 +46,7 @@ struct CoreSegment {
   int keyframes = 0, landmarks = 0, points = 0, rank = 0;
   double A = 0, D = 0, E = 0, gain_nats = 0;
   bool kept = false;
+  bool outdated = false;             ///< dropped by a calibration: newer segments contradict it
   std::vector<CoreDirection> not_excited;
   std::vector<double> sigma;         ///< per parameter, from this segment and the prior alone
 };
@@ -134,6 +137,8 @@ class Core {
   virtual bool last_segment(CoreSegment* out) = 0;
   virtual std::vector<CoreKept> kept() const = 0;
   virtual CoreModel model() const = 0;
+  /// Serial numbers of what the last calibration dropped as outdated.
+  virtual std::vector<std::uint32_t> outdated() const = 0;
   /// Data faults and other counters, by name.
   virtual std::vector<std::pair<std::string, std::uint32_t>> counters() const = 0;
   virtual CoreMemory memory() const = 0;

@@ -74,6 +74,9 @@ class Session {
   void note_calibration(bool by_targets) {
     const CoreResult result = core_.result();
     out_.calibrations.push_back({newest_, by_targets, result.segments, result.status, result.parameters});
+    for (CoreSegment& s : out_.segments) {
+      for (std::uint32_t serial : core_.outdated()) s.outdated |= s.serial == serial;
+    }
   }
 
   std::vector<double> frame_ms, score_ms;

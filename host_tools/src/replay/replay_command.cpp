@@ -16,7 +16,7 @@ struct Arguments {
   std::vector<std::string> recordings;
   std::string calibration, out, strategy = "single";
   int cameras = 1;
-  bool json = false, no_calibration = false;
+  bool json = false, no_calibration = false, keep_outdated = false;
   ReplayOptions replay;
 };
 
@@ -57,6 +57,7 @@ int run(Arguments a) {
   a.replay.core.noise = sessions.front().imu.noise;
   a.replay.core.multi_session = a.strategy == "multi";
   a.replay.calibrate = !a.no_calibration;
+  if (a.keep_outdated) a.replay.core.outdated_level = -1;
   a.replay.progress = show_progress;
   const ReplayResult result = replay(sessions, a.replay);
   std::vector<TruthPose> truth = sessions.back().truth;
@@ -82,6 +83,8 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   sub->add_option("--metric", a->replay.core.metric, "what makes a segment informative: A, D, E or random; set_d: the set that tells most together")->capture_default_str();
   sub->add_option("--segments", a->replay.core.segments, "segments to keep in the database")->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_option("--segment-seconds", a->replay.core.segment_s, "length of a segment, s")->capture_default_str()->check(CLI::Range(1.0, 30.0));
+  sub->add_flag("--adaptive-segments", a->replay.core.adaptive_segments,
+                "end quiet segments from half that length on, let lively ones go on up to twice");
   sub->add_option("--strategy", a->strategy, "single: each session starts with an empty database; multi: the best of all stay")
       ->capture_default_str()->check(CLI::IsMember({"single", "multi"}));
   sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
@@ -93,6 +96,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   sub->add_flag("--hold-calibration", a->replay.core.hold_calibration, "the odometry runs with the calibration as it is, without estimates of its own");
   sub->add_flag("--joint-ekf", a->replay.joint_ekf,
                 "for comparison: no segments, the filter's own estimate of the calibration is the result");
+  sub->add_flag("--keep-outdated", a->keep_outdated, "keep segments that newer ones contradict: theta is taken as constant");
   sub->add_flag("--no-calibration", a->no_calibration, "odometry only: the trajectory with the starting calibration");
   sub->add_flag("--json", a->json, "print result.json on standard output");
   sub->footer(R"(Example:

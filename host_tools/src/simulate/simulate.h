@@ -22,6 +22,7 @@ struct SimulationOptions {
   std::uint64_t seed = 1;                     ///< motion, scene, noise, biases
   std::optional<std::uint64_t> device_seed;   ///< the specimen; empty: the same as `seed`
   double device_scale = 1;                    ///< factor on the scatter of devices; 0 simulates the nominal device
+  std::function<void(Calibration&)> change_device;  ///< what happened to the specimen since it was made; empty: nothing
   DistortionModel distortion = DistortionModel::fov;
   int cameras = 1;                            ///< 1 or 2
   bool stereo_matches = true;                 ///< corners seen by both cameras have one track id in both; false: never

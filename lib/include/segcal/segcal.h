@@ -94,7 +94,11 @@ typedef struct {
   double pixel_sigma;              /* px, corner noise per axis; 0: 0.5 */
   double gravity;                  /* m/s^2; 0: 9.80665 */
   double frame_interval_s;         /* frames closer than this are skipped by the filter; 0: 0.1 */
-  double segment_s;                /* length of a segment; 0: 4 */
+  double segment_s;                /* length of a segment; 0: 4. A segment holds it with keyframes at equal distances */
+  /* Segments of open length: quiet ones end from least_segment_s on, lively ones go on up to most_segment_s, with every
+     second keyframe left out each time these are used up. A segment whose IMU samples do not fit any more ends early and
+     is counted. 0 < least <= segment_s <= most <= 60; one 0: segment_s; both 0: all are of segment_s. */
+  double least_segment_s, most_segment_s;
   int32_t keep_segments;           /* 1..SEGCAL_MAX_SEGMENTS; 0: 8, or the maximum if that is smaller */
   int32_t metric;                  /* SEGCAL_METRIC_*; A, D and E judge each segment alone, SET_D all kept ones together */
   int32_t strategy;                /* SEGCAL_SINGLE_SESSION or SEGCAL_MULTI_SESSION */
@@ -113,6 +117,9 @@ typedef struct {
   int32_t joint_filter;            /* 1: no segments; the filter's own calibration is the result, for comparison. 0: off.
                                       The filter estimates all of theta in either case, from priors of its own; what it
                                       finds stays with it, and segcal_calibrate's result replaces it */
+  /* Kept segments that newer ones contradict are dropped at calibration (a device that fell has another calibration).
+     Probability that a calibration drops any although the device is the same, up to 0.1; 0: 0.001; -1: never drop any. */
+  double outdated_level;
 } segcal_config_t;
 
 /* ---- data in ---- */
@@ -172,6 +179,7 @@ typedef struct {
   int32_t keyframes, landmarks, points, rank;
   double A, D, E, gain_nats;
   int32_t kept;                    /* at the time of the call */
+  int32_t outdated;                /* newer segments contradict it: the last calibration dropped it */
 } segcal_segment_t;
 
 typedef struct {
@@ -180,6 +188,7 @@ typedef struct {
   uint32_t filter_restarts, standstill_frames, features_used, features_gated;
   uint32_t segments_closed, segments_discarded, segments_unsettled, segments_ended_early;
   uint32_t landmarks_left_out, points_left_out;
+  uint32_t segments_outdated;
 } segcal_counters_t;
 
 /* A whitened residual of the last calibration. */
@@ -262,7 +271,8 @@ int segcal_get_result(const segcal_t *device, segcal_result_t *result);
    about a fit. Before the filter's start: the prior. */
 int segcal_get_filter_calibration(segcal_t *device, segcal_result_t *result);
 int segcal_get_direction(const segcal_t *device, int32_t index, segcal_direction_t *direction);
-/* The segment scored last (index -1) or slot `index` of the database, 0..SEGCAL_MAX_SEGMENTS. SEGCAL_ERROR_STATE if empty. */
+/* The segment scored last (index -1) or slot `index` of the database, 0..SEGCAL_MAX_SEGMENTS. SEGCAL_ERROR_STATE if empty.
+   A slot whose segment was dropped as outdated answers, with `kept` 0, until a new segment needs it. */
 int segcal_get_segment(const segcal_t *device, int32_t index, segcal_segment_t *segment);
 /* Directions that the segment scored last does not excite: fills up to `capacity`, returns their number. */
 int segcal_get_segment_directions(const segcal_t *device, segcal_direction_t *out, int32_t capacity);

@@ -103,6 +103,15 @@ bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   out->strategy = static_cast<Strategy>(c.strategy);
   out->seed = c.seed;
   out->joint_filter = c.joint_filter != 0;
+  if (!(c.least_segment_s >= 0 && c.least_segment_s <= double(out->segment_s))) return false;
+  if (c.most_segment_s != 0 && !(c.most_segment_s >= double(out->segment_s) && c.most_segment_s <= 60)) return false;
+  out->most_segment_s = Real(c.most_segment_s == 0 && c.least_segment_s > 0 ? double(out->segment_s) : c.most_segment_s);
+  out->least_segment_s = c.least_segment_s == 0 ? out->segment_s : Real(c.least_segment_s);
+  if (c.outdated_level == -1) {
+    out->outdated_level = Real(0);
+  } else if (!positive(c.outdated_level, 1e-3, 0.1, &out->outdated_level)) {
+    return false;
+  }
   // Half a nat per parameter: what stands still, or is only shaken by motors, stays well below.
   return positive(c.filter_share, 1, 1, &out->filter_share) &&
          positive(c.least_gain_nats, 0.5 * out->theta.columns(), 1e6, &out->least_gain) && sigmas_from_config(c, out);

@@ -4,9 +4,11 @@
 
 #include "api/release.h"
 #include "api/trigger.h"
+#include "calibration/agreement.h"
 #include "calibration/calibrator.h"
 #include "database/database.h"
 #include "information/metrics.h"
+#include "segments/boundary.h"
 #include "segments/builder.h"
 #include "vio/vio.h"
 
@@ -21,12 +23,14 @@ struct DeviceOptions {
   S imu_rate_hz = S(200), gyro_range = S(35), accel_range = S(157);
   S frame_interval_s = S(0.1), segment_s = S(4);
   S filter_share = S(1);        ///< on the sigmas of the filter's own estimates of the calibration
+  S least_segment_s = S(0), most_segment_s = S(0);   ///< bounds of segments of open length; both 0: all of segment_s
   int keep_segments = 8;
   Metric metric = Metric::A;
   Strategy strategy = Strategy::single_session;
   S least_gain = S(14);
   std::uint64_t seed = 0;
   bool joint_filter = false;    ///< the filter's own calibration is the result; no segments
+  S outdated_level = S(1e-3);   ///< probability that a calibration drops segments although theta is the same; 0: never drops any
 };
 
 /// Data faults, counted and survived.
@@ -34,13 +38,14 @@ struct FaultCounts {
   std::uint32_t imu_samples = 0, imu_stamps_back = 0, imu_gaps = 0, imu_not_finite = 0, imu_saturated = 0;
   std::uint32_t frames = 0, frames_used = 0, frame_stamps_back = 0, frames_dropped = 0, frames_few_tracks = 0;
   std::uint32_t points_not_finite = 0;
-  std::uint32_t segments_closed = 0, segments_discarded = 0, segments_unsettled = 0;
+  std::uint32_t segments_closed = 0, segments_discarded = 0, segments_unsettled = 0, segments_outdated = 0;
 };
 
 /// What became of a pushed sample or frame.
 enum class Taken : std::int32_t { ok, waiting, skipped, tracking, lost, not_finite, stamp_back };
 
 constexpr int kFewestTracks = 8;
+constexpr int kOutdatedRounds = 2;
 constexpr int kMaxFramePoints = SEGCAL_MAX_TRACKS * kMaxCameras;
 
 template <class S>
@@ -87,10 +92,13 @@ class Device {
   void count_missing_frames(std::int64_t t_ns);
   void take_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n);
   bool keyframe_due(std::int64_t t_ns) const;
+  bool segment_complete(std::int64_t t_ns, std::int64_t spacing);
   void break_stream();
   void end_segment(bool continues);
   void score();
   bool knows_enough();
+  void fit();
+  bool drop_outdated();
   void drop_misfits();
   void restart_filter();
   void use_odometry(bool own);
@@ -110,6 +118,7 @@ class Device {
   Vio<S> vio_;
   Database<S> database_;
   SegmentBuilder<S> builder_;
+  Liveliness<S> liveliness_;
   SegmentEliminator<S> eliminator_;
   Calibrator<S> calibrator_;
   InformationAnalysis<S> analysis_, joint_;
@@ -121,6 +130,7 @@ class Device {
   std::int32_t pending_count_;
   SegmentSummary<S> last_;
   std::uint32_t session_, serial_, frame_;
+  std::int32_t thinned_;   ///< how often the open segment was
   bool calibrated_, calibration_due_, knew_enough_, own_odometry_;
 };
 
@@ -137,6 +147,8 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   joint_.n = analysis_.n = 0;
   frame_period_ = 0;
   session_ = serial_ = frame_ = 0;
+  thinned_ = 0;
+  liveliness_.reset();
   last_ = SegmentSummary<S>{};
   calibrated_ = calibration_due_ = knew_enough_ = own_odometry_ = false;
   vio_.reset(theta_, vio_options());
@@ -318,14 +330,27 @@ bool Device<S>::keyframe_due(std::int64_t t_ns) const {
   return next_keyframe_ == kNever || t_ns + half_frame >= next_keyframe_;
 }
 
+/// True if the open segment ends before a keyframe at t_ns.
+template <class S>
+bool Device<S>::segment_complete(std::int64_t t_ns, std::int64_t spacing) {
+  const std::int64_t length_ns = t_ns - builder_.start_ns() + spacing / 2;
+  if (!(options_.most_segment_s > S(0))) return length_ns >= std::int64_t(options_.segment_s * S(1e9));
+  const std::int64_t from = builder_.last_keyframe_ns();
+  if (imu_.covers(from, t_ns)) liveliness_.add(imu_, from, t_ns);
+  return ends_here(liveliness_, S(length_ns) * S(1e-9), options_.segment_s, options_.least_segment_s, options_.most_segment_s);
+}
+
 template <class S>
 void Device<S>::take_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n) {
-  const std::int64_t spacing = static_cast<std::int64_t>(options_.segment_s * S(1e9)) / kMaxKeyframes;
-  const bool late = next_keyframe_ != kNever && t_ns > next_keyframe_ + 4 * spacing;
+  const std::int64_t base = static_cast<std::int64_t>(options_.segment_s * S(1e9)) / kMaxKeyframes;
+  const bool late = next_keyframe_ != kNever && t_ns > next_keyframe_ + 4 * (base << thinned_);
   if (late) end_segment(false);
-  next_keyframe_ = (next_keyframe_ == kNever || late ? t_ns : next_keyframe_) + spacing;
-  const bool complete = !builder_.empty() && t_ns - builder_.start_ns() + spacing / 2 >= std::int64_t(options_.segment_s * S(1e9));
-  if (complete) end_segment(true);
+  if (!builder_.empty() && segment_complete(t_ns, base << thinned_)) end_segment(true);
+  if (builder_.full() && options_.most_segment_s > options_.segment_s) {
+    builder_.thin();
+    ++thinned_;
+  }
+  next_keyframe_ = (next_keyframe_ == kNever || late ? t_ns : next_keyframe_) + (base << thinned_);
   if (builder_.add_keyframe(t_ns, state, points, n, imu_)) return;
   end_segment(true);
   builder_.add_keyframe(t_ns, state, points, n, imu_);
@@ -344,6 +369,7 @@ void Device<S>::end_segment(bool continues) {
     }
   }
   ++serial_;
+  thinned_ = 0;
   builder_.begin(&database_.building(), session_, serial_, continues);
 }
 
@@ -424,6 +450,22 @@ void Device<S>::calibrate() {
     theta_ = release_.theta;
     return;
   }
+  fit();
+  // Without the outdated ones theta is another, and there may be more that do not agree with that.
+  for (int round = 0; round < kOutdatedRounds && drop_outdated(); ++round) fit();
+  analyse_with_prior(calibrator_.theta_triangle(), prior_.sigma, &joint_);
+  judge(&calibrator_, prior_, ReleaseRules<S>{}, &release_);
+  calibrated_ = true;
+  if (release_.status == Status::failed) {
+    drop_misfits();
+    return;
+  }
+  theta_ = release_.theta;
+  if (vio_.initialised()) vio_.set_calibration(theta_);
+}
+
+template <class S>
+void Device<S>::fit() {
   Segment<S>* segments[kMaxSegments];
   const int count = database_.in_order(segments);
   calibrator_.begin(segments, count, prior_, working_theta(), options_.model);
@@ -434,15 +476,33 @@ void Device<S>::calibrate() {
   // Corners that are still far off once the model fits are no noise: they are left out, and the rest fits again.
   calibrator_.reject_outliers(S(5));
   calibrator_.run(CalibratorOptions{}, &eliminator_);
-  analyse_with_prior(calibrator_.theta_triangle(), prior_.sigma, &joint_);
-  judge(&calibrator_, prior_, ReleaseRules<S>{}, &release_);
-  calibrated_ = true;
-  if (release_.status == Status::failed) {
-    drop_misfits();
-    return;
+}
+
+/// Drops segments that newer ones contradict (calibration/agreement.h); true if there were any. All are scored again at
+/// the calibrated theta, each alone: what a segment says must not come from its neighbours.
+template <class S>
+bool Device<S>::drop_outdated() {
+  Segment<S>* segments[kMaxSegments];
+  const SegmentInformation<S>* information[kMaxSegments];
+  const int count = database_.in_order(segments);
+  if (count < 3 || !calibrator_.fit().converged || !(options_.outdated_level > S(0))) return false;
+  for (int i = 0; i < count; ++i) {
+    eliminator_.eliminate(*segments[i], GuestLink<S>{}, calibrator_.theta(), options_.model, S(0));
+    eliminator_.extract(&segments[i]->information);
+    information[i] = &segments[i]->information;
   }
-  theta_ = release_.theta;
-  if (vio_.initialised()) vio_.set_calibration(theta_);
+  static_assert(Agreement<S>::kScratch <= ReducedSystem<S>::kScratch, "the eliminator has too little to lend");
+  Agreement<S> newer(prior_, calibrator_.theta(), options_.outdated_level / S(count - 1), noise_of(information, count), &joint_,
+                     eliminator_.reduced().scratch());
+  const std::uint32_t before = faults_.segments_outdated;
+  for (int i = count - 1; i >= 0; --i) {
+    if (!newer.outdated(*information[i])) continue;
+    database_.drop_outdated(segments[i]);
+    ++faults_.segments_outdated;
+  }
+  if (faults_.segments_outdated == before) return false;
+  knew_enough_ = knew_enough_ && knows_enough();
+  return true;
 }
 
 /// After a failed calibration: segments that do not fit even alone leave the database, and collecting goes on.

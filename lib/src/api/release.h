@@ -5,6 +5,7 @@
 #pragma once
 
 #include "calibration/calibrator.h"
+#include "information/marginal.h"
 #include "information/metrics.h"
 
 namespace SEGCAL_NS {
@@ -28,19 +29,6 @@ struct Release {
   Verdict verdict[kMaxTheta];
   S noise_scale = S(1);
 };
-
-/// Sigma of the combination sum_k weight[k] theta[first + k] from the triangle R: the length of R^-T a.
-template <class S>
-S marginal_sigma(const PackedTriangle<S>& R, int n, int first, const S* weight, int count, S* work) {
-  S sum2 = S(0);
-  for (int r = first; r < n; ++r) {
-    S sum = r < first + count ? weight[r - first] : S(0);
-    for (int c = first; c < r; ++c) sum -= R(c, r) * work[c];
-    work[r] = R(r, r) == S(0) ? S(0) : sum / R(r, r);
-    sum2 += work[r] * work[r];
-  }
-  return square_root(sum2);
-}
 
 /// Sigmas of a rotation's three printed numbers, the rotation vector's components. Theta's columns are the small rotation
 /// Exp(d) R; Log(Exp(d) R) moves by J_l^-1(Log R) d.

@@ -162,9 +162,11 @@ int segcal_get_segment(const segcal_t* device, int32_t index, segcal_segment_t* 
   if (!d) return SEGCAL_ERROR_STATE;
   SegmentSummary<Real> s = d->device.last_scored();
   if (index != -1) {
-    const Segment<Real>* slot = find_slot(*d, index);
+    const bool outdated = index >= 0 && index <= SEGCAL_MAX_SEGMENTS && d->device.database().outdated(index);
+    const Segment<Real>* slot = outdated ? &d->device.database().slot(index) : find_slot(*d, index);
     s = slot ? summary_of(*slot) : SegmentSummary<Real>{};
-    s.kept = true;
+    s.kept = !outdated;
+    s.outdated = outdated;
   }
   if (!s.valid) return SEGCAL_ERROR_STATE;
   out->start_ns = s.start_ns;
@@ -180,6 +182,7 @@ int segcal_get_segment(const segcal_t* device, int32_t index, segcal_segment_t* 
   out->E = static_cast<double>(s.metrics.E);
   out->gain_nats = static_cast<double>(s.metrics.gain);
   out->kept = s.kept ? 1 : 0;
+  out->outdated = s.outdated ? 1 : 0;
   return SEGCAL_OK;
 }
 
@@ -221,7 +224,7 @@ int segcal_get_counters(const segcal_t* device, segcal_counters_t* out) {
   *out = {f.imu_samples, f.imu_stamps_back, f.imu_gaps, f.imu_not_finite, f.imu_saturated, f.frames, f.frames_used,
           f.frame_stamps_back, f.frames_dropped, f.frames_few_tracks, f.points_not_finite, std::uint32_t(v.restarts),
           std::uint32_t(v.standstill_frames), std::uint32_t(v.updates), std::uint32_t(v.gated), f.segments_closed,
-          f.segments_discarded, f.segments_unsettled, b.ended_early, b.landmarks_left_out, b.points_left_out};
+          f.segments_discarded, f.segments_unsettled, b.ended_early, b.landmarks_left_out, b.points_left_out, f.segments_outdated};
   return SEGCAL_OK;
 }
 

@@ -38,12 +38,14 @@ class Database {
     random_ = seed;
     offered_ = 0;
     for (bool& k : kept_) k = false;
+    for (bool& o : outdated_) o = false;
     building_ = 0;
   }
 
   void begin_session() {
     if (strategy_ != Strategy::single_session) return;
     for (bool& k : kept_) k = false;
+    for (bool& o : outdated_) o = false;
     offered_ = 0;
   }
 
@@ -57,6 +59,13 @@ class Database {
     return n;
   }
   void drop(int i) { kept_[i] = false; }
+  /// Drops a segment that newer ones contradict. It can be read until its slot is needed.
+  void drop_outdated(const Segment<S>* segment) {
+    const int i = static_cast<int>(segment - slot_);
+    kept_[i] = false;
+    outdated_[i] = true;
+  }
+  bool outdated(int i) const { return outdated_[i]; }
   int capacity() const { return capacity_; }
   bool full() const { return size() == capacity_; }
 
@@ -76,6 +85,7 @@ class Database {
     kept_[building_] = true;
     for (building_ = 0; kept_[building_]; ++building_) {
     }
+    outdated_[building_] = false;
     return true;
   }
 
@@ -140,7 +150,7 @@ class Database {
   }
 
   Segment<S> slot_[kSlots];
-  bool kept_[kSlots];
+  bool kept_[kSlots], outdated_[kSlots];
   std::int32_t building_, capacity_;
   Metric metric_;
   Strategy strategy_;

@@ -30,6 +30,7 @@ class SegmentBuilder {
   }
   bool empty() const { return segment_->n_keyframes == 0; }
   int keyframes() const { return segment_->n_keyframes; }
+  bool full() const { return segment_->n_keyframes == kMaxKeyframes; }
   std::int64_t start_ns() const { return segment_->t0_ns; }
   std::int64_t last_keyframe_ns() const { return last_keyframe_ns_; }
   const BuilderCounts& counts() const { return counts_; }
@@ -42,6 +43,9 @@ class SegmentBuilder {
 
   /// Adds a keyframe. False if it does not fit any more (keyframes or IMU samples): close the segment, begin the next.
   bool add_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
+
+  /// Drops every second keyframe with its image points: the segment can grow to twice its length. All IMU samples stay.
+  void thin();
 
   /// Ends the segment: sorts, triangulates at theta, drops what cannot be used. False if nothing useful is left.
   bool close(const Calibration<S>& theta, const MeasurementModel<S>& model);
@@ -127,6 +131,29 @@ void SegmentBuilder<S>::add_point(const TrackPoint<S>& point) {
                                        static_cast<std::uint8_t>(point.camera & 0x7F), 0};
   last_seen_[j] = static_cast<std::uint8_t>(k);
   ++seen_[j];
+}
+
+template <class S>
+void SegmentBuilder<S>::thin() {
+  Segment<S>& s = *segment_;
+  int kept = 0;
+  for (int j = 0; j < s.n_landmarks; ++j) seen_[j] = 0;
+  for (int o = 0; o < s.n_observations; ++o) {
+    Observation z = s.observation[o];
+    if (z.keyframe % 2 != 0) continue;
+    z.keyframe = static_cast<std::uint8_t>(z.keyframe / 2);
+    s.observation[kept++] = z;
+    ++seen_[z.landmark];
+  }
+  s.n_observations = kept;
+  for (int j = 0; j < s.n_landmarks; ++j) last_seen_[j] = static_cast<std::uint8_t>(last_seen_[j] / 2);
+  s.n_keyframes = (s.n_keyframes + 1) / 2;
+  for (int k = 0; k < s.n_keyframes; ++k) {
+    s.t_us[k] = s.t_us[2 * k];
+    s.states.x[k] = s.states.x[2 * k];
+  }
+  // The next segment hangs on the last keyframe that is still there.
+  last_keyframe_ns_ = s.t0_ns + std::int64_t(s.t_us[s.n_keyframes - 1]) * 1000;
 }
 
 /// The track's place; a new one for a new track; -1 if there is none.

@@ -41,7 +41,7 @@ struct Metrics {
 /// A segment's particulars without its measurements.
 template <class S>
 struct SegmentSummary {
-  bool valid = false, kept = false;
+  bool valid = false, kept = false, outdated = false;
   std::int64_t start_ns = 0, end_ns = 0;
   std::uint32_t session = 0, serial = 0;
   std::int32_t keyframes = 0, landmarks = 0, points = 0;

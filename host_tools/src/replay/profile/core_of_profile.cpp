@@ -77,6 +77,10 @@ segcal_config_t config_of(const CoreOptions& options) {
   c.accel_random_walk = options.noise.accel_random_walk;
   c.pixel_sigma = options.pixel_sigma;
   c.segment_s = options.segment_s;
+  if (options.adaptive_segments) {
+    c.least_segment_s = 0.5 * options.segment_s;
+    c.most_segment_s = 2 * options.segment_s;
+  }
   if (options.segments > SEGCAL_MAX_SEGMENTS) {
     throw InputError("--segments: this profile keeps at most " + std::to_string(SEGCAL_MAX_SEGMENTS) + ", found " +
                      std::to_string(options.segments));
@@ -85,6 +89,7 @@ segcal_config_t config_of(const CoreOptions& options) {
   c.metric = metric_code(options.metric);
   c.strategy = options.multi_session ? SEGCAL_MULTI_SESSION : SEGCAL_SINGLE_SESSION;
   c.seed = options.seed;
+  c.outdated_level = options.outdated_level;
   c.trigger_fraction = options.trigger_fraction;
   c.filter_share = options.hold_calibration ? 1e-3 : 1;
   for (std::size_t i = 0; i < options.sigma_ref.size() && i < SEGCAL_MAX_PARAMETERS; ++i) c.sigma_ref[i] = options.sigma_ref[i];
@@ -245,7 +250,7 @@ class ProfileCore final : public Core {
     std::vector<CoreKept> out;
     for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
       segcal_segment_t s;
-      if (segcal_get_segment(device_, slot, &s) != SEGCAL_OK) continue;
+      if (segcal_get_segment(device_, slot, &s) != SEGCAL_OK || !s.kept) continue;
       out.push_back(kept_slot(slot, s));
     }
     return out;
@@ -256,6 +261,15 @@ class ProfileCore final : public Core {
     segcal_get_model(device_, &m);
     return {m.gyro_noise_density, m.gyro_random_walk, m.accel_noise_density, m.accel_random_walk, m.gravity, m.pixel_sigma,
             m.huber, m.bias_a_sigma, m.bias_g_sigma, m.velocity_sigma, m.inverse_depth_sigma};
+  }
+
+  std::vector<std::uint32_t> outdated() const override {
+    std::vector<std::uint32_t> out;
+    for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
+      segcal_segment_t s;
+      if (segcal_get_segment(device_, slot, &s) == SEGCAL_OK && s.outdated) out.push_back(s.serial);
+    }
+    return out;
   }
 
   std::vector<std::pair<std::string, std::uint32_t>> counters() const override {
@@ -270,7 +284,8 @@ class ProfileCore final : public Core {
             {"features_gated", c.features_gated}, {"segments_closed", c.segments_closed},
             {"segments_discarded", c.segments_discarded}, {"segments_unsettled", c.segments_unsettled},
             {"segments_ended_early", c.segments_ended_early},
-            {"landmarks_left_out", c.landmarks_left_out}, {"points_left_out", c.points_left_out}};
+            {"landmarks_left_out", c.landmarks_left_out}, {"points_left_out", c.points_left_out},
+            {"segments_outdated", c.segments_outdated}};
   }
 
   CoreMemory memory() const override {
