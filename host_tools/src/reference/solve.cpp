@@ -34,12 +34,12 @@ Eigen::VectorXd theta_step(const Calibration& from, const Calibration& to) {
   return Eigen::Map<Eigen::VectorXd>(out.data(), static_cast<Eigen::Index>(out.size()));
 }
 
-ceres::Solver::Summary run_ceres(CeresProblem* problem, int threads) {
+ceres::Solver::Summary run_ceres(CeresProblem* problem, const SolveOptions& how) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_SCHUR;
   options.linear_solver_ordering = problem->ordering();
-  options.num_threads = threads;
-  options.max_num_iterations = 60;
+  options.num_threads = how.threads;
+  options.max_num_iterations = how.iterations;
   options.initial_trust_region_radius = 1e8;
   options.function_tolerance = 1e-10;
   options.gradient_tolerance = 0;
@@ -142,7 +142,7 @@ Fit solve(Problem* problem, const SolveOptions& options) {
   for (int round = 0; round < options.rounds && !fit.converged; ++round) {
     const Calibration before = problem->theta;
     CeresProblem ceres(*problem);
-    const ceres::Solver::Summary summary = run_ceres(&ceres, options.threads);
+    const ceres::Solver::Summary summary = run_ceres(&ceres, options);
     fit.iterations += static_cast<int>(summary.iterations.size());
     if (round == 0) fit.start_cost = 2 * summary.initial_cost;
     fit.cost = 2 * summary.final_cost;
@@ -154,7 +154,7 @@ Fit solve(Problem* problem, const SolveOptions& options) {
     double moved = 0;  // in units of the prior's sigmas, a hundred to a thousand times the posterior's
     const Eigen::VectorXd step = theta_step(before, problem->theta);
     for (Eigen::Index i = 0; i < step.size(); ++i) moved = std::max(moved, std::abs(step(i)) / problem->prior_sigma[static_cast<std::size_t>(i)]);
-    fit.converged = moved < 1e-6 && summary.IsSolutionUsable();
+    fit.converged = moved < 1e-5 && summary.IsSolutionUsable();
     if (options.progress) {
       char line[160];
       std::snprintf(line, sizeof line, "round %d: cost %.3f, %zu iterations, theta moved by %.1e of its prior's sigmas, %.1f s",

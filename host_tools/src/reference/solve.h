@@ -11,6 +11,7 @@ namespace host::reference {
 struct SolveOptions {
   int threads = 1;
   int rounds = 8;                      ///< at most; in each the weights of the IMU links are taken anew
+  int iterations = 200;                ///< at most, of one round
   std::function<void(const std::string&)> progress;  ///< one line now and then; may be empty
 };
 

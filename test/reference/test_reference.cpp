@@ -1,0 +1,106 @@
+// The core's calibration against Ceres on the same segments: simulated devices shaken for 60 s, from their data sheets.
+//
+// One or two by default, 20 where SEGCAL_LONG is set. What may differ: rounding in float, and where the iterations stop.
+#include <unity.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "../replay/simulated_replay.h"
+#include "../replay/temporary_folder.h"
+#include "../support/cases.h"
+#include "file_output.h"
+#include "reference/reference.h"
+
+extern "C" void setUp() {}
+extern "C" void tearDown() {}
+
+namespace {
+
+using test::Id;
+
+/// Limits on (core - reference) / sigma and on the ratio of sigmas.
+struct Limits {
+  double value, sigma;
+};
+constexpr Limits kFloat{0.05, 0.02}, kDouble{0.01, 0.005};
+
+void compare(const Id& id, const host::CoreResult& core, const host::CoreResult& reference, const Limits& limits) {
+  double largest = 0, ratio = 0;
+  TEST_ASSERT_EQUAL_UINT(reference.parameters.size(), core.parameters.size());
+  for (std::size_t i = 0; i < core.parameters.size(); ++i) {
+    const host::CoreParameter &a = core.parameters[i], &b = reference.parameters[i];
+    const double difference = (a.value - b.value) / b.sigma;
+    largest = std::max(largest, std::abs(difference));
+    ratio = std::max(ratio, std::abs(a.sigma / b.sigma - 1));
+    test::check_near(Id(id).add("parameter", a.name), "difference in sigmas", 0, difference, limits.value);
+    test::check_near(Id(id).add("parameter", a.name), "ratio of sigmas", 1, a.sigma / b.sigma, limits.sigma);
+  }
+  // The same measurements were counted: half an unknown more or less would be another problem.
+  test::check_near(id, "degrees of freedom", reference.dof, core.dof, 0.5);
+  std::printf("%s: largest difference %.4f sigma, sigmas within %.4f\n", id.text().c_str(), largest, ratio);
+}
+
+void check_recording(const std::string& scenario, int seed, const std::string& profile, const Limits& limits, int segments = 8) {
+  const Id id = Id().add("scenario", scenario).add("seed", seed).add("profile", profile).add("segments", segments);
+  if (!test::selected(id.text())) return;
+  const host::ReplayResult core = test::replayed(test::simulated(scenario, 60, static_cast<std::uint64_t>(seed)), profile, segments);
+  const host::ReferenceResult reference = host::reference_segments(host::kept_segments(core), {});
+  compare(id, core.result, reference.result, limits);
+}
+
+int recordings(int by_default) { return test::long_run() ? 20 : by_default; }
+
+void test_core_in_float() {
+  for (int seed = 1; seed <= recordings(2); ++seed) check_recording("rich", seed, "mobile", kFloat);
+}
+
+void test_core_in_double() {
+  for (int seed = 1; seed <= recordings(1); ++seed) check_recording("rich", seed, "mobile_double", kDouble);
+}
+
+void test_one_segment() {
+  // Its Sigma_theta with the prior; 1 % is the limit of a single segment.
+  for (int seed = 1; seed <= recordings(2); ++seed) check_recording("rich", seed, "mobile", {0.05, 0.01}, 1);
+}
+
+#ifdef SEGCAL_OPEN_LIMITS
+void test_recordings_with_rest() {
+  for (int seed = 1; seed <= recordings(2); ++seed) check_recording("arvr", seed, "mobile", kFloat);
+}
+#endif
+
+void test_segments_survive_the_file() {
+  const test::TemporaryFolder folder("segcal_reference");
+  const host::KeptSegments kept = host::kept_segments(test::replayed(test::simulated("rich", 20, 3)));
+  const std::string text = host::kept_segments_json(kept);
+  TEST_ASSERT_FALSE(kept.segments.empty());
+  host::write_file(folder.path() / "kept_segments.json", text);
+  TEST_ASSERT_TRUE(text == host::kept_segments_json(host::read_kept_segments(folder.path())));
+}
+
+void test_missing_segments_are_an_input_error() {
+  const test::TemporaryFolder folder("segcal_reference");
+  try {
+    host::read_kept_segments(folder.path());
+    TEST_FAIL_MESSAGE("no error");
+  } catch (const host::InputError& error) {
+    TEST_ASSERT_NOT_NULL(std::strstr(error.what(), "kept_segments.json: missing"));
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  test::select_cases(argc, argv);
+  UNITY_BEGIN();
+  RUN_TEST(test_core_in_float);
+  RUN_TEST(test_core_in_double);
+  RUN_TEST(test_one_segment);
+#ifdef SEGCAL_OPEN_LIMITS
+  RUN_TEST(test_recordings_with_rest);
+#endif
+  RUN_TEST(test_segments_survive_the_file);
+  RUN_TEST(test_missing_segments_are_an_input_error);
+  return UNITY_END();
+}
