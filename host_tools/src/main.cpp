@@ -48,6 +48,7 @@ int run(int argc, char** argv) {
   host::add_simulate_command(app, exit_code);
   host::add_track_command(app, exit_code);
   host::add_replay_command(app, exit_code);
+  host::add_reference_command(app, exit_code);
   host::add_report_command(app, exit_code);
   app.footer(walk_through);  // last: a subcommand would inherit it
 

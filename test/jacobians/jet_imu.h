@@ -1,5 +1,5 @@
 // The inertial link, written a second time for automatic derivatives: the raw samples are corrected and integrated again
-// with Jets through the whole trapezoidal chain, so that every derivative comes from the chain itself.
+// with Jets through the whole chain of steps, so that every derivative comes from the chain itself.
 #pragma once
 
 #include <vector>
@@ -78,11 +78,15 @@ Eigen::Matrix<T, 15, 1> link_residual(const Samples& samples, const ImuCalibrati
   V3<T> w = imu.rate(samples.reading[0].gyro, x0.b_g), f = imu.force(samples.reading[0].accel, x0.b_a);
   for (std::size_t i = 1; i < samples.reading.size(); ++i) {
     const V3<T> w1 = imu.rate(samples.reading[i].gyro, x0.b_g), f1 = imu.force(samples.reading[i].accel, x0.b_a);
-    const V3<T> turn = (w + w1) * (h / T(2)), a = q * f;
+    // Linear rate: half a step and all of it, each with the second term of Magnus' series.
+    const V3<T> wm = (w + w1) / T(2), fm = (f + f1) / T(2);
+    const V3<T> turn_m = (w + wm) * (h / T(4)) + w.cross(wm) * (h * h / T(48));
+    const V3<T> turn = wm * h + w.cross(w1) * (h * h / T(12));
+    const V3<T> a = q * f, am = (q * exponential(turn_m.data())) * fm;
     q = q * exponential(turn.data());
     const V3<T> a1 = q * f1;
-    p += v * h + (a / T(3) + a1 / T(6)) * (h * h);
-    v += (a + a1) * (h / T(2));
+    p += v * h + (a + T(2) * am) * (h * h / T(6));
+    v += (a + T(4) * am + a1) * (h / T(6));
     w = w1;
     f = f1;
   }

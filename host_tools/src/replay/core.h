@@ -68,12 +68,40 @@ struct CoreImuResidual {
   Eigen::Vector3d rotation, velocity, position;  ///< whitened
 };
 
-/// Everything about one kept segment that the report draws.
+/// How far the core trusts what: all weights of a calibration (lib/src/segments/weights.h).
+struct CoreModel {
+  double gyro_noise_density = 0, gyro_random_walk = 0, accel_noise_density = 0, accel_random_walk = 0;
+  double gravity = 0, pixel_sigma = 0, huber = 0;
+  double bias_a_sigma = 0, bias_g_sigma = 0, velocity_sigma = 0, inverse_depth_sigma = 0;
+};
+
+struct CoreLandmark {
+  std::uint32_t track_id = 0;
+  int tie = -1;                      ///< the same number in several segments: one landmark; -1: the segment's own
+  Eigen::Vector3d anchor{0, 0, 0}, direction{0, 0, 1};
+  double inverse_distance = 0;       ///< the landmark is at anchor + direction / inverse_distance
+};
+
+struct CorePoint {
+  int landmark = 0, keyframe = 0, camera = 0;
+  double u = 0, v = 0;               ///< px
+  bool rejected = false;             ///< left out by the last calibration
+};
+
+/// Everything about one kept segment: what the report draws, and all that the calibration had of it.
 struct CoreKept {
   CoreSegment segment;
   std::vector<CoreState> keyframes;
   std::vector<CorePointResidual> points;
   std::vector<CoreImuResidual> imu;
+  int place = -1;                    ///< order in the last calibration; -1: it took no part
+  std::string join = "none";         ///< how it hangs on the one before: none, imu or bias
+  double gap_s = 0;                  ///< s from the one before
+  std::int64_t lead_ns = 0;          ///< the samples begin this long before the first keyframe
+  bool turned_only = false;          ///< linearised as pure rotation
+  std::vector<CoreLandmark> landmarks;
+  std::vector<CorePoint> measured;
+  std::vector<ImuSample> samples;    ///< as stored, rounded to 16 bits
 };
 
 struct CoreMemory {
@@ -101,12 +129,13 @@ class Core {
   /// The segment scored last; false if there is none since the call before.
   virtual bool last_segment(CoreSegment* out) = 0;
   virtual std::vector<CoreKept> kept() const = 0;
+  virtual CoreModel model() const = 0;
   /// Data faults and other counters, by name.
   virtual std::vector<std::pair<std::string, std::uint32_t>> counters() const = 0;
   virtual CoreMemory memory() const = 0;
 };
 
-/// `profile`: mcu, mobile or host. Throws InputError for another name or a configuration that the core refuses.
+/// `profile`: mcu, mobile, host or mobile_double. Throws InputError for another name or a configuration that the core refuses.
 std::unique_ptr<Core> make_core(const std::string& profile, const CoreOptions& options);
 
 }  // namespace host

@@ -121,6 +121,8 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   out.result = core->result();
   out.calibration = core->calibration();
   out.kept = core->kept();
+  out.model = core->model();
+  out.start = options.core.calibration;
   out.counters = core->counters();
   out.memory = core->memory();
   out.timing.vio_ms_median = quantile(session.frame_ms, 0.5);

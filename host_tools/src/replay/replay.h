@@ -25,7 +25,9 @@ struct ReplayResult {
   CoreResult result;
   bool calibrated = false;           ///< a calibration ran
   Calibration calibration;
+  Calibration start;                 ///< where it started from, the mean of the prior
   ImuNoise noise;
+  CoreModel model;
   std::vector<CoreState> trajectory; ///< at each processed frame
   std::vector<CoreSegment> segments; ///< every segment scored, `kept` as at the end
   std::vector<CoreKept> kept;

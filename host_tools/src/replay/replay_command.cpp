@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "replay/result_files.h"
+#include "replay/sessions.h"
 #include "replay/words.h"
 
 namespace host {
@@ -29,19 +30,6 @@ void show_progress(double fraction) {
   std::cerr << (terminal ? "\r" : "") << "replay " << percent << " %" << (!terminal || percent == 100 ? "\n" : "") << std::flush;
 }
 
-std::vector<Recording> read_sessions(const Arguments& a) {
-  std::vector<Recording> sessions;
-  for (const std::string& root : a.recordings) {
-    sessions.push_back(read_recording(root, a.cameras));
-    for (std::size_t c = 0; c < sessions.back().cameras.size(); ++c) {
-      if (!sessions.back().cameras[c].frames.empty()) continue;
-      throw InputError(root + "/mav0/cam" + std::to_string(c) + "/tracks.csv: missing; run `segcal track " + root +
-                       "` first to make it from the images");
-    }
-  }
-  return sessions;
-}
-
 void print_summary(const ReplayResult& r) {
   const CoreResult& c = r.result;
   std::printf("%s: %d of %zu segments kept, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n",
@@ -60,7 +48,7 @@ void print_summary(const ReplayResult& r) {
 }
 
 int run(Arguments a) {
-  const std::vector<Recording> sessions = read_sessions(a);
+  const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras);
   a.replay.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
   a.replay.core.noise = sessions.front().imu.noise;
   a.replay.core.multi_session = a.strategy == "multi";
@@ -85,8 +73,8 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   CLI::App* sub = app.add_subcommand("replay", "run recordings through the core: odometry, segments, calibration");
   sub->add_option("recordings", a->recordings, "recordings in ASL layout (REC/mav0/...); several are sessions in order")->required();
   sub->add_option("--calib", a->calibration, "starting calibration, Kalibr's camchain-imucam.yaml (default: the recording's own)");
-  sub->add_option("--out", a->out, "folder for result.json, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml")->required();
-  sub->add_option("--profile", a->replay.profile, "capacities of the core, as compiled for firmware: mcu, mobile, host")->capture_default_str();
+  sub->add_option("--out", a->out, "folder for result.json, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml, kept_segments.json")->required();
+  sub->add_option("--profile", a->replay.profile, "capacities of the core, as compiled for firmware: mcu, mobile, host; mobile_double: mobile in double precision, to check float")->capture_default_str();
   sub->add_option("--metric", a->replay.core.metric, "what makes a segment informative: A, D, E or random")->capture_default_str();
   sub->add_option("--segments", a->replay.core.segments, "segments to keep in the database")->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_option("--segment-seconds", a->replay.core.segment_s, "length of a segment, s")->capture_default_str()->check(CLI::Range(1.0, 30.0));

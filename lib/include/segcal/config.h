@@ -12,7 +12,7 @@
 #endif
 
 #if SEGCAL_PROFILE == SEGCAL_PROFILE_MCU
-#define SEGCAL_NS segcal_mcu
+#define SEGCAL_DEFAULT_NS segcal_mcu
 #define SEGCAL_DEFAULT_CAMERAS 1
 #define SEGCAL_DEFAULT_SEGMENTS 8
 #define SEGCAL_DEFAULT_KEYFRAMES 12
@@ -24,7 +24,7 @@
 #define SEGCAL_DEFAULT_TIES 4
 #define SEGCAL_DEFAULT_IMU_HISTORY 300
 #elif SEGCAL_PROFILE == SEGCAL_PROFILE_MOBILE
-#define SEGCAL_NS segcal_mobile
+#define SEGCAL_DEFAULT_NS segcal_mobile
 #define SEGCAL_DEFAULT_CAMERAS 2
 #define SEGCAL_DEFAULT_SEGMENTS 15
 #define SEGCAL_DEFAULT_KEYFRAMES 20
@@ -36,7 +36,7 @@
 #define SEGCAL_DEFAULT_TIES 8
 #define SEGCAL_DEFAULT_IMU_HISTORY 1000
 #elif SEGCAL_PROFILE == SEGCAL_PROFILE_HOST
-#define SEGCAL_NS segcal_host
+#define SEGCAL_DEFAULT_NS segcal_host
 #define SEGCAL_DEFAULT_CAMERAS 2
 #define SEGCAL_DEFAULT_SEGMENTS 64
 #define SEGCAL_DEFAULT_KEYFRAMES 32
@@ -51,6 +51,10 @@
 #error "SEGCAL_PROFILE: 1 (mcu), 2 (mobile) or 3 (host)"
 #endif
 
+/* The C++ namespace of this build. */
+#ifndef SEGCAL_NS
+#define SEGCAL_NS SEGCAL_DEFAULT_NS
+#endif
 /* Cameras per device. Each adds 14 entries to the calibration vector. */
 #ifndef SEGCAL_MAX_CAMERAS
 #define SEGCAL_MAX_CAMERAS SEGCAL_DEFAULT_CAMERAS

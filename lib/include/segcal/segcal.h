@@ -184,6 +184,41 @@ typedef struct {
   float rotation[3], velocity[3], position[3]; /* whitened, each with unit variance where the model holds */
 } segcal_imu_residual_t;
 
+/* ---- what a calibration was made from, for an independent check of it ---- */
+typedef struct {
+  double gyro_noise_density, gyro_random_walk, accel_noise_density, accel_random_walk;
+  double gravity;                  /* m/s^2, along -z of G */
+  double pixel_sigma;              /* px, per axis */
+  double huber;                    /* whitened length of an image residual beyond which its cost grows linearly */
+  double bias_a_sigma, bias_g_sigma;  /* m/s^2, rad/s: prior about zero at the start of a chain of segments */
+  double velocity_sigma;           /* m/s: prior about zero on the first keyframe of each segment */
+  double inverse_depth_sigma;      /* 1/m: prior about zero on each landmark */
+} segcal_model_t;
+
+enum { SEGCAL_JOIN_NONE = 0, SEGCAL_JOIN_IMU = 1, SEGCAL_JOIN_BIAS = 2 };
+typedef struct {
+  int32_t place;                   /* 0..: order in the last calibration; the segment before it has place - 1 */
+  int32_t join;                    /* SEGCAL_JOIN_*: starts a chain; follows by its IMU samples; only the bias walk links */
+  double gap_s;                    /* from the last keyframe of the segment before to the first one */
+  int64_t lead_ns;                 /* > 0: the samples begin this long before the first keyframe */
+  int32_t turned_only;             /* 1: its images show no translation, and it is linearised as pure rotation */
+} segcal_link_t;
+
+typedef struct {
+  uint32_t track_id;
+  int32_t tie;                     /* landmarks of several segments with the same number are one; -1: the segment's own */
+  double anchor[3];                /* m, in G; the landmark is at anchor + direction / inverse_distance */
+  double direction[3];
+  double inverse_distance;         /* 1/m; about 0 without parallax */
+} segcal_landmark_t;
+
+typedef struct {
+  int32_t landmark, keyframe;      /* index in the segment */
+  int32_t camera;
+  int32_t rejected;                /* 1: far off although the model fits, left out */
+  float u, v;                      /* px */
+} segcal_measured_point_t;
+
 /* ---- functions ---- */
 typedef struct segcal segcal_t;
 
@@ -228,6 +263,13 @@ int segcal_get_point_residuals(const segcal_t *device, int32_t index, segcal_poi
 int segcal_get_imu_residuals(const segcal_t *device, int32_t index, segcal_imu_residual_t *out, int32_t capacity);
 /* Keyframe states of slot `index`. */
 int segcal_get_keyframes(const segcal_t *device, int32_t index, segcal_state_t *out, int32_t capacity);
+/* Landmarks, image points and stored IMU samples (rounded to 16 bits) of slot `index`; fill up to `capacity`, return their
+   number. segcal_get_link: after a calibration that the slot took part in, SEGCAL_ERROR_STATE else. */
+int segcal_get_landmarks(const segcal_t *device, int32_t index, segcal_landmark_t *out, int32_t capacity);
+int segcal_get_points(const segcal_t *device, int32_t index, segcal_measured_point_t *out, int32_t capacity);
+int segcal_get_samples(const segcal_t *device, int32_t index, segcal_imu_t *out, int32_t capacity);
+int segcal_get_link(const segcal_t *device, int32_t index, segcal_link_t *out);
+int segcal_get_model(const segcal_t *device, segcal_model_t *out);
 /* Bytes of one database slot and of the workspaces. */
 void segcal_memory(size_t *state_bytes, size_t *segment_bytes, size_t *workspace_bytes);
 

@@ -19,4 +19,12 @@ inline CDevice* open(segcal_t* handle) {
 }
 inline const CDevice* open(const segcal_t* handle) { return open(const_cast<segcal_t*>(handle)); }
 
+/// The kept segment in a slot; null if there is none.
+inline const Segment<Real>* find_slot(const CDevice& d, std::int32_t index) {
+  if (index < 0 || index > SEGCAL_MAX_SEGMENTS || !d.device.database().kept(index)) return nullptr;
+  return &d.device.database().slot(index);
+}
+
+inline std::int64_t keyframe_time(const Segment<Real>& s, int k) { return s.t0_ns + std::int64_t(s.t_us[k]) * 1000; }
+
 }  // namespace SEGCAL_NS

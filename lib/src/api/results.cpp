@@ -4,13 +4,6 @@
 namespace SEGCAL_NS {
 namespace {
 
-const Segment<Real>* find_slot(const CDevice& d, std::int32_t index) {
-  if (index < 0 || index > SEGCAL_MAX_SEGMENTS || !d.device.database().kept(index)) return nullptr;
-  return &d.device.database().slot(index);
-}
-
-std::int64_t keyframe_time(const Segment<Real>& s, int k) { return s.t0_ns + std::int64_t(s.t_us[k]) * 1000; }
-
 /// Direction i of an analysis, scaled so that its largest weight is 1.
 void direction_to_c(const InformationAnalysis<Real>& a, int i, segcal_direction_t* out) {
   Real largest = Real(0);
@@ -256,16 +249,6 @@ int segcal_get_imu_residuals(const segcal_t* device, int32_t index, segcal_imu_r
     }
     ++n;
   }
-  return n;
-}
-
-int segcal_get_keyframes(const segcal_t* device, int32_t index, segcal_state_t* out, int32_t capacity) {
-  if (!out) return SEGCAL_ERROR_NULL;
-  const CDevice* d = open(device);
-  const Segment<Real>* s = d ? find_slot(*d, index) : nullptr;
-  if (!s) return SEGCAL_ERROR_STATE;
-  const int n = s->n_keyframes < capacity ? s->n_keyframes : capacity;
-  for (int k = 0; k < n; ++k) state_to_c(s->states.x[k], keyframe_time(*s, k), &out[k]);
   return n;
 }
 

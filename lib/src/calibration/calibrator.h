@@ -47,10 +47,19 @@ class Calibrator {
     return PackedTriangle<S>(global_data_ + packed_size(global_columns() + 1) - packed_size(n), n);
   }
   const SegmentLink<S>& link(int i) const { return link_[i]; }
+  int count() const { return count_; }
+  /// Place of a segment in the chain; -1 if it took no part.
+  int place_of(const Segment<S>* segment) const {
+    for (int i = 0; i < count_; ++i) {
+      if (segment_[i] == segment) return i;
+    }
+    return -1;
+  }
   /// One gauge is held in each.
   int partitions() const { return partition_count_; }
   /// Segments and ties that have a frame in common.
   Partitions<S>& grouping() { return partitions_; }
+  const Ties<S>& ties() const { return partitions_.ties(); }
   /// Leaves out image points whose residual is longer than `limit` times the noise that the fit shows; earlier marks are
   /// taken back. Between runs, so that each run has one smooth cost.
   void reject_outliers(S limit) {

@@ -241,6 +241,13 @@ class ProfileCore final : public Core {
     return out;
   }
 
+  CoreModel model() const override {
+    segcal_model_t m{};
+    segcal_get_model(device_, &m);
+    return {m.gyro_noise_density, m.gyro_random_walk, m.accel_noise_density, m.accel_random_walk, m.gravity, m.pixel_sigma,
+            m.huber, m.bias_a_sigma, m.bias_g_sigma, m.velocity_sigma, m.inverse_depth_sigma};
+  }
+
   std::vector<std::pair<std::string, std::uint32_t>> counters() const override {
     segcal_counters_t c;
     segcal_get_counters(device_, &c);
@@ -298,7 +305,37 @@ class ProfileCore final : public Core {
                           Eigen::Vector3d(r.velocity[0], r.velocity[1], r.velocity[2]),
                           Eigen::Vector3d(r.position[0], r.position[1], r.position[2])});
     }
+    add_measurements(slot, s, &kept);
     return kept;
+  }
+
+  /// What the calibration had of a segment.
+  void add_measurements(int slot, const segcal_segment_t& s, CoreKept* kept) const {
+    segcal_link_t link{};
+    if (segcal_get_link(device_, slot, &link) == SEGCAL_OK) {
+      static const char* const kJoin[] = {"none", "imu", "bias"};
+      kept->place = link.place;
+      kept->join = kJoin[link.join];
+      kept->gap_s = link.gap_s;
+      kept->lead_ns = link.lead_ns;
+      kept->turned_only = link.turned_only != 0;
+    }
+    std::vector<segcal_landmark_t> landmarks(s.landmarks);
+    landmarks.resize(std::max(0, segcal_get_landmarks(device_, slot, landmarks.data(), s.landmarks)));
+    for (const segcal_landmark_t& l : landmarks) {
+      kept->landmarks.push_back({l.track_id, l.tie, Eigen::Vector3d(l.anchor[0], l.anchor[1], l.anchor[2]),
+                                 Eigen::Vector3d(l.direction[0], l.direction[1], l.direction[2]), l.inverse_distance});
+    }
+    std::vector<segcal_measured_point_t> points(s.points);
+    points.resize(std::max(0, segcal_get_points(device_, slot, points.data(), s.points)));
+    for (const segcal_measured_point_t& z : points) {
+      kept->measured.push_back({z.landmark, z.keyframe, z.camera, z.u, z.v, z.rejected != 0});
+    }
+    std::vector<segcal_imu_t> samples(SEGCAL_MAX_IMU_SAMPLES);
+    samples.resize(std::max(0, segcal_get_samples(device_, slot, samples.data(), SEGCAL_MAX_IMU_SAMPLES)));
+    for (const segcal_imu_t& z : samples) {
+      kept->samples.push_back({z.t_ns, {z.gyro[0], z.gyro[1], z.gyro[2]}, {z.accel[0], z.accel[1], z.accel[2]}, 0});
+    }
   }
 
   struct Free {

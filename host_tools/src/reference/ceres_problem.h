@@ -1,0 +1,53 @@
+// A reference problem as Ceres sees it: parameter blocks and residual blocks.
+#pragma once
+
+#include <ceres/ceres.h>
+
+#include <array>
+#include <memory>
+
+#include "reference/imu_residual.h"
+
+namespace host::reference {
+
+class CeresProblem {
+ public:
+  /// `problem` must outlive this object; it is changed by take_over() alone.
+  explicit CeresProblem(const Problem& problem);
+
+  ceres::Problem& ceres() { return ceres_; }
+  /// Landmarks first, then the rest: the Schur complement's order.
+  std::shared_ptr<ceres::ParameterBlockOrdering> ordering();
+  std::vector<const double*> theta_blocks() const;
+  /// Residuals that are measurements, minus unknowns without a prior of their own; weak priors count for neither.
+  double degrees_of_freedom() const;
+  int image_points() const { return image_points_; }
+  int partitions() const { return static_cast<int>(problem_.gauges.size()); }
+  /// Puts the present values into `problem`, the one this was made from.
+  void take_over(Problem* problem) const;
+
+ private:
+  using Pose = std::array<double, kPoseSize>;
+  using Motion = std::array<double, kMotionSize>;
+  void fill();
+  void add_points();
+  void add_motion();
+  void add_priors();
+  double prior_share(std::size_t landmark) const;
+  bool used(std::size_t landmark) const { return points_of_[landmark] >= 2; }
+
+  const Problem& problem_;
+  ceres::Problem ceres_;
+  std::vector<Pose> pose_;
+  std::vector<Motion> motion_;
+  std::vector<std::array<double, kLandmarkSize>> landmark_;
+  std::vector<std::array<double, kCameraSize>> camera_;
+  std::array<double, kImuSize> imu_{};
+  std::vector<int> points_of_;
+  int image_points_ = 0;
+};
+
+/// Parameters of a camera: 6 of its place, 4, and the lens.
+int camera_parameters(const CameraCalibration& camera);
+
+}  // namespace host::reference

@@ -1,0 +1,226 @@
+#include "reference/imu_residual.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+namespace host::reference {
+namespace {
+
+using Matrix15 = Eigen::Matrix<double, kLinkRows, kLinkRows>;
+using Jet21 = ceres::Jet<double, kIntegralInputs>;
+constexpr int kAll = 2 * (kPoseSize + kMotionSize) + kImuSize;
+using Jet45 = ceres::Jet<double, kAll>;
+
+double seconds(std::int64_t from_ns, std::int64_t to_ns) { return static_cast<double>(to_ns - from_ns) * 1e-9; }
+
+/// The polynomial through samples first..last at a time, by Lagrange's formula.
+void interpolate(const std::vector<ImuSample>& samples, std::size_t first, std::size_t last, double t_s, std::int64_t zero_ns,
+                 Eigen::Vector3d* gyro, Eigen::Vector3d* accel) {
+  gyro->setZero();
+  accel->setZero();
+  for (std::size_t i = first; i <= last; ++i) {
+    const double ti = seconds(zero_ns, samples[i].t_ns);
+    double weight = 1;
+    for (std::size_t k = first; k <= last; ++k) {
+      const double tk = seconds(zero_ns, samples[k].t_ns);
+      if (k != i) weight *= (t_s - tk) / (ti - tk);
+    }
+    *gyro += weight * Eigen::Vector3d(samples[i].gyro[0], samples[i].gyro[1], samples[i].gyro[2]);
+    *accel += weight * Eigen::Vector3d(samples[i].accel[0], samples[i].accel[1], samples[i].accel[2]);
+  }
+}
+
+/// Skew matrix of the cross product.
+Eigen::Matrix3d crossing(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+Eigen::Matrix3d triangle(const double* s, const double* m) {
+  Eigen::Matrix3d T;
+  T << s[0], m[0], m[1], 0, s[1], m[2], 0, 0, s[2];
+  return T;
+}
+
+/// How errors [rotation | velocity | position | b_a | b_g] grow, and what noise is added per second.
+struct ErrorModel {
+  Eigen::Matrix3d rate_by_bias, force_by_bias;  ///< in I
+  Matrix15 noise = Matrix15::Zero();            ///< of b_a and b_g
+  double gyro2 = 0, accel2 = 0;
+
+  ErrorModel(const CoreModel& model, const double* inputs, const Eigen::Matrix3d& R_AI) {
+    rate_by_bias = -triangle(inputs + 6, inputs + 9).inverse();
+    force_by_bias = -(R_AI.transpose() * triangle(inputs + 12, inputs + 15).inverse());
+    gyro2 = model.gyro_noise_density * model.gyro_noise_density;
+    accel2 = model.accel_noise_density * model.accel_noise_density;
+    for (int i = 0; i < 3; ++i) {
+      noise(9 + i, 9 + i) = model.accel_random_walk * model.accel_random_walk;
+      noise(12 + i, 12 + i) = model.gyro_random_walk * model.gyro_random_walk;
+    }
+  }
+
+  /// The derivative of the covariance by time. White noise of the sensors enters as their biases do.
+  Matrix15 slope(const Matrix15& P, const Eigen::Matrix3d& R, const Eigen::Vector3d& w, const Eigen::Vector3d& f) const {
+    Matrix15 A = Matrix15::Zero(), Q = noise;
+    A.block<3, 3>(0, 0) = -crossing(w);
+    A.block<3, 3>(0, 12) = rate_by_bias;
+    A.block<3, 3>(3, 0) = -R * crossing(f);
+    A.block<3, 3>(3, 9) = R * force_by_bias;
+    A.block<3, 3>(6, 3).setIdentity();
+    Q.block<3, 3>(0, 0) = gyro2 * rate_by_bias * rate_by_bias.transpose();
+    Q.block<3, 3>(3, 3) = accel2 * A.block<3, 3>(3, 9) * A.block<3, 3>(3, 9).transpose();
+    const Matrix15 AP = A * P;
+    return AP + AP.transpose() + Q;
+  }
+};
+
+}  // namespace
+
+std::vector<Step> steps_between(const std::vector<ImuSample>& samples, std::int64_t t0_ns, std::int64_t t1_ns) {
+  const std::size_t n = samples.size();
+  if (n < 2 || samples.front().t_ns > t0_ns || samples.back().t_ns < t1_ns) throw InputError("IMU samples do not reach over a link");
+  std::vector<Step> out;
+  const auto next = std::upper_bound(samples.begin(), samples.end(), t0_ns,
+                                     [](std::int64_t t, const ImuSample& s) { return t < s.t_ns; });
+  std::int64_t t = t0_ns;
+  for (auto i = static_cast<std::size_t>(next - samples.begin()); t < t1_ns; ++i) {
+    const std::int64_t end = std::min(t1_ns, samples[i].t_ns);
+    const std::size_t first = i >= 2 ? i - 2 : 0, last = std::min(i + 1, n - 1);
+    Step step;
+    step.h = seconds(t, end);
+    for (int k = 0; k < 3; ++k) {
+      interpolate(samples, first, last, seconds(t0_ns, t) + 0.5 * k * step.h, t0_ns, &step.gyro[k], &step.accel[k]);
+    }
+    out.push_back(step);
+    t = end;
+  }
+  return out;
+}
+
+void imu_block(const ImuCalibration& imu, double* out) {
+  const auto put = [&out](const Eigen::Matrix3d& T) {
+    for (int i = 0; i < 3; ++i) out[i] = T(i, i);
+    out[3] = T(0, 1);
+    out[4] = T(0, 2);
+    out[5] = T(1, 2);
+    out += 6;
+  };
+  put(imu.T_g);
+  put(imu.T_a);
+  for (int i = 0; i < 3; ++i) out[i] = 0;
+}
+
+LinkResidual::LinkResidual(const Problem& problem, const Link& link)
+    : from_(problem.states[static_cast<std::size_t>(link.from)]),
+      to_(problem.states[static_cast<std::size_t>(link.to)]),
+      R_AI0_(problem.theta.imu.R_AI),
+      dt_(seconds(from_.t_ns, to_.t_ns)),
+      gravity_(problem.model.gravity),
+      steps_(steps_between(problem.samples[static_cast<std::size_t>(link.samples)], from_.t_ns, to_.t_ns)) {
+  double inputs[kIntegralInputs];
+  Eigen::Map<Eigen::Vector3d>{inputs} = from_.b_a;
+  Eigen::Map<Eigen::Vector3d>{inputs + 3} = from_.b_g;
+  imu_block(problem.theta.imu, inputs + 6);
+  weigh(problem.model, inputs);
+}
+
+/// The covariance of the integral and the biases by the same Runge-Kutta method, beside the integral itself.
+void LinkResidual::weigh(const CoreModel& model, const double* inputs) {
+  const Sensor<double> sensor(inputs, R_AI0_);
+  const ErrorModel errors(model, inputs, R_AI0_);
+  Integral<double> x;
+  Matrix15 P = Matrix15::Zero();
+  for (const Step& step : steps_) {
+    const double h = step.h;
+    const auto w = [&](int k) { return sensor.rate(step.gyro[k]); };
+    const auto f = [&](int k) { return sensor.force(step.accel[k]); };
+    const Eigen::Matrix3d R0 = x.q.toRotationMatrix();
+    const Eigen::Vector3d middle_turn = 0.25 * h * (w(0) + w(1));
+    const Eigen::Matrix3d R1 = R0 * turned_by(middle_turn.data()).toRotationMatrix();
+    integrate(step, sensor, &x);
+    const Eigen::Matrix3d R2 = x.q.toRotationMatrix();
+    const Matrix15 k1 = errors.slope(P, R0, w(0), f(0)), k2 = errors.slope(P + 0.5 * h * k1, R1, w(1), f(1));
+    const Matrix15 k3 = errors.slope(P + 0.5 * h * k2, R1, w(1), f(1)), k4 = errors.slope(P + h * k3, R2, w(2), f(2));
+    P += (h / 6) * (k1 + 2 * (k2 + k3) + k4);
+  }
+  const Eigen::LLT<Matrix15> llt(P);
+  weight_ = llt.matrixL().solve(Matrix15::Identity());
+}
+
+template <class T>
+void LinkResidual::residual(const Integral<T>& integral, const T* pose0, const T* motion0, const T* pose1, const T* motion1,
+                            T* out) const {
+  using Map = Eigen::Map<const Vector3<T>>;
+  const Eigen::Quaternion<T> q0 = from_.q_GI.cast<T>() * turned_by(pose0), q1 = to_.q_GI.cast<T>() * turned_by(pose1);
+  const Vector3<T> g(T(0), T(0), T(-gravity_));
+  const T dt(dt_);
+  Eigen::Map<Eigen::Matrix<T, kLinkRows, 1>> r(out);
+  r.template segment<3>(0) = rotation_vector<T>(integral.q.conjugate() * (q0.conjugate() * q1));
+  r.template segment<3>(3) = q0.conjugate() * (Map(motion1) - Map(motion0) - g * dt) - integral.v;
+  r.template segment<3>(6) =
+      q0.conjugate() * (Map(pose1 + 3) - Map(pose0 + 3) - Map(motion0) * dt - g * (dt * dt / T(2))) - integral.p;
+  for (int i = 0; i < 6; ++i) r(9 + i) = motion1[3 + i] - motion0[3 + i];
+}
+
+bool LinkResidual::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
+  double inputs[kIntegralInputs];
+  std::copy_n(parameters[1] + 3, 6, inputs);
+  std::copy_n(parameters[4], kImuSize, inputs + 6);
+  using Vector15 = Eigen::Matrix<double, kLinkRows, 1>;
+  if (!jacobians) {
+    const Sensor<double> sensor(inputs, R_AI0_);
+    Integral<double> x;
+    for (const Step& step : steps_) integrate(step, sensor, &x);
+    Vector15 r;
+    residual(x, parameters[0], parameters[1], parameters[2], parameters[3], r.data());
+    Eigen::Map<Vector15>{residuals} = weight_ * r;
+    return true;
+  }
+  // The integral by its 21 inputs first; these are then put where the link's 45 unknowns have them.
+  Jet21 jet_inputs[kIntegralInputs];
+  for (int i = 0; i < kIntegralInputs; ++i) jet_inputs[i] = Jet21(inputs[i], i);
+  const Sensor<Jet21> sensor(jet_inputs, R_AI0_);
+  Integral<Jet21> x;
+  for (const Step& step : steps_) integrate(step, sensor, &x);
+  const auto widened = [](const Jet21& a) {
+    Jet45 out(a.a);
+    out.v.template segment<6>(kPoseSize + 3) = a.v.template head<6>();
+    out.v.template tail<kImuSize>() = a.v.template tail<kImuSize>();
+    return out;
+  };
+  Integral<Jet45> y;
+  for (int i = 0; i < 4; ++i) y.q.coeffs()(i) = widened(x.q.coeffs()(i));
+  for (int i = 0; i < 3; ++i) {
+    y.v(i) = widened(x.v(i));
+    y.p(i) = widened(x.p(i));
+  }
+  static constexpr int kSize[4] = {kPoseSize, kMotionSize, kPoseSize, kMotionSize};
+  Jet45 unknowns[kAll];
+  for (int b = 0, at = 0; b < 4; at += kSize[b++]) {
+    for (int i = 0; i < kSize[b]; ++i) unknowns[at + i] = Jet45(parameters[b][i], at + i);
+  }
+  Jet45 r[kLinkRows];
+  residual(y, unknowns, unknowns + 6, unknowns + 15, unknowns + 21, r);
+  Vector15 value;
+  Eigen::Matrix<double, kLinkRows, kAll> J;
+  for (int i = 0; i < kLinkRows; ++i) {
+    value(i) = r[i].a;
+    J.row(i) = r[i].v.transpose();
+  }
+  Eigen::Map<Vector15>{residuals} = weight_ * value;
+  const Eigen::Matrix<double, kLinkRows, kAll> whitened = weight_ * J;
+  const auto put = [&](int block, int at, auto width) {
+    constexpr int n = decltype(width)::value;
+    if (!jacobians[block]) return;
+    Eigen::Map<Eigen::Matrix<double, kLinkRows, n, Eigen::RowMajor>>{jacobians[block]} = whitened.template middleCols<n>(at);
+  };
+  put(0, 0, std::integral_constant<int, kPoseSize>());
+  put(1, 6, std::integral_constant<int, kMotionSize>());
+  put(2, 15, std::integral_constant<int, kPoseSize>());
+  put(3, 21, std::integral_constant<int, kMotionSize>());
+  put(4, 30, std::integral_constant<int, kImuSize>());
+  return true;
+}
+
+}  // namespace host::reference

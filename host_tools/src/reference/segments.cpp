@@ -1,0 +1,96 @@
+// The problem of a replay's calibration: from kept segments to a reference problem.
+#include <map>
+#include <numeric>
+
+#include "reference/finish.h"
+
+namespace host {
+namespace reference {
+namespace {
+
+/// Which segments stand in one frame.
+class Sets {
+ public:
+  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+  std::size_t root(std::size_t i) const { return parent_[i] == i ? i : root(parent_[i]); }
+  void join(std::size_t a, std::size_t b) {
+    const std::size_t first = std::min(root(a), root(b)), last = std::max(root(a), root(b));
+    parent_[last] = first;
+  }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+struct Builder {
+  Problem problem;
+  Sets frames;
+  std::map<int, std::pair<int, std::size_t>> tie;  ///< number: landmark, first segment
+
+  explicit Builder(const KeptSegments& kept) : frames(kept.segments.size()) {
+    for (std::size_t i = 0; i < kept.segments.size(); ++i) add(kept.segments[i], i);
+    for (std::size_t i = 0; i < kept.segments.size(); ++i) {
+      if (frames.root(i) == i) problem.gauges.push_back(first_state_[i]);
+    }
+  }
+
+ private:
+  void add(const CoreKept& segment, std::size_t i) {
+    const int first = static_cast<int>(problem.states.size()), samples = static_cast<int>(problem.samples.size());
+    first_state_.push_back(first);
+    problem.samples.push_back(segment.samples);
+    for (const CoreState& x : segment.keyframes) problem.states.push_back(state_of(x));
+    problem.segment_starts.push_back(first);
+    if (segment.join == "none") problem.chain_starts.push_back(first);
+    if (segment.join == "bias") problem.walks.push_back({first - 1, first, segment.gap_s});
+    if (segment.join == "imu") {
+      problem.links.push_back({first - 1, first, samples});
+      frames.join(i - 1, i);
+    }
+    for (int k = 1; k < static_cast<int>(segment.keyframes.size()); ++k) problem.links.push_back({first + k - 1, first + k, samples});
+    std::vector<int> index;
+    for (const CoreLandmark& l : segment.landmarks) index.push_back(landmark_of(l, i));
+    for (const CorePoint& z : segment.measured) {
+      problem.points.push_back({first + z.keyframe, index[static_cast<std::size_t>(z.landmark)], z.camera, {z.u, z.v}, z.rejected});
+    }
+  }
+
+  /// A tie is one landmark for all segments that see it, and puts them into one frame.
+  int landmark_of(const CoreLandmark& l, std::size_t segment) {
+    const int next = static_cast<int>(problem.landmarks.size());
+    if (l.tie >= 0) {
+      const auto [at, is_new] = tie.try_emplace(l.tie, next, segment);
+      frames.join(at->second.second, segment);
+      if (!is_new) return at->second.first;
+    }
+    problem.landmarks.push_back({l.anchor, l.direction, l.inverse_distance});
+    return next;
+  }
+
+  std::vector<int> first_state_;
+};
+
+}  // namespace
+
+Problem problem_of(const KeptSegments& kept) {
+  Problem problem = Builder(kept).problem;
+  problem.model = kept.model;
+  problem.prior_mean = kept.start;
+  problem.prior_sigma = kept.prior_sigma;
+  problem.theta = kept.start;
+  return problem;
+}
+
+}  // namespace reference
+
+ReferenceResult reference_segments(const KeptSegments& kept, const ReferenceOptions& options) {
+  if (kept.segments.empty()) throw InputError("kept_segments.json: holds no segment; nothing was kept in that replay");
+  reference::Problem problem = reference::problem_of(kept);
+  if (options.start) problem.theta = *options.start;
+  ReferenceResult out = reference::finish(&problem, options);
+  out.result.segments = static_cast<int>(kept.segments.size());
+  out.noise = kept.noise;
+  return out;
+}
+
+}  // namespace host

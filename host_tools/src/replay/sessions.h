@@ -1,0 +1,14 @@
+// Recordings as the commands read them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "recording.h"
+
+namespace host {
+
+/// Reads recordings with their tracks. Throws InputError where a camera's tracks are missing, and says how to make them.
+std::vector<Recording> read_sessions(const std::vector<std::string>& recordings, int n_cameras);
+
+}  // namespace host
