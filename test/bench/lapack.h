@@ -41,6 +41,7 @@ class Lapack {
 };
 
 constexpr const char* kOpenBlas = "libopenblas.so.0";
+/// Netlib's LAPACK, on whatever BLAS the system has chosen.
 constexpr const char* kReferenceLapack = "/usr/lib/" SEGCAL_MULTIARCH "/lapack/liblapack.so.3";
 
 }  // namespace bench
