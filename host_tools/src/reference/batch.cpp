@@ -21,7 +21,7 @@ CoreModel model_of(const ReferenceOptions& options) {
   m.bias_a_sigma = 1;
   m.bias_g_sigma = 0.5;
   m.velocity_sigma = 30;
-  m.inverse_depth_sigma = 20;
+  m.inverse_depth_sigma = 2;
   return m;
 }
 

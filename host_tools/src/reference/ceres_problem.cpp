@@ -127,7 +127,7 @@ void CeresProblem::add_points() {
   if (image_points_ == 0) delete loss;
   for (std::size_t l = 0; l < landmark_.size(); ++l) {
     if (!used(l)) continue;
-    ceres_.AddResidualBlock(weak_prior<kLandmarkSize, 1>(2, 0, problem_.model.inverse_depth_sigma), nullptr, landmark_[l].data());
+    ceres_.AddResidualBlock(weak_prior<kLandmarkSize, 1>(2, 0, problem_.landmarks[l].prior_sigma), nullptr, landmark_[l].data());
   }
 }
 
@@ -195,7 +195,7 @@ std::vector<const double*> CeresProblem::theta_blocks() const {
 
 /// Part of what is known of a landmark's inverse distance that comes from its prior: so much of an unknown is not fitted.
 double CeresProblem::prior_share(std::size_t landmark) const {
-  const double prior = 1 / (problem_.model.inverse_depth_sigma * problem_.model.inverse_depth_sigma);
+  const double sigma = problem_.landmarks[landmark].prior_sigma, prior = 1 / (sigma * sigma);
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   H(2, 2) = prior;
   std::vector<ceres::ResidualBlockId> blocks;

@@ -28,6 +28,7 @@ struct Builder {
   std::map<int, std::pair<int, std::size_t>> tie;  ///< number: landmark, first segment
 
   explicit Builder(const KeptSegments& kept) : frames(kept.segments.size()) {
+    problem.model = kept.model;
     for (std::size_t i = 0; i < kept.segments.size(); ++i) add(kept.segments[i], i);
     for (std::size_t i = 0; i < kept.segments.size(); ++i) {
       if (frames.root(i) == i) problem.gauges.push_back(first_state_[i]);
@@ -49,21 +50,23 @@ struct Builder {
     }
     for (int k = 1; k < static_cast<int>(segment.keyframes.size()); ++k) problem.links.push_back({first + k - 1, first + k, samples});
     std::vector<int> index;
-    for (const CoreLandmark& l : segment.landmarks) index.push_back(landmark_of(l, i));
+    for (const CoreLandmark& l : segment.landmarks) index.push_back(landmark_of(l, i, segment.turned_only));
     for (const CorePoint& z : segment.measured) {
       problem.points.push_back({first + z.keyframe, index[static_cast<std::size_t>(z.landmark)], z.camera, {z.u, z.v}, z.rejected});
     }
   }
 
   /// A tie is one landmark for all segments that see it, and puts them into one frame.
-  int landmark_of(const CoreLandmark& l, std::size_t segment) {
+  int landmark_of(const CoreLandmark& l, std::size_t segment, bool turned_only) {
     const int next = static_cast<int>(problem.landmarks.size());
     if (l.tie >= 0) {
       const auto [at, is_new] = tie.try_emplace(l.tie, next, segment);
       frames.join(at->second.second, segment);
       if (!is_new) return at->second.first;
     }
-    problem.landmarks.push_back({l.anchor, l.direction, l.inverse_distance});
+    const bool wide = turned_only && l.tie < 0;
+    problem.landmarks.push_back({l.anchor, l.direction, l.inverse_distance,
+                                 wide ? problem.model.turned_inverse_depth_sigma : problem.model.inverse_depth_sigma});
     return next;
   }
 
@@ -74,7 +77,6 @@ struct Builder {
 
 Problem problem_of(const KeptSegments& kept) {
   Problem problem = Builder(kept).problem;
-  problem.model = kept.model;
   problem.prior_mean = kept.start;
   problem.prior_sigma = kept.prior_sigma;
   problem.theta = kept.start;

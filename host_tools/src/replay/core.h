@@ -79,7 +79,7 @@ struct CoreImuResidual {
 struct CoreModel {
   double gyro_noise_density = 0, gyro_random_walk = 0, accel_noise_density = 0, accel_random_walk = 0;
   double gravity = 0, pixel_sigma = 0, huber = 0;
-  double bias_a_sigma = 0, bias_g_sigma = 0, velocity_sigma = 0, inverse_depth_sigma = 0;
+  double bias_a_sigma = 0, bias_g_sigma = 0, velocity_sigma = 0, inverse_depth_sigma = 0, turned_inverse_depth_sigma = 0;
 };
 
 struct CoreLandmark {

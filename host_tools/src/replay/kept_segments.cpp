@@ -37,7 +37,8 @@ const std::vector<std::pair<const char*, double CoreModel::*>>& model_fields() {
       {"accel_noise_density", &CoreModel::accel_noise_density}, {"accel_random_walk", &CoreModel::accel_random_walk},
       {"gravity", &CoreModel::gravity}, {"pixel_sigma", &CoreModel::pixel_sigma}, {"huber", &CoreModel::huber},
       {"bias_a_sigma", &CoreModel::bias_a_sigma}, {"bias_g_sigma", &CoreModel::bias_g_sigma},
-      {"velocity_sigma", &CoreModel::velocity_sigma}, {"inverse_depth_sigma", &CoreModel::inverse_depth_sigma}};
+      {"velocity_sigma", &CoreModel::velocity_sigma}, {"inverse_depth_sigma", &CoreModel::inverse_depth_sigma},
+      {"turned_inverse_depth_sigma", &CoreModel::turned_inverse_depth_sigma}};
   return fields;
 }
 

@@ -211,6 +211,7 @@ typedef struct {
   double bias_a_sigma, bias_g_sigma;  /* m/s^2, rad/s: prior about zero at the start of a chain of segments */
   double velocity_sigma;           /* m/s: prior about zero on the first keyframe of each segment */
   double inverse_depth_sigma;      /* 1/m: prior about zero on each landmark */
+  double turned_inverse_depth_sigma; /* the same in a segment that only turned */
 } segcal_model_t;
 
 enum { SEGCAL_JOIN_NONE = 0, SEGCAL_JOIN_IMU = 1, SEGCAL_JOIN_BIAS = 2 };

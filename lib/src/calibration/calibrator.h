@@ -78,6 +78,7 @@ class Calibrator {
   S total_cost();
 
  private:
+  /// What must not change while the fit iterates: which segments only turned, what they share.
   void form_partitions();
   GuestLink<S> guest(int i);
   const Landmark<S>& tie(int t) const;
@@ -124,6 +125,7 @@ void Calibrator<S>::begin(Segment<S>* const* segments, int count, const ThetaPri
 
 template <class S>
 void Calibrator<S>::form_partitions() {
+  for (int i = 0; i < count_; ++i) segment_[i]->turned_only = !translation_shows(*segment_[i], theta_, model_);
   partitions_.form(segment_, link_, count_, theta_, model_);
   partition_count_ = partitions_.count();
 }
@@ -148,7 +150,7 @@ const Landmark<S>& Calibrator<S>::tie(int t) const {
 template <class S>
 S Calibrator<S>::total_cost() {
   S total = prior_cost(prior_, theta_);
-  for (int t = 0; t < partitions_.ties().count(); ++t) total += inverse_depth_cost(tie(t), model_);
+  for (int t = 0; t < partitions_.ties().count(); ++t) total += inverse_depth_cost(tie(t), model_.inverse_depth_sigma);
   for (int i = 0; i < count_; ++i) total += segment_cost(*segment_[i], guest(i), theta_, model_);
   return total;
 }
@@ -179,7 +181,6 @@ void Calibrator<S>::linearise(SegmentEliminator<S>* eliminator, S damping) {
   fit_.dof = count_ > 0 ? -S(theta_.columns()) : S(0);
   for (int t = 0; t < ties; ++t) fit_.dof -= S(kLandmarkColumns) - tie_prior_share(t);
   for (int i = 0; i < count_; ++i) {
-    segment_[i]->turned_only = !translation_shows(*segment_[i], theta_, model_);
     eliminator->eliminate(*segment_[i], guest(i), theta_, model_, damping);
     chain_.add(eliminator, link_[i].join != Join::none, link_[i].passes_on, i > 0 ? &left_[i - 1] : nullptr, &G);
     fit_.image_points += eliminator->counts().image_points;

@@ -130,7 +130,7 @@ void SegmentEliminator<S>::fold_landmarks(const Segment<S>& segment, const Calib
       if (segment.last_keyframe(j) != last || layout().tied.place_of(j) >= 0) continue;
       LandmarkFit<S> fit = landmark_.build(segment, j, theta, model, layout(), landmark_damping);
       if (fit.used < 2) continue;
-      landmark_.eliminate(&fit, model, work_);
+      landmark_.eliminate(&fit, work_);
       reduced_.fold_visual(landmark_.rest(), fit.rows - kLandmarkColumns, landmark_.stride(), fit.first_keyframe,
                            fit.last_keyframe, false);
       counts_.image_points += fit.used;
@@ -271,7 +271,7 @@ void SegmentEliminator<S>::move(Segment<S>* segment, const Calibration<S>& theta
     }
     LandmarkFit<S> fit = landmark_.build(*segment, j, theta, model, layout(), damping / kTypicalLandmarkStep<S>);
     if (fit.used < 2) continue;
-    landmark_.eliminate(&fit, model, work_);
+    landmark_.eliminate(&fit, work_);
     S landmark_step[kLandmarkColumns];
     landmark_.solve(step_, landmark_step);
     add_step(&segment->states.landmark[j], landmark_step);

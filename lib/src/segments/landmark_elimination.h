@@ -37,7 +37,7 @@ class LandmarkBlock {
   LandmarkFit<S> build_tied(const Segment<S>& segment, int t, const Calibration<S>& theta, const MeasurementModel<S>& model,
                             const ReducedLayout& layout);
   /// The three reflections; afterwards rows [3, rows) are free of the landmark.
-  void eliminate(LandmarkFit<S>* fit, const MeasurementModel<S>& model, S* work);
+  void eliminate(LandmarkFit<S>* fit, S* work);
   /// Rows after elimination, beginning at the first pose column.
   S* rest() { return tied_rows() + kLandmarkColumns * stride_; }
   /// All rows of a tied landmark, beginning at the first pose column.
@@ -63,6 +63,7 @@ class LandmarkBlock {
   int first_ = 0;    // column from which on rows are in use
   int column_ = 0;   // of the landmark itself
   ColumnGap gap_;    // counted from first_
+  S depth_sigma_;    // of the prior on the inverse distance, 1/m
   S data_[kLandmarkBlockRows * kLandmarkBlockWidth];
 };
 
@@ -122,8 +123,9 @@ LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const C
   gap_.last = kLandmarkColumns + layout.cameras() - first_;
   const int priors = damping > S(0) ? 4 : 1;
   for (int i = 0; i < priors; ++i) clear(i);
-  own(0)[2] = S(1) / model.inverse_depth_sigma;
-  row(0)[stride_ - 1] = -segment.states.landmark[j].rho / model.inverse_depth_sigma;
+  depth_sigma_ = model.depth_sigma(segment.turned_only);
+  own(0)[2] = S(1) / depth_sigma_;
+  row(0)[stride_ - 1] = -segment.states.landmark[j].rho / depth_sigma_;
   for (int i = 1; i < priors; ++i) own(i)[i - 1] = damping;
   rows_ = priors;
   add_observations(segment, j, theta, model, layout, &fit);
@@ -155,10 +157,10 @@ void LandmarkBlock<S>::add_observations(const Segment<S>& segment, int j, const 
 }
 
 template <class S>
-void LandmarkBlock<S>::eliminate(LandmarkFit<S>* fit, const MeasurementModel<S>& model, S* work) {
+void LandmarkBlock<S>::eliminate(LandmarkFit<S>* fit, S* work) {
   reflect_leading_columns(data_ + first_, rows_, stride_, stride_ - first_, kLandmarkColumns, work, gap_);
   const S information = own(2)[2] * own(2)[2];
-  const S prior = S(1) / (model.inverse_depth_sigma * model.inverse_depth_sigma);
+  const S prior = S(1) / (depth_sigma_ * depth_sigma_);
   fit->prior_share = information > S(0) && prior < information ? prior / information : S(1);
 }
 

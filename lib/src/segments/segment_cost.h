@@ -15,8 +15,8 @@ S link_cost(const ImuIntegral<S>& I, const State<S>& x0, const State<S>& x1, con
 
 /// Cost of the prior on a landmark's inverse distance.
 template <class S>
-S inverse_depth_cost(const Landmark<S>& l, const MeasurementModel<S>& model) {
-  const S prior = l.rho / model.inverse_depth_sigma;
+S inverse_depth_cost(const Landmark<S>& l, S sigma) {
+  const S prior = l.rho / sigma;
   return prior * prior;
 }
 
@@ -28,7 +28,7 @@ S image_cost(const Segment<S>& segment, const TiedLandmarks& tied, const Calibra
   S total = S(0);
   for (int j = 0; j < segment.n_landmarks; ++j) {
     const Landmark<S>& l = segment.states.landmark[j];
-    S sum = tied.place_of(j) >= 0 ? S(0) : inverse_depth_cost(l, model);
+    S sum = tied.place_of(j) >= 0 ? S(0) : inverse_depth_cost(l, model.depth_sigma(segment.turned_only));
     for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
       const Observation& z = segment.observation[o];
       if (z.rejected) continue;

@@ -63,12 +63,13 @@ template <class S>
 S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                 const Landmark<S>& l, S* triangle) {
   const S inverse_sigma = S(1) / model.pixel_sigma;
-  const S prior = l.rho / model.inverse_depth_sigma;
+  const S depth_sigma = model.depth_sigma(segment.turned_only);
+  const S prior = l.rho / depth_sigma;
   S cost = prior * prior;
   LandmarkRows<S> rows(triangle);
   S* row = rows.next();
   row[0] = row[1] = S(0);
-  row[2] = S(1) / model.inverse_depth_sigma;
+  row[2] = S(1) / depth_sigma;
   row[3] = -prior;
   Vec3<S> e1, e2;
   tangent_basis(l.m, &e1, &e2);

@@ -14,9 +14,13 @@ struct MeasurementModel {
   S bias_a_sigma = S(1);           ///< m/s^2, accelerometer bias at the start of a partition
   S bias_g_sigma = S(0.5);         ///< rad/s, gyroscope bias at the start of a partition
   S velocity_sigma = S(30);        ///< m/s
-  /// 1/m, about zero. Wide: a hundred landmarks pulled towards zero together would tell the scale of the map, and so p_CI
-  /// after rotation in place (at 2 1/m to a tenth, at 20 1/m not at all).
-  S inverse_depth_sigma = S(20);
+  /// 1/m, about zero: a landmark is hardly nearer than 0.3 m. Much wider, and tracks with hardly any parallax would fit the
+  /// noise along a flat valley.
+  S inverse_depth_sigma = S(2);
+  /// The same in a segment whose images show no translation: a hundred landmarks pulled towards zero together would tell the
+  /// scale of the map there, and so p_CI (at 2 1/m to a tenth, at 20 1/m not at all).
+  S turned_inverse_depth_sigma = S(20);
+  S depth_sigma(bool turned_only) const { return turned_only ? turned_inverse_depth_sigma : inverse_depth_sigma; }
   S huber = S(3);                  ///< whitened length of an image residual above which its weight falls
 };
 
