@@ -147,7 +147,7 @@ class DenseProblem {
     const Segment<double>& segment = *segments_[s];
     const Landmark<double>& l = segment.states.landmark[j];
     const bool own = landmark_column(s, j) > state_column(s, 0);
-    if (own) add_single(landmark_column(s, j) + 2, 1 / model_.depth_sigma(segment.turned_only), l.rho);
+    if (own) add_single(landmark_column(s, j) + 2, 1 / model_.depth_sigma(segment.wide_depth_prior), l.rho);
     if (own && damping_ > 0) {
       for (int i = 0; i < 3; ++i) add_single(landmark_column(s, j) + i, damping_ / 0.02, 0);
     }

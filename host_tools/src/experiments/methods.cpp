@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "reference/reference.h"
 #include "simulate/device.h"
 
 namespace host::experiments {
@@ -33,8 +34,36 @@ std::vector<SessionCalibration> initial(const std::vector<Recording>& sessions, 
   return std::vector<SessionCalibration>(sessions.size(), {start, {}});
 }
 
-/// Every segment, up to what profile host holds. A batch over all keyframes and landmarks of a recording (`segcal reference`)
-/// belongs beside it in the table below, as a method of the same form named `batch`.
+/// Full batch by the independent solver: all keyframes and landmarks of all sessions so far, or of each alone.
+std::vector<SessionCalibration> batch(const std::vector<Recording>& sessions, const Calibration& start, const Method&,
+                                      const MethodOptions& options) {
+  std::vector<SessionCalibration> out;
+  ReferenceOptions r;
+  r.calibration = start;
+  r.noise = sessions.front().imu.noise;
+  for (auto end = sessions.begin() + 1; end <= sessions.end(); ++end) {
+    const ReferenceResult solved = reference_batch({options.multi_session ? sessions.begin() : end - 1, end}, r);
+    out.push_back({solved.calibration, solved.result});
+  }
+  return out;
+}
+
+/// The filter with all of theta in its state, without segments; it goes on from session to session.
+std::vector<SessionCalibration> joint_filter(const std::vector<Recording>& sessions, const Calibration& start, const Method&,
+                                             const MethodOptions&) {
+  std::vector<SessionCalibration> out;
+  ReplayOptions r;
+  r.core.calibration = start;
+  r.core.noise = sessions.front().imu.noise;
+  r.joint_ekf = true;
+  r.after_session = [&out](std::size_t, const CoreResult& result, const Calibration& calibration) {
+    out.push_back({calibration, result});
+  };
+  replay(sessions, r);
+  return out;
+}
+
+/// Every segment, up to what profile host holds.
 std::vector<SessionCalibration> no_sparsification(const std::vector<Recording>& sessions, const Calibration& start, const Method&,
                                     const MethodOptions& options) {
   MethodOptions o = options;
@@ -68,12 +97,14 @@ const std::vector<Method>& methods() {
   static const std::vector<Method> offered = [] {
     const std::vector<Method> known = {
         {"initial", "the data sheet's calibration", always, initial, ""},
+        {"batch", "all keyframes and landmarks, solved by Ceres (segcal reference)", always, batch, ""},
         {"all", "no sparsification: all segments, up to 64", always, no_sparsification, ""},
         {"A", "8 segments of 4 s by A (trace)", always, selected, "A"},
         {"D", "8 segments of 4 s by D (determinant)", always, selected, "D"},
         {"E", "8 segments of 4 s by E (largest eigenvalue)", always, selected, "E"},
         {"set_d", "8 segments of 4 s by the joint determinant", set_d_offered, selected, "set_d"},
         {"random", "8 segments of 4 s at random", always, selected, "random"},
+        {"joint_ekf", "the filter with all of theta in its state", always, joint_filter, ""},
         {"filter", "the data sheet's, and the filter's own estimates on the way", always, initial, "", Odometry::estimating},
         {"filter_A", "as A, and the filter's own estimates on the way", always, selected, "A", Odometry::estimating},
     };

@@ -220,7 +220,7 @@ typedef struct {
   int32_t join;                    /* SEGCAL_JOIN_*: starts a chain; follows by its IMU samples; only the bias walk links */
   double gap_s;                    /* from the last keyframe of the segment before to the first one */
   int64_t lead_ns;                 /* > 0: the samples begin this long before the first keyframe */
-  int32_t turned_only;             /* 1: its images show no translation, and it is linearised as pure rotation */
+  int32_t turned_only;             /* 1: its images show no translation: linearised as pure rotation, wide prior */
 } segcal_link_t;
 
 typedef struct {

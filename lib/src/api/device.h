@@ -378,7 +378,7 @@ void Device<S>::score() {
   Segment<S>& segment = database_.building();
   GuestLink<S> alone;
   const Calibration<S> theta = working_theta();
-  segment.turned_only = !translation_shows(segment, theta, options_.model);
+  segment.turned_only = segment.wide_depth_prior = !translation_shows(segment, theta, options_.model);
   eliminator_.eliminate(segment, alone, theta, options_.model, S(0));
   eliminator_.extract(&segment.information);
   analyse(segment.information, prior_.sigma, &analysis_);

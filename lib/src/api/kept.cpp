@@ -81,7 +81,7 @@ int segcal_get_link(const segcal_t* device, int32_t index, segcal_link_t* out) {
   out->join = static_cast<int32_t>(link.join);
   out->gap_s = static_cast<double>(link.gap_s);
   out->lead_ns = std::int64_t(s->lead_us) * 1000;
-  out->turned_only = s->turned_only ? 1 : 0;
+  out->turned_only = s->wide_depth_prior ? 1 : 0;
   return SEGCAL_OK;
 }
 

@@ -62,11 +62,16 @@ class Calibrator {
   void reject_outliers(S limit) {
     const S ratio = fit_.dof > S(0) ? fit_.chi2 / fit_.dof : S(1);
     const S scaled = limit * square_root(ratio > S(1) ? ratio : S(1));
-    for (int i = 0; i < count_; ++i) mark_outliers(theta_, model_, scaled, segment_[i]);
+    for (int i = 0; i < count_; ++i) {
+      mark_outliers(theta_, model_, scaled, segment_[i]);
+      segment_[i]->wide_depth_prior = !translation_shows(*segment_[i], theta_, model_);
+    }
     form_partitions();  // without a tie whose points are gone
   }
+  /// The first run of a calibration takes the wide prior everywhere: which segments only turned shows when it has settled.
   void accept_all() {
     for (int i = 0; i < count_; ++i) {
+      segment_[i]->wide_depth_prior = true;
       for (int o = 0; o < segment_[i]->n_observations; ++o) segment_[i]->observation[o].rejected = 0;
     }
     form_partitions();
@@ -78,7 +83,6 @@ class Calibrator {
   S total_cost();
 
  private:
-  /// What must not change while the fit iterates: which segments only turned, what they share.
   void form_partitions();
   GuestLink<S> guest(int i);
   const Landmark<S>& tie(int t) const;
@@ -125,7 +129,6 @@ void Calibrator<S>::begin(Segment<S>* const* segments, int count, const ThetaPri
 
 template <class S>
 void Calibrator<S>::form_partitions() {
-  for (int i = 0; i < count_; ++i) segment_[i]->turned_only = !translation_shows(*segment_[i], theta_, model_);
   partitions_.form(segment_, link_, count_, theta_, model_);
   partition_count_ = partitions_.count();
 }
@@ -181,6 +184,7 @@ void Calibrator<S>::linearise(SegmentEliminator<S>* eliminator, S damping) {
   fit_.dof = count_ > 0 ? -S(theta_.columns()) : S(0);
   for (int t = 0; t < ties; ++t) fit_.dof -= S(kLandmarkColumns) - tie_prior_share(t);
   for (int i = 0; i < count_; ++i) {
+    segment_[i]->turned_only = !translation_shows(*segment_[i], theta_, model_);
     eliminator->eliminate(*segment_[i], guest(i), theta_, model_, damping);
     chain_.add(eliminator, link_[i].join != Join::none, link_[i].passes_on, i > 0 ? &left_[i - 1] : nullptr, &G);
     fit_.image_points += eliminator->counts().image_points;

@@ -24,7 +24,7 @@ class SegmentBuilder {
     segment_->serial = serial;
     segment_->n_keyframes = segment_->n_landmarks = segment_->n_observations = 0;
     segment_->lead_us = 0;
-    segment_->turned_only = false;
+    segment_->turned_only = segment_->wide_depth_prior = false;
     segment_->imu.clear(gyro_range_, accel_range_);
     if (!continues) last_keyframe_ns_ = kNever;
   }

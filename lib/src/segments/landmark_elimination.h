@@ -123,7 +123,7 @@ LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const C
   gap_.last = kLandmarkColumns + layout.cameras() - first_;
   const int priors = damping > S(0) ? 4 : 1;
   for (int i = 0; i < priors; ++i) clear(i);
-  depth_sigma_ = model.depth_sigma(segment.turned_only);
+  depth_sigma_ = model.depth_sigma(segment.wide_depth_prior);
   own(0)[2] = S(1) / depth_sigma_;
   row(0)[stride_ - 1] = -segment.states.landmark[j].rho / depth_sigma_;
   for (int i = 1; i < priors; ++i) own(i)[i - 1] = damping;

@@ -59,6 +59,8 @@ struct Segment {
   std::int32_t lead_us = 0;
   /// The images show no translation (visible_translation.h): inverse distances are linearised as if there were none.
   bool turned_only = false;
+  /// The weak prior on inverse distances is the wide one (weights.h); fixed while a fit iterates.
+  bool wide_depth_prior = false;
   std::int32_t t_us[kMaxKeyframes];              ///< keyframe times after t0
   std::uint32_t track_id[kMaxLandmarks];
   std::uint16_t first_observation[kMaxLandmarks + 1];  ///< observations of landmark j: [first[j], first[j + 1])

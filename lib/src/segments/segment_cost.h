@@ -28,7 +28,7 @@ S image_cost(const Segment<S>& segment, const TiedLandmarks& tied, const Calibra
   S total = S(0);
   for (int j = 0; j < segment.n_landmarks; ++j) {
     const Landmark<S>& l = segment.states.landmark[j];
-    S sum = tied.place_of(j) >= 0 ? S(0) : inverse_depth_cost(l, model.depth_sigma(segment.turned_only));
+    S sum = tied.place_of(j) >= 0 ? S(0) : inverse_depth_cost(l, model.depth_sigma(segment.wide_depth_prior));
     for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
       const Observation& z = segment.observation[o];
       if (z.rejected) continue;

@@ -20,7 +20,7 @@ struct MeasurementModel {
   /// The same in a segment whose images show no translation: a hundred landmarks pulled towards zero together would tell the
   /// scale of the map there, and so p_CI (at 2 1/m to a tenth, at 20 1/m not at all).
   S turned_inverse_depth_sigma = S(20);
-  S depth_sigma(bool turned_only) const { return turned_only ? turned_inverse_depth_sigma : inverse_depth_sigma; }
+  S depth_sigma(bool wide) const { return wide ? turned_inverse_depth_sigma : inverse_depth_sigma; }
   S huber = S(3);                  ///< whitened length of an image residual above which its weight falls
 };
 
