@@ -108,7 +108,7 @@ void run_core(benchmark::State& state, const Stack<S>& stack) {
       const auto from = stack.entry.begin() + b.first_row * n;
       block.assign(from, from + b.rows * n);
       seen = std::max(seen, b.last_pose);
-      SEGCAL_NS::fold_rows(R, block.data(), b.rows, n, b.first, n, work.data(), ColumnGap{seen, stack.poses});
+      SEGCAL_NS::fold_rows(R, block.data(), b.rows, n, b.first, n, ColumnGap{seen, stack.poses});
     }
     benchmark::DoNotOptimize(triangle[0]);
   }

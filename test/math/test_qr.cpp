@@ -33,7 +33,7 @@ struct OwnedTriangle {
       for (int j = 0; j < n; ++j) block[i * n + j] = static_cast<S>(rows(i, j));
     }
     PackedTriangle<S> R = view();
-    fold_rows(R, block.data(), static_cast<int>(rows.rows()), n, first, pivots, work.data(), gap);
+    fold_rows(R, block.data(), static_cast<int>(rows.rows()), n, first, pivots, gap);
     return block;
   }
   MatrixXd dense() {
@@ -142,7 +142,7 @@ void check_strips() {
         for (int c = 0; c < n; ++c) block[(i + 1) * n + c] = static_cast<S>(factor * A(i, c));
       }
       PackedTriangle<S> view = R.view();
-      fold_rows(view, block.data() + n, m, n, 0, n, R.work.data());
+      fold_rows(view, block.data() + n, m, n, 0, n);
       bool untouched = true;
       for (int c = 0; c < n; ++c) untouched = untouched && block[c] == S(5) && block[(m + 1) * n + c] == S(5);
       test::check_true(Id().add("check", "strips").type<S>().add("columns", n), "written beside the block", untouched);
@@ -180,7 +180,7 @@ void check_leading_columns() {
   for (int i = 0; i < m; ++i) {
     for (int j = 0; j < n; ++j) block[i * n + j] = static_cast<S>(A(i, j));
   }
-  reflect_leading_columns(block.data(), m, n, n, columns, work.data());
+  reflect_leading_columns(block.data(), m, n, n, columns);
   // The rows left carry what the first three columns cannot explain.
   const MatrixXd left = A.leftCols(columns), other = A.rightCols(n - columns);
   const MatrixXd expected = other - left * left.householderQr().solve(other);

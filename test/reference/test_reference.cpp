@@ -1,4 +1,5 @@
-// The core's calibration against Ceres on the same segments: simulated devices shaken for 60 s, from their data sheets.
+// The core's calibration against Ceres on the same segments: simulated devices shaken or worn for 60 s, from their
+// data sheets.
 //
 // One or two by default, 20 where SEGCAL_LONG is set. What may differ: rounding in float, and where the iterations stop.
 #include <unity.h>
@@ -64,11 +65,9 @@ void test_one_segment() {
   for (int seed = 1; seed <= recordings(2); ++seed) check_recording("rich", seed, "mobile", {0.05, 0.01}, 1);
 }
 
-#ifdef SEGCAL_OPEN_LIMITS
 void test_recordings_with_rest() {
   for (int seed = 1; seed <= recordings(2); ++seed) check_recording("arvr", seed, "mobile", kFloat);
 }
-#endif
 
 void test_segments_survive_the_file() {
   const test::TemporaryFolder folder("segcal_reference");
@@ -97,9 +96,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_core_in_float);
   RUN_TEST(test_core_in_double);
   RUN_TEST(test_one_segment);
-#ifdef SEGCAL_OPEN_LIMITS
   RUN_TEST(test_recordings_with_rest);
-#endif
   RUN_TEST(test_segments_survive_the_file);
   RUN_TEST(test_missing_segments_are_an_input_error);
   return UNITY_END();

@@ -471,7 +471,7 @@ void Device<S>::fit() {
   calibrator_.begin(segments, count, prior_, working_theta(), options_.model);
   calibrator_.accept_all();
   CalibratorOptions rough;
-  rough.converged = 0.1;
+  rough.converged = rough.settled = 0.1;
   calibrator_.run(rough, &eliminator_);
   // Corners that are still far off once the model fits are no noise: they are left out, and the rest fits again.
   calibrator_.reject_outliers(S(5));

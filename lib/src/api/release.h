@@ -57,7 +57,7 @@ void printed_sigmas(const PackedTriangle<S>& R, const Calibration<S>& theta, S s
 /// Moves theta so that the fixed entries stand at the prior's mean and the rest is optimal given that.
 /// `R`: triangle over [theta | rhs] at `theta`, rhs near zero at the optimum; it is changed.
 template <class S>
-void hold_fixed(const ThetaPrior<S>& prior, const Verdict* verdict, PackedTriangle<S>* R, Calibration<S>* theta, S* work) {
+void hold_fixed(const ThetaPrior<S>& prior, const Verdict* verdict, PackedTriangle<S>* R, Calibration<S>* theta) {
   const int n = theta->columns();
   S offset[kMaxTheta], row[kMaxTheta + 1];
   difference(prior.mean, *theta, offset);
@@ -67,7 +67,7 @@ void hold_fixed(const ThetaPrior<S>& prior, const Verdict* verdict, PackedTriang
     for (int c = 0; c <= n; ++c) row[c] = S(0);
     row[i] = weight;
     row[n] = -weight * offset[i];
-    fold_rows(*R, row, 1, n + 1, i, n + 1, work);
+    fold_rows(*R, row, 1, n + 1, i, n + 1);
   }
   S step[kMaxTheta];
   for (int i = 0; i < n; ++i) step[i] = (*R)(i, n);
@@ -103,7 +103,6 @@ void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseR
   PackedTriangle<S> R = calibrator->theta_triangle();
   const CalibrationFit<S>& fit = calibrator->fit();
   const int n = calibrator->theta().columns();
-  S work[kMaxTheta + 1];
   const S ratio = fit.dof > S(0) ? fit.chi2 / fit.dof : S(0);
   out->noise_scale = ratio > S(1) ? square_root(ratio) : S(1);
   const int observed = judge_parameters(R, calibrator->theta(), prior, rules, out);
@@ -121,7 +120,7 @@ void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseR
     out->theta = prior.mean;
     for (int i = 0; i < n; ++i) out->verdict[i] = Verdict::fixed;
   } else {
-    hold_fixed(prior, out->verdict, &R, &out->theta, work);
+    hold_fixed(prior, out->verdict, &R, &out->theta);
   }
 }
 
@@ -130,12 +129,11 @@ void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseR
 template <class S>
 void judge_filter(const Calibration<S>& theta, const ThetaPrior<S>& prior, const ReleaseRules<S>& rules, PackedTriangle<S>* R,
                   Release<S>* out) {
-  S work[kMaxTheta + 1];
   out->theta = theta;
   out->noise_scale = S(1);
   const int observed = judge_parameters(*R, theta, prior, rules, out);
   out->status = 2 * observed >= theta.columns() ? Status::calibrated : Status::insufficient;
-  hold_fixed(prior, out->verdict, R, &out->theta, work);
+  hold_fixed(prior, out->verdict, R, &out->theta);
 }
 
 /// A filter that has not started knows the prior.

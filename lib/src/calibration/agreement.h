@@ -85,7 +85,7 @@ class Agreement {
     for (int i = 0; i < n_; ++i) {
       for (int c = 0; c <= n_; ++c) B[i * (n_ + 1) + c] = entry(information, i, c);
     }
-    fold_rows(*T, B, n_, n_ + 1, 0, n_ + 1, B);
+    fold_rows(*T, B, n_, n_ + 1, 0, n_ + 1);
   }
 
   /// The limit grows with how little is known about the spread.
@@ -104,7 +104,7 @@ class Agreement {
     PackedTriangle<S> T = trial();
     for (int k = 0; k < packed_size(n_ + 1); ++k) scratch_[packed_size(n_ + 1) + k] = scratch_[k];
     T.row(n_)[n_] = S(0);
-    fold_rows(T, block(), degrees_, n_ + 1, 0, n_ + 1, block());
+    fold_rows(T, block(), degrees_, n_ + 1, 0, n_ + 1);
     statistic_ = T(n_, n_) * T(n_, n_) / noise_;
   }
 

@@ -16,7 +16,8 @@ namespace SEGCAL_NS {
 
 struct CalibratorOptions {
   int max_iterations = 20;
-  double converged = 4e-3;   ///< squared length of theta's last step in sigmas: 0.06 sigma over all of theta
+  double converged = 4e-3;   ///< squared length of a step of theta, in sigmas: below 0.06 sigma the fit counts as converged,
+  double settled = 4e-4;     ///< and goes on to 0.02 sigma as long as there are iterations left
 };
 
 /// What the fit looks like at its end.
@@ -281,16 +282,18 @@ bool Calibrator<S>::iterate(SegmentEliminator<S>* eliminator, S* damping, S* cos
   if (!(trial <= *cost + rounding)) {
     restore();
     *damping = *damping > S(0) ? *damping * S(4) : S(0.05);
+    if (*damping > S(1e4)) fit_.converged = true;
     return *damping > S(1e4);
   }
-  const bool settled = fall < S(options.converged) && *cost - trial <= S(1e-3) * *cost;
+  const bool flat = *cost - trial <= S(1e-3) * *cost;
+  if (flat && fall < S(options.converged)) fit_.converged = true;
   *cost = trial;
   if (turned_back(theta_step)) {
     *damping = *damping > S(0) ? *damping * S(2) : S(0.05);
   } else {
     *damping = *damping < S(0.05) ? S(0) : *damping * S(0.2);
   }
-  return settled;
+  return flat && fall < S(options.settled);
 }
 
 template <class S>
@@ -299,8 +302,9 @@ void Calibrator<S>::run(const CalibratorOptions& options, SegmentEliminator<S>* 
   S cost = fit_.start_cost = total_cost();
   fit_.converged = false;
   for (S& s : last_step_) s = S(0);
-  for (fit_.iterations = 0; fit_.iterations < options.max_iterations && !fit_.converged; ++fit_.iterations) {
-    fit_.converged = iterate(eliminator, &damping, &cost, options);
+  bool settled = false;
+  for (fit_.iterations = 0; fit_.iterations < options.max_iterations && !settled; ++fit_.iterations) {
+    settled = iterate(eliminator, &damping, &cost, options);
   }
   fit_.cost = cost;
   linearise(eliminator, S(0));

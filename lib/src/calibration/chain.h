@@ -94,7 +94,7 @@ class Chain {
         for (int c = guest; c < theta; ++c) block_[c - guest] = r[c];
       }
       segment->reduced().to_global_order(r, 0, block_ + 2 * kStateColumns);
-      fold_rows(L, block_, 1, width(), 0, width(), work_);
+      fold_rows(L, block_, 1, width(), 0, width());
     }
   }
 
@@ -124,7 +124,7 @@ class Chain {
     for (int i = 0; i < n; ++i) {
       if (i <= segment->layout().global_columns()) {
         segment->reduced().global_row(i, block_);
-        fold_rows(*global, block_, 1, n, 0, n, work_);
+        fold_rows(*global, block_, 1, n, 0, n);
       }
       S* from_link = L.row(2 * kStateColumns + i) + 2 * kStateColumns;
       fold_link_row(from_link, i, global);
@@ -135,13 +135,12 @@ class Chain {
   void fold_link_row(const S* row, int first, PackedTriangle<S>* global) {
     const int n = n_global_ + 1;
     for (int c = 0; c < n; ++c) block_[c] = c < first ? S(0) : row[c];
-    fold_rows(*global, block_, 1, n, first, n, work_);
+    fold_rows(*global, block_, 1, n, first, n);
   }
 
   int n_global_ = 0;
   S link_[packed_size(kLinkColumns)];
   S block_[kLinkColumns];
-  S work_[kLinkColumns];
 };
 
 }  // namespace SEGCAL_NS

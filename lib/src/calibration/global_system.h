@@ -60,11 +60,11 @@ class GlobalSystem {
   void fold_scalar(int column, S weight, S value) {
     PackedTriangle<S> G = triangle();
     const int n = columns() + 1;
-    S row[kMaxGlobal + 1], work[kMaxGlobal + 1];
+    S row[kMaxGlobal + 1];
     for (int c = 0; c < n; ++c) row[c] = S(0);
     row[column] = weight;
     row[n - 1] = -weight * value;
-    fold_rows(G, row, 1, n, column, n, work);
+    fold_rows(G, row, 1, n, column, n);
   }
 
   std::int32_t ties_ = 0, n_theta_ = 0;

@@ -24,7 +24,7 @@ template <class S>
 void fold_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                    PackedTriangle<S>* R) {
   const S inverse_sigma = S(1) / model.pixel_sigma;
-  S block[2 * kLandmarkColumns], work[kLandmarkColumns];
+  S block[2 * kLandmarkColumns];
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
     const State<S>& x = segment.states.x[z.keyframe];
@@ -35,7 +35,7 @@ void fold_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta
     }
     const S scale = square_root(robust_term(model, rows.r.squaredNorm() * inverse_sigma * inverse_sigma).weight) * inverse_sigma;
     for (int i = 0; i < 2 * kLandmarkColumns; ++i) block[i] = scale * rows.J_l(i / kLandmarkColumns, i % kLandmarkColumns);
-    fold_rows(*R, block, 2, kLandmarkColumns, 0, kLandmarkColumns, work);
+    fold_rows(*R, block, 2, kLandmarkColumns, 0, kLandmarkColumns);
   }
 }
 

@@ -174,10 +174,10 @@ inline void reflect_column(S* r, S* block, int m, int stride, int j, int n, Colu
 
 /// Folds the rows of `block` (m rows, row-major, `stride` apart) into R.
 /// Columns before `first` of the block are zero; columns [first, pivots) are eliminated (pivots < n leaves rows whose
-/// columns [pivots, n) hold what remains). `gap`: columns that are zero in R and in the block, so far. `work` holds n
-/// entries. The block is destroyed.
+/// columns [pivots, n) hold what remains). `gap`: columns that are zero in R and in the block, so far.
+/// The block is destroyed.
 template <class S>
-void fold_rows(PackedTriangle<S>& R, S* block, int m, int stride, int first, int pivots, S*, ColumnGap gap = {}) {
+void fold_rows(PackedTriangle<S>& R, S* block, int m, int stride, int first, int pivots, ColumnGap gap = {}) {
   for (int j = first; j < pivots; ++j) {
     if (j == gap.first && gap.last > j) j = gap.last;
     if (j < pivots) reflect_column(R.row(j), block, m, stride, j, R.columns(), gap);
@@ -188,7 +188,7 @@ void fold_rows(PackedTriangle<S>& R, S* block, int m, int stride, int first, int
 /// [0, columns) hold the triangle of those columns, and rows [columns, m) are free of them (read from column `columns` on).
 /// `gap`: columns that are zero in every row.
 template <class S>
-void reflect_leading_columns(S* block, int m, int stride, int n, int columns, S*, ColumnGap gap = {}) {
+void reflect_leading_columns(S* block, int m, int stride, int n, int columns, ColumnGap gap = {}) {
   for (int j = 0; j < columns && j < m; ++j) {
     reflect_column(block + j * stride, block + (j + 1) * stride, m - j - 1, stride, j, n, gap);
   }

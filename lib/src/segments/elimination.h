@@ -83,7 +83,6 @@ class SegmentEliminator {
   VelocityBiasChain<S> chain_;
   ReducedSystem<S> reduced_;
   S step_[kReducedColumns];  // in the reduced layout
-  S work_[kLandmarkBlockWidth];
 };
 
 /// Typical sizes of a step: damping is measured against them. rad, m, m/s, m/s^2, rad/s.
@@ -130,7 +129,7 @@ void SegmentEliminator<S>::fold_landmarks(const Segment<S>& segment, const Calib
       if (segment.last_keyframe(j) != last || layout().tied.place_of(j) >= 0) continue;
       LandmarkFit<S> fit = landmark_.build(segment, j, theta, model, layout(), landmark_damping);
       if (fit.used < 2) continue;
-      landmark_.eliminate(&fit, work_);
+      landmark_.eliminate(&fit);
       reduced_.fold_visual(landmark_.rest(), fit.rows - kLandmarkColumns, landmark_.stride(), fit.first_keyframe,
                            fit.last_keyframe, false);
       counts_.image_points += fit.used;
@@ -222,7 +221,7 @@ void SegmentEliminator<S>::extract(SegmentInformation<S>* out) {
   info.clear();
   for (int i = 0; i <= n; ++i) {
     reduced_.global_row(i, step_);
-    fold_rows(info, step_, 1, n + 1, 0, n + 1, work_);
+    fold_rows(info, step_, 1, n + 1, 0, n + 1);
   }
 }
 
@@ -271,7 +270,7 @@ void SegmentEliminator<S>::move(Segment<S>* segment, const Calibration<S>& theta
     }
     LandmarkFit<S> fit = landmark_.build(*segment, j, theta, model, layout(), damping / kTypicalLandmarkStep<S>);
     if (fit.used < 2) continue;
-    landmark_.eliminate(&fit, work_);
+    landmark_.eliminate(&fit);
     S landmark_step[kLandmarkColumns];
     landmark_.solve(step_, landmark_step);
     add_step(&segment->states.landmark[j], landmark_step);

@@ -37,7 +37,7 @@ class LandmarkBlock {
   LandmarkFit<S> build_tied(const Segment<S>& segment, int t, const Calibration<S>& theta, const MeasurementModel<S>& model,
                             const ReducedLayout& layout);
   /// The three reflections; afterwards rows [3, rows) are free of the landmark.
-  void eliminate(LandmarkFit<S>* fit, S* work);
+  void eliminate(LandmarkFit<S>* fit);
   /// Rows after elimination, beginning at the first pose column.
   S* rest() { return tied_rows() + kLandmarkColumns * stride_; }
   /// All rows of a tied landmark, beginning at the first pose column.
@@ -157,8 +157,8 @@ void LandmarkBlock<S>::add_observations(const Segment<S>& segment, int j, const 
 }
 
 template <class S>
-void LandmarkBlock<S>::eliminate(LandmarkFit<S>* fit, S* work) {
-  reflect_leading_columns(data_ + first_, rows_, stride_, stride_ - first_, kLandmarkColumns, work, gap_);
+void LandmarkBlock<S>::eliminate(LandmarkFit<S>* fit) {
+  reflect_leading_columns(data_ + first_, rows_, stride_, stride_ - first_, kLandmarkColumns, gap_);
   const S information = own(2)[2] * own(2)[2];
   const S prior = S(1) / (depth_sigma_ * depth_sigma_);
   fit->prior_share = information > S(0) && prior < information ? prior / information : S(1);

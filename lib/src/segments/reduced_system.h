@@ -68,7 +68,7 @@ class ReducedSystem {
     PackedTriangle<S> triangle = R();
     if (layout_.pose(last_keyframe + 1) > seen_poses_) seen_poses_ = layout_.pose(last_keyframe + 1);
     const ColumnGap gap{seen_poses_, tied ? layout_.tie(0) : layout_.cameras()};
-    fold_rows(triangle, rows, m, stride, layout_.pose(first_keyframe), layout_.width(), work_, gap);
+    fold_rows(triangle, rows, m, stride, layout_.pose(first_keyframe), layout_.width(), gap);
   }
 
   /// The global part of row theta() + i, in the order that all segments share: [all ties | cameras | IMU | rhs].
@@ -93,7 +93,7 @@ class ReducedSystem {
   /// Folds rows that stand in this layout; columns before `first` are zero. Destroys them.
   void fold(S* rows, int m, int stride, int first) {
     PackedTriangle<S> triangle = R();
-    fold_rows(triangle, rows, m, stride, first, layout_.width(), work_);
+    fold_rows(triangle, rows, m, stride, first, layout_.width());
   }
   /// One row with a single entry and its right-hand side.
   void fold_scalar(int column, S weight, S rhs) {
@@ -133,7 +133,6 @@ class ReducedSystem {
   int seen_poses_ = 0;  // columns of poses that landmark rows have touched, all those before the latest included
   S data_[packed_size(kReducedColumns)];
   S row_[kReducedColumns];
-  S work_[kReducedColumns];
 };
 
 }  // namespace SEGCAL_NS

@@ -47,7 +47,7 @@ class LandmarkRows {
     return block_ + 4 * rows_++;
   }
   void fold() {
-    fold_rows(R_, block_, rows_, 4, 0, 4, work_);
+    fold_rows(R_, block_, rows_, 4, 0, 4);
     rows_ = 0;
   }
 
@@ -55,7 +55,7 @@ class LandmarkRows {
   static constexpr int kRows = 24;
   PackedTriangle<S> R_;
   int rows_ = 0;
-  S block_[4 * kRows], work_[4];
+  S block_[4 * kRows];
 };
 
 /// Robust cost of landmark l, and its normal equations' triangle [3 | rhs] by QR.

@@ -83,7 +83,7 @@ class VelocityBiasChain {
     eliminate_current(15, n);
     if (known_) store(current_ - 1);
     // The next keyframe's nine columns, within the block; its first nine rows become the rows of the current keyframe.
-    reflect_leading_columns(block_ + kNext, 15, kWidth, n - kNext, kVelocityBiasColumns, work_);
+    reflect_leading_columns(block_ + kNext, 15, kWidth, n - kNext, kVelocityBiasColumns);
     take_next(n);
     hand_over(kVelocityBiasColumns, 15, rest);
   }
@@ -194,7 +194,6 @@ class VelocityBiasChain {
   S now_[kVelocityBiasColumns * kWidth];
   S block_[kBlockSize];
   S spread_[kPoseColumns * kReducedColumns];
-  S work_[kWidth];
   S kept_[kMaxKeyframes * kVelocityBiasColumns * kSolved];
 };
 

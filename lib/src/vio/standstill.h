@@ -133,7 +133,7 @@ S still_distance(Window<S>* w, S sigma_v) {
   w->clear_block(rows);
   place_link(w, 0, kMotionColumns, 0, newest, newest);
   zero_rows(w->block + kLinkRows * kBlockStride, 0, kMotionColumns + n, w->now.v_GI, sigma_v);
-  reflect_leading_columns(w->block, rows, kBlockStride, n + 1 + kMotionColumns, kMotionColumns, w->work);
+  reflect_leading_columns(w->block, rows, kBlockStride, n + 1 + kMotionColumns, kMotionColumns);
   Mat<S, dof, dof> C, L;
   Vec<S, dof> z;
   S distance = S(0);

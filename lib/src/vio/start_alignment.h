@@ -48,8 +48,8 @@ int alignment_rows(const Window<S>& w, const StartScratch<S>& s, const VioTrack<
 
 /// The landmark for given v0 and g from a track's rows (they are destroyed).
 template <class S>
-bool alignment_landmark(S* rows, int m, const Vec3<S>& v0, const Vec3<S>& g, S* work, Vec3<S>* l) {
-  reflect_leading_columns(rows, m, kAlignmentColumns, kAlignmentColumns, 3, work);
+bool alignment_landmark(S* rows, int m, const Vec3<S>& v0, const Vec3<S>& g, Vec3<S>* l) {
+  reflect_leading_columns(rows, m, kAlignmentColumns, kAlignmentColumns, 3);
   for (int j = 2; j >= 0; --j) {
     const S* row = rows + j * kAlignmentColumns;
     S sum = row[9];
@@ -103,15 +103,15 @@ bool fold_alignment_track(Window<S>* w, const StartScratch<S>& s, const VioTrack
   if (m < 8) return false;
   if (weighted) {
     Vec3<S> l;
-    if (!alignment_landmark(w->block, m, v0, g, w->work, &l)) return false;
+    if (!alignment_landmark(w->block, m, v0, g, &l)) return false;
     m = alignment_rows<S>(*w, s, track, &l, v0, g, w->block);
   }
-  reflect_leading_columns(w->block, m, kAlignmentColumns, kAlignmentColumns, 3, w->work);
+  reflect_leading_columns(w->block, m, kAlignmentColumns, kAlignmentColumns, 3);
   if (weighted) {
     const S weight = alignment_weight(w->block + 3 * kAlignmentColumns, m - 3, v0, g, sigma);
     for (int i = 3 * kAlignmentColumns; i < m * kAlignmentColumns; ++i) w->block[i] *= weight;
   }
-  fold_rows(*R, w->block + 3 * kAlignmentColumns + 3, m - 3, kAlignmentColumns, 0, 6, w->work);
+  fold_rows(*R, w->block + 3 * kAlignmentColumns + 3, m - 3, kAlignmentColumns, 0, 6);
   return true;
 }
 

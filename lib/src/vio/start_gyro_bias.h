@@ -38,7 +38,7 @@ Vec3<S> smallest_direction(const PackedTriangle<S>& R) {
 template <class S>
 bool displacement_direction(const Window<S>& w, const TrackTable<S>& tracks, int camera, int i, int j, const Mat3<S>& R,
                             Vec3<S>* t) {
-  S data[packed_size(3)], work[3], row[3];
+  S data[packed_size(3)], row[3];
   PackedTriangle<S> triangle(data, 3);
   triangle.clear();
   int n = 0;
@@ -48,7 +48,7 @@ bool displacement_direction(const Window<S>& w, const TrackTable<S>& tracks, int
     if (!bearing_in_imu(w, tracks[k], i, &f1) || !bearing_in_imu(w, tracks[k], j, &f2)) continue;
     const Vec3<S> normal = cross<S>(f1, Vec3<S>(R * f2));
     for (int c = 0; c < 3; ++c) row[c] = normal(c);
-    fold_rows(triangle, row, 1, 3, 0, 3, work);
+    fold_rows(triangle, row, 1, 3, 0, 3);
     ++n;
   }
   if (n < 8) return false;
@@ -65,7 +65,7 @@ void fold_pair(const Window<S>& w, const TrackTable<S>& tracks, const StartScrat
   Vec3<S> t, e1, e2;
   if (!displacement_direction(w, tracks, camera, i, j, R, &t)) return;
   tangent_basis(t, &e1, &e2);
-  S data[packed_size(6)], work[6], row[6];
+  S data[packed_size(6)], row[6];
   PackedTriangle<S> pair(data, 6);
   pair.clear();
   for (int k = 0; k < tracks.end(); ++k) {
@@ -80,11 +80,11 @@ void fold_pair(const Window<S>& w, const TrackTable<S>& tracks, const StartScrat
     row[1] = weight * normal.dot(e2);
     for (int c = 0; c < 3; ++c) row[2 + c] = -weight * by_bias(c);
     row[5] = -weight * e;
-    fold_rows(pair, row, 1, 6, 0, 6, work);
+    fold_rows(pair, row, 1, 6, 0, 6);
   }
   for (int r = 2; r < 5; ++r) {
     for (int c = 0; c < 4; ++c) row[c] = c + 2 < r ? S(0) : pair(r, c + 2);
-    fold_rows(*total, row, 1, 4, r - 2, 3, work);
+    fold_rows(*total, row, 1, 4, r - 2, 3);
   }
 }
 

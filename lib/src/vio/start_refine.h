@@ -35,18 +35,18 @@ struct StartColumns {
 
 /// One row `a / sigma` at `column` with right-hand side -value / sigma.
 template <class S>
-void fold_prior_row(PackedTriangle<S>* R, int column, const Vec3<S>& a, S value, S sigma, S* row, S* work) {
+void fold_prior_row(PackedTriangle<S>* R, int column, const Vec3<S>& a, S value, S sigma, S* row) {
   const int n = R->columns() - 1;
   for (int c = 0; c <= n; ++c) row[c] = S(0);
   for (int c = 0; c < 3 && column + c < n; ++c) row[column + c] = a(c) / sigma;
   row[n] = -value / sigma;
-  fold_rows(*R, row, 1, n + 1, column, n, work);
+  fold_rows(*R, row, 1, n + 1, column, n);
 }
 
 /// Prior of the cameras, at what was given from outside.
 template <class S>
 void fold_camera_prior(const Window<S>& w, const VioOptions<S>& options, PackedTriangle<S>* R, const StartColumns& at,
-                       S* row, S* work) {
+                       S* row) {
   for (int c = 0; c < w.theta.n_cameras; ++c) {
     const CameraCalibration<S>&now = w.theta.camera[c], &given = w.given.camera[c];
     const Vec3<S> r = so3_log<S>(now.R_CI * given.R_CI.transpose()), dp = now.p_CI - given.p_CI;
@@ -54,7 +54,7 @@ void fold_camera_prior(const Window<S>& w, const VioOptions<S>& options, PackedT
       const S sigma = camera_sigma(options, given, i);
       if (sigma == S(0)) continue;
       const S value = i < 3 ? r(i) : i < kExtrinsicColumns ? dp(i - 3) : S(0);
-      fold_prior_row<S>(R, at.camera + at.per_camera * c + i, Vec3<S>(S(1), S(0), S(0)), value, sigma, row, work);
+      fold_prior_row<S>(R, at.camera + at.per_camera * c + i, Vec3<S>(S(1), S(0), S(0)), value, sigma, row);
     }
   }
 }
@@ -62,16 +62,16 @@ void fold_camera_prior(const Window<S>& w, const VioOptions<S>& options, PackedT
 /// Prior of the first state. Place and heading are held: nothing measures them.
 template <class S>
 void fold_start_prior(const VioOptions<S>& options, const State<S>& x0, PackedTriangle<S>* R,
-                      const StartColumns& at, S sigma_v, S* row, S* work) {
+                      const StartColumns& at, S sigma_v, S* row) {
   const Mat3<S> unit = Mat3<S>::Identity();
   for (int i = 0; i < 3; ++i) {
     const Vec3<S> error_in_G = x0.R_GI.row(i).transpose();  // roll, pitch, yaw
     const Vec3<S> e = unit.col(i);
-    fold_prior_row<S>(R, at.theta, error_in_G, S(0), i == 2 ? S(1e-3) : S(0.5), row, work);
-    fold_prior_row<S>(R, at.p, e, S(0), S(1e-3), row, work);
-    fold_prior_row<S>(R, at.motion, e, S(0), sigma_v, row, work);
-    fold_prior_row<S>(R, at.motion + 3, e, x0.b_a(i), options.sigma_b_a, row, work);
-    fold_prior_row<S>(R, at.motion + 6, e, x0.b_g(i), options.sigma_b_g, row, work);
+    fold_prior_row<S>(R, at.theta, error_in_G, S(0), i == 2 ? S(1e-3) : S(0.5), row);
+    fold_prior_row<S>(R, at.p, e, S(0), S(1e-3), row);
+    fold_prior_row<S>(R, at.motion, e, S(0), sigma_v, row);
+    fold_prior_row<S>(R, at.motion + 3, e, x0.b_a(i), options.sigma_b_a, row);
+    fold_prior_row<S>(R, at.motion + 6, e, x0.b_g(i), options.sigma_b_g, row);
   }
 }
 
@@ -128,8 +128,8 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
   fit->cost += cost;
   ++fit->tracks;
   if (cost < S(2.5) * S(2 * view.n - 3)) ++fit->good;
-  reflect_leading_columns(w->block, 2 * view.n, stride, stride, kLandmarkColumns, w->work);
-  fold_rows(*R, w->block + 3 * stride + 3, 2 * view.n - 3, stride, 0, n, w->work);
+  reflect_leading_columns(w->block, 2 * view.n, stride, stride, kLandmarkColumns);
+  fold_rows(*R, w->block + 3 * stride + 3, 2 * view.n - 3, stride, 0, n);
 }
 
 /// Linearises the window at s->x0 and the present extrinsics.
@@ -140,8 +140,8 @@ RefineFit<S> linearise_start(Window<S>* w, const TrackTable<S>& tracks, const Vi
   place_poses(w, options, *s);
   R->clear();
   const StartColumns at{0, 3, 6, kStateColumns, kExtrinsicColumns};
-  fold_start_prior(options, s->x0, R, at, S(3), w->block, w->work);
-  fold_camera_prior(*w, options, R, at, w->block, w->work);
+  fold_start_prior(options, s->x0, R, at, S(3), w->block);
+  fold_camera_prior(*w, options, R, at, w->block);
   RefineFit<S> fit;
   const int n = R->columns() - 1;
   for (int j = 0; j < n; ++j) fit.cost += (*R)(j, n) * (*R)(j, n);
@@ -153,7 +153,7 @@ RefineFit<S> linearise_start(Window<S>* w, const TrackTable<S>& tracks, const Vi
 
 /// The damped step: R with lambda times each column's squared norm added, in `damped`.
 template <class S>
-void damped_step(const PackedTriangle<S>& R, S lambda, S* damped_data, S* row, S* work, S* step) {
+void damped_step(const PackedTriangle<S>& R, S lambda, S* damped_data, S* row, S* step) {
   const int n = R.columns() - 1;
   PackedTriangle<S> damped(damped_data, n + 1);
   for (int j = 0; j <= n; ++j) {
@@ -164,7 +164,7 @@ void damped_step(const PackedTriangle<S>& R, S lambda, S* damped_data, S* row, S
     for (int k = 0; k <= j; ++k) norm2 += R(k, j) * R(k, j);
     for (int c = 0; c <= n; ++c) row[c] = S(0);
     row[j] = square_root(lambda * norm2);
-    fold_rows(damped, row, 1, n + 1, j, n, work);
+    fold_rows(damped, row, 1, n + 1, j, n);
   }
   for (int j = 0; j < n; ++j) step[j] = damped(j, n);
   back_substitute(damped, n, step);
@@ -192,7 +192,7 @@ RefineFit<S> refine_start(Window<S>* w, const TrackTable<S>& tracks, const VioOp
   for (int iteration = 0; iteration < 8; ++iteration) {
     s->best = s->x0;
     for (int c = 0; c < w->theta.n_cameras; ++c) s->best_camera[c] = w->theta.camera[c];
-    damped_step(*R, lambda, damped, w->block, w->work, step);
+    damped_step(*R, lambda, damped, w->block, step);
     take_start_step(w, step, s);
     const RefineFit<S> next = linearise_start(w, tracks, options, imu, s, R);
     if (next.cost < fit.cost) {

@@ -17,11 +17,11 @@ bool open_window(Window<S>* w, const VioOptions<S>& options, const ImuHistory<S>
   for (int c = 0; c < w->theta.n_cameras; ++c) w->camera_first[c] = w->theta.camera[c];
   w->clear_information();
   const StartColumns at{pose_column(0), pose_column(0) + 3, 0, camera_column(0), kMaxCameraColumns};
-  fold_start_prior(options, x0, &R, at, sigma_v, w->block, w->work);
+  fold_start_prior(options, x0, &R, at, sigma_v, w->block);
   if (w->learnt) {
     fold_learnt(w);
   } else {
-    fold_camera_prior(*w, options, &R, at, w->block, w->work);
+    fold_camera_prior(*w, options, &R, at, w->block);
     for (int i = 0; i < kImuColumns; ++i) {
       if (imu_sigma(options, i) > S(0)) R.row(w->imu_column() + i)[w->imu_column() + i] = S(1) / imu_sigma(options, i);
     }

@@ -67,7 +67,7 @@ template <class S>
 void fold_link(Window<S>* w, int old_pose, int new_pose) {
   stack_link(w, old_pose, new_pose);
   const int width = w->columns() + 1 + kMotionColumns;
-  reflect_leading_columns(w->block, kMotionColumns + kLinkRows, kBlockStride, width, kMotionColumns, w->work);
+  reflect_leading_columns(w->block, kMotionColumns + kLinkRows, kBlockStride, width, kMotionColumns);
   fold_block(w, w->block + kMotionColumns * kBlockStride + kMotionColumns, kLinkRows, 0);
 }
 
@@ -126,7 +126,7 @@ void drop_oldest(Window<S>* w) {
     for (int c = j > kMotionColumns ? j : kMotionColumns; c < rows; ++c) row[c - kMotionColumns] = R(j, c);
     for (int c = rows; c <= n; ++c) row[c] = R(j, c);
   }
-  reflect_leading_columns(w->block, rows, kBlockStride, n + 1, rows, w->work);
+  reflect_leading_columns(w->block, rows, kBlockStride, n + 1, rows);
   close_gap(w);
   for (int j = 0; j < kMotionColumns; ++j) {
     const S* row = w->block + (kPoseColumns + j) * kBlockStride + kPoseColumns;  // columns counted after the pose

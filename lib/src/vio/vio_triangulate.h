@@ -73,7 +73,7 @@ constexpr S kHeldDistanceSigma = S(50);
 /// `cost` is the sum of squares before the step.
 template <class S>
 bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<S>& l, S rho_sigma, S pixel_sigma,
-                   S* rows, S* work, S* step, S* pivot_rho, S* cost) {
+                   S* rows, S* step, S* pivot_rho, S* cost) {
   const CameraCalibration<S>& camera = w.theta.camera[view.track->camera];
   *cost = S(0);
   for (int i = 0; i < view.n; ++i) {
@@ -92,7 +92,7 @@ bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<
   last[2] = prior;
   last[3] = -prior * l.rho;
   *cost += last[3] * last[3];
-  reflect_leading_columns(rows, 2 * view.n + 1, 4, 4, 3, work);
+  reflect_leading_columns(rows, 2 * view.n + 1, 4, 4, 3);
   *pivot_rho = absolute(rows[2 * 4 + 2]);
   for (int j = 2; j >= 0; --j) {
     S sum = rows[j * 4 + 3];
@@ -109,10 +109,9 @@ template <class S>
 bool triangulate(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l,
                  S rho_sigma = kInverseDistanceSigma<S>, S* sigma_rho = nullptr) {
   if (!guess_landmark(w, view, l)) return false;
-  S* work = scratch + 8 * kWindow + 4;
   S step[3], pivot, cost = S(0), last = S(-1);
   for (int iteration = 0; iteration < 6; ++iteration) {
-    if (!landmark_step(w, view, *l, rho_sigma, pixel_sigma, scratch, work, step, &pivot, &cost)) return false;
+    if (!landmark_step(w, view, *l, rho_sigma, pixel_sigma, scratch, step, &pivot, &cost)) return false;
     const S limit = S(0.5) * (absolute(l->rho) + S(0.2));
     if (step[2] > limit) step[2] = limit;
     if (step[2] < -limit) step[2] = -limit;

@@ -87,7 +87,7 @@ bool finite_rows(const S* rows, int n_rows, int first, int last) {
 template <class S>
 bool fold_feature(Window<S>* w, const TrackView<S>& view, int rows, ResidualMonitor<S>* monitor) {
   const int first = pose_column(view.pose[0]), landmark = first - kLandmarkColumns, n = w->columns();
-  reflect_leading_columns(w->block + landmark, rows, kBlockStride, n + 1 - landmark, kLandmarkColumns, w->work);
+  reflect_leading_columns(w->block + landmark, rows, kBlockStride, n + 1 - landmark, kLandmarkColumns);
   const int dof = rows - kLandmarkColumns;
   S* rest = w->block + kLandmarkColumns * kBlockStride;
   if (!finite_rows(rest, dof, first, n)) return false;  // what is not a number could not be taken back

@@ -124,7 +124,7 @@ S fold_block(Window<S>* w, S* rows, int n_rows, int first) {
   PackedTriangle<S> R = w->R();
   const int n = w->columns();
   for (int j = first; j < n; ++j) w->pivot[j] = R(j, j);
-  fold_rows(R, rows, n_rows, kBlockStride, first, n, w->work);
+  fold_rows(R, rows, n_rows, kBlockStride, first, n);
   S rest = S(0);
   for (int i = 0; i < n_rows; ++i) rest += rows[i * kBlockStride + n] * rows[i * kBlockStride + n];
   return rest;
