@@ -110,7 +110,7 @@ typedef struct {
   uint64_t seed;                   /* of the random metric */
   /* When segcal_background starts a calibration. All 0: when keep_segments are kept. Else as soon as the kept segments
      together predict all of these sigmas (before scaling by what the fit shows); once the database is full, parameters
-     that it hardly shows (sigma above 0.8 of the prior's) are not waited for. Checked at each segment that is kept, once
+     that it hardly shows (sigma above 0.5 of the prior's) are not waited for. Checked at each segment that is kept, once
      per session. */
   double trigger_sigma[SEGCAL_MAX_PARAMETERS]; /* of theta's entries, units as prior_sigma; 0: trigger_fraction's */
   double trigger_fraction;         /* of each prior sigma, 0..1; 0: no target but those above */

@@ -203,7 +203,8 @@ void Calibrator<S>::step_back(SegmentEliminator<S>* eliminator, S damping, const
     // The step that the segment after this one found for our last keyframe; none hangs on it: none is known.
     for (int c = 0; c < kStateColumns; ++c) last[c] = link_[i].passes_on ? guest_step[c] : S(0);
     const GuestLink<S> g = guest(i);
-    eliminator->eliminate(*segment_[i], g, theta_, model_, damping);
+    const bool just_eliminated = i == count_ - 1;  // linearise() ended with it
+    if (!just_eliminated) eliminator->eliminate(*segment_[i], g, theta_, model_, damping);
     if (has_guest) chain_.solve_guest(eliminator, link_[i].passes_on, left_[i - 1], last, global_step, guest_step);
     for (int c = 0; c < kStateColumns; ++c) {
       step_[eliminator->last_column() + c] = last[c];
