@@ -4,6 +4,7 @@
 #pragma once
 
 #include "api/release.h"
+#include "api/result_hash.h"
 #include "api/trigger.h"
 #include "calibration/agreement.h"
 #include "calibration/calibrator.h"
@@ -75,6 +76,8 @@ class Device {
   const Calibrator<S>& calibrator() const { return calibrator_; }
   Database<S>& database() { return database_; }
   const Database<S>& database() const { return database_; }
+  /// Over theta, its sigmas, all states so far and the kept segments (api/result_hash.h).
+  std::uint64_t result_hash() const;
   const FaultCounts& faults() const { return faults_; }
   const VioStatistics& vio_statistics() const { return vio_.statistics(); }
   const BuilderCounts& builder_counts() const { return builder_.counts(); }
@@ -92,6 +95,7 @@ class Device {
   Taken process_frame();
   void count_missing_frames(std::int64_t t_ns);
   void take_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n);
+  void take_state(std::int64_t t_ns, const State<S>& state);
   bool keyframe_due(std::int64_t t_ns) const;
   bool segment_complete(std::int64_t t_ns, std::int64_t spacing);
   void break_stream();
@@ -126,6 +130,7 @@ class Device {
   Release<S> release_;
   FaultCounts faults_;
   State<S> state_;
+  Hash trajectory_;   ///< of all states so far
   std::int64_t state_time_, last_imu_, last_frame_, pending_time_, next_keyframe_, frame_period_;
   TrackPoint<S> pending_[kMaxFramePoints];
   std::int32_t pending_count_;

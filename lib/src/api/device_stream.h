@@ -18,6 +18,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   joint_.n = analysis_.n = 0;
   frame_period_ = 0;
   session_ = serial_ = frame_ = 0;
+  trajectory_ = Hash{};
   thinned_ = 0;
   liveliness_.reset();
   last_ = SegmentSummary<S>{};
@@ -158,11 +159,18 @@ Taken Device<S>::process_frame() {
     case VioStatus::tracking: break;
     default: return Taken::waiting;
   }
-  ++faults_.frames_used;
-  state_ = vio_.state();
-  state_time_ = vio_.time();
+  take_state(vio_.time(), vio_.state());
   if (!options_.joint_filter && keyframe_due(state_time_)) take_keyframe(state_time_, state_, pending_, n);
   return Taken::tracking;
+}
+
+template <class S>
+void Device<S>::take_state(std::int64_t t_ns, const State<S>& state) {
+  ++faults_.frames_used;
+  state_ = state;
+  state_time_ = t_ns;
+  trajectory_.add(t_ns);
+  add_to_hash(state, &trajectory_);
 }
 
 template <class S>
@@ -175,11 +183,18 @@ Taken Device<S>::push_keyframe(std::int64_t t_ns, const State<S>& state, const T
   if (!imu_.covers(t_ns, t_ns)) return Taken::waiting;
   last_frame_ = t_ns;
   use_odometry(true);
-  ++faults_.frames_used;
-  state_ = state;
-  state_time_ = t_ns;
+  take_state(t_ns, state);
   take_keyframe(t_ns, state, points, n);
   return Taken::tracking;
+}
+
+template <class S>
+std::uint64_t Device<S>::result_hash() const {
+  Hash hash = trajectory_;
+  add_to_hash(theta_, &hash);
+  if (calibrated_) add_to_hash(release_, &hash);
+  add_to_hash(database_, &hash);
+  return hash.value();
 }
 
 template <class S>
