@@ -293,6 +293,10 @@ int segcal_get_points(const segcal_t *device, int32_t index, segcal_measured_poi
 int segcal_get_samples(const segcal_t *device, int32_t index, segcal_imu_t *out, int32_t capacity);
 int segcal_get_link(const segcal_t *device, int32_t index, segcal_link_t *out);
 int segcal_get_model(const segcal_t *device, segcal_model_t *out);
+/* One number over the bits of theta, its sigmas and verdicts, every state so far and the kept segments: devices and hosts that
+   were fed the same and computed the same have the same one. 0 without a device. Reads all kept segments: not in bounded
+   time like the calls above. */
+uint64_t segcal_result_hash(const segcal_t *device);
 /* Bytes of one database slot and of the workspaces. */
 void segcal_memory(size_t *state_bytes, size_t *segment_bytes, size_t *workspace_bytes);
 

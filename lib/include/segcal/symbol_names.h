@@ -34,6 +34,7 @@
 #define segcal_push_imu SEGCAL_NAME(push_imu)
 #define segcal_push_keyframe SEGCAL_NAME(push_keyframe)
 #define segcal_push_tracks SEGCAL_NAME(push_tracks)
+#define segcal_result_hash SEGCAL_NAME(result_hash)
 #define segcal_storage_bytes SEGCAL_NAME(storage_bytes)
 #define segcal_version SEGCAL_NAME(version)
 #define segcal_camera_t SEGCAL_NAME(camera_t)

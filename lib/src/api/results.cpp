@@ -156,6 +156,11 @@ int segcal_get_direction(const segcal_t* device, int32_t index, segcal_direction
   return SEGCAL_OK;
 }
 
+uint64_t segcal_result_hash(const segcal_t* device) {
+  const CDevice* d = open(device);
+  return d ? d->device.result_hash() : 0;
+}
+
 int segcal_get_segment(const segcal_t* device, int32_t index, segcal_segment_t* out) {
   if (!out) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
