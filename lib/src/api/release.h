@@ -96,32 +96,72 @@ void restore_fixed_components(const Calibration<S>& mean, const Verdict* verdict
   }
 }
 
-/// Moves theta so that the fixed values stand at the prior's mean and the rest is optimal given that.
+/// Index of the fixed value that is least known, of those not yet `done`; -1 if none is left.
+template <class S>
+int least_known(const Release<S>& release, const S* prior_sigma, const bool* done) {
+  int least = -1;
+  S largest = S(0);
+  for (int i = 0; i < release.theta.columns(); ++i) {
+    if (done[i] || release.verdict[i] != Verdict::fixed) continue;
+    const S relative = release.printed_sigma[i] / sigma_before(printed_value(release.theta, i), prior_sigma);
+    if (least >= 0 && !(relative > largest)) continue;
+    least = i;
+    largest = relative;
+  }
+  return least;
+}
+
+/// How far a printed value is from `offset` (both from theta), in its own sigmas, given all that is held already.
+template <class S>
+S distance_in_sigmas(const PackedTriangle<S>& R, int n, const PrintedValue<S>& value, S offset, S noise_scale) {
+  S x[kMaxTheta], work[kMaxTheta + 1];
+  for (int i = 0; i < n; ++i) x[i] = R(i, n);
+  back_substitute(R, n, x);
+  S at = S(0);
+  for (int k = 0; k < value.count; ++k) at += value.weight[k] * x[value.first + k];
+  return absolute(at - offset) / (marginal_sigma(R, n, value.first, value.weight, value.count, work) * noise_scale);
+}
+
+/// One row far above what the data say, well inside float.
+template <class S>
+void hold(PackedTriangle<S>* R, int n, const PrintedValue<S>& value, S offset, S prior_sigma) {
+  const S weight = S(1e4) / prior_sigma;
+  S row[kMaxTheta + 1];
+  for (int c = 0; c < n; ++c) row[c] = S(0);
+  for (int k = 0; k < value.count; ++k) row[value.first + k] = weight * value.weight[k];
+  row[n] = weight * offset;
+  fold_rows(*R, row, 1, n + 1, value.first, n + 1);
+}
+
+/// Moves theta so that the fixed values stand at the prior's mean and the rest is optimal given that. Values that nothing
+/// tells one by one may be well known together: the least known are held first, and one that then would contradict the data
+/// by more than three sigmas is let go as weak, since holding it would push the others away from where they belong.
 /// `R`: triangle over [theta | rhs] at `theta`, rhs near zero at the optimum; it is changed.
 template <class S>
-void hold_fixed(const ThetaPrior<S>& prior, const Verdict* verdict, PackedTriangle<S>* R, Calibration<S>* theta) {
-  const int n = theta->columns();
-  S offset[kMaxTheta], row[kMaxTheta + 1];
-  difference(prior.mean, *theta, offset);
-  for (int i = 0; i < n; ++i) {
-    if (verdict[i] != Verdict::fixed) continue;
-    const PrintedValue<S> value = printed_value(*theta, i);
-    const S weight = S(1e4) / prior.sigma[i];  // far above what the data say, well inside float
-    for (int c = 0; c <= n; ++c) row[c] = S(0);
-    for (int k = 0; k < value.count; ++k) {
-      row[value.first + k] = weight * value.weight[k];
-      row[n] -= weight * value.weight[k] * offset[value.first + k];
+void hold_fixed(const ThetaPrior<S>& prior, PackedTriangle<S>* R, Release<S>* out) {
+  const int n = out->theta.columns();
+  S offset[kMaxTheta];
+  bool done[kMaxTheta] = {};
+  difference(out->theta, prior.mean, offset);
+  for (int i = least_known(*out, prior.sigma, done); i >= 0; i = least_known(*out, prior.sigma, done)) {
+    const PrintedValue<S> value = printed_value(out->theta, i);
+    S to_mean = S(0);
+    for (int k = 0; k < value.count; ++k) to_mean += value.weight[k] * offset[value.first + k];
+    done[i] = true;
+    if (distance_in_sigmas(*R, n, value, to_mean, out->noise_scale) > S(3)) {
+      out->verdict[i] = Verdict::weak;
+    } else {
+      hold(R, n, value, to_mean, prior.sigma[i]);
     }
-    fold_rows(*R, row, 1, n + 1, value.first, n + 1);
   }
   S step[kMaxTheta];
   for (int i = 0; i < n; ++i) step[i] = (*R)(i, n);
   back_substitute(*R, n, step);
   for (int i = 0; i < n; ++i) {
-    if (verdict[i] == Verdict::fixed && printed_value(*theta, i).count == 1) step[i] = -offset[i];
+    if (out->verdict[i] == Verdict::fixed && printed_value(out->theta, i).count == 1) step[i] = offset[i];
   }
-  add_step(theta, step);
-  restore_fixed_components(prior.mean, verdict, theta);
+  add_step(&out->theta, step);
+  restore_fixed_components(prior.mean, out->verdict, &out->theta);
 }
 
 /// Verdicts and sigmas from the triangle over [theta | rhs]; returns how many parameters are observed.
@@ -169,7 +209,7 @@ void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseR
     out->theta = prior.mean;
     for (int i = 0; i < n; ++i) out->verdict[i] = Verdict::fixed;
   } else {
-    hold_fixed(prior, out->verdict, &R, &out->theta);
+    hold_fixed(prior, &R, out);
   }
 }
 
@@ -182,7 +222,7 @@ void judge_filter(const Calibration<S>& theta, const ThetaPrior<S>& prior, const
   out->noise_scale = S(1);
   const int observed = judge_parameters(*R, theta, prior, rules, out);
   out->status = 2 * observed >= theta.columns() ? Status::calibrated : Status::insufficient;
-  hold_fixed(prior, out->verdict, R, &out->theta);
+  hold_fixed(prior, R, out);
 }
 
 /// A filter that has not started knows the prior.
