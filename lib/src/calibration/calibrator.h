@@ -15,7 +15,7 @@
 namespace SEGCAL_NS {
 
 struct CalibratorOptions {
-  int max_iterations = 20;
+  int max_iterations = 30;
   double converged = 4e-3;   ///< squared length of a step of theta, in sigmas: below 0.06 sigma the fit counts as converged,
   double settled = 4e-4;     ///< and goes on to 0.02 sigma as long as there are iterations left
 };
