@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 
 #include "calibration_file.h"
+#include "device_log/device_log.h"
 #include "imu_model_file.h"
 #include "yaml_file.h"
 
@@ -118,9 +119,10 @@ Calibration read_calibration(const fs::path& camchain) {
 
 Calibration find_calibration(const fs::path& root, const fs::path& override_file, int n_cameras) {
   const fs::path camchain = find_camchain(root, override_file);
-  Calibration calibration = camchain.empty() ? read_euroc_sensors(root, n_cameras) : read_calibration(camchain);
+  const bool log = camchain.empty() && is_device_log(root);
+  Calibration calibration = log ? read_device_log(root).calibration : camchain.empty() ? read_euroc_sensors(root, n_cameras) : read_calibration(camchain);
   if (static_cast<int>(calibration.cameras.size()) < n_cameras)
-    throw InputError(camchain.string() + ":1: expected an entry 'cam" + std::to_string(calibration.cameras.size()) +
+    throw InputError((log ? root : camchain).string() + ":1: expected an entry 'cam" + std::to_string(calibration.cameras.size()) +
                      "', one for each of " + std::to_string(n_cameras) + " cameras");
   calibration.cameras.resize(static_cast<std::size_t>(n_cameras));
   return calibration;

@@ -71,11 +71,26 @@ struct TruthPose {
   std::array<double, 4> q_GI_wxyz{{1, 0, 0, 0}};  ///< Hamilton, unit, rotates I into G
 };
 
+/// One call that a device made, in a recording that it made itself.
+struct DeviceCall {
+  enum What { sample, frame, flush, calibrate, hash } what = sample;  ///< sample, frame: the next one of the recording
+  std::uint64_t hash_value = 0;      ///< the device's result hash at this place
+};
+
+/// What a recording made on a device (device_log/device_log.h) says beside its data.
+struct DeviceSession {
+  std::vector<DeviceCall> calls;
+  std::vector<std::uint8_t> config;  ///< its configuration, as lib/src/log/config_fields.h reads it
+  std::string profile;               ///< whose capacities it has; empty: none of ours
+  bool last = true;                  ///< of its sessions
+};
+
 struct Recording {
   std::filesystem::path root;
   ImuData imu;
   std::vector<CameraData> cameras;  ///< cam0, cam1, ...
   std::vector<TruthPose> truth;     ///< empty where the folder has none
+  std::optional<DeviceSession> device;  ///< of a device log; then all cameras have the same frames, some of them empty
 };
 
 /// Reads REC/mav0. `n_cameras` cameras must exist. Frames come from tracks.csv; where it is missing, `frames` stays
@@ -86,8 +101,9 @@ Recording read_recording(const std::filesystem::path& root, int n_cameras);
 /// Writes imu0/{data.csv,sensor.yaml}, camN/{data.csv-less, tracks.csv}, state_groundtruth_estimate0/data.csv (if truth).
 void write_recording(const Recording& recording);
 
-/// Writes camN/tracks.csv of one camera (used by `segcal track` as well).
-void write_tracks(const std::filesystem::path& file, const std::vector<Frame>& frames);
+/// Writes camN/tracks.csv of one camera (used by `segcal track` as well). Pixels with four decimals, far below any tracker's
+/// noise; `exact`: so that they read back to the same.
+void write_tracks(const std::filesystem::path& file, const std::vector<Frame>& frames, bool exact = false);
 
 /// The data folder for optional real recordings: $SEGCAL_DATA, else ../shared/data beside the source tree, if it exists.
 std::optional<std::filesystem::path> find_real_data();

@@ -7,7 +7,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int pixel_decimals = 4;  // far below any tracker's noise
+constexpr int pixel_decimals = 4;
 
 void append_values(std::string& text, const double* values, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -50,9 +50,13 @@ std::string truth_text(const std::vector<TruthPose>& truth) {
   return text;
 }
 
+void append_pixel(std::string& text, double value, bool exact) {
+  exact ? append_number(text, value) : append_fixed(text, value, pixel_decimals);
+}
+
 }  // namespace
 
-void write_tracks(const fs::path& file, const std::vector<Frame>& frames) {
+void write_tracks(const fs::path& file, const std::vector<Frame>& frames, bool exact) {
   std::string text = "#timestamp [ns],track_id [],u [px],v [px]\n";
   for (const Frame& frame : frames) {
     for (const TrackPoint& point : frame.points) {
@@ -60,9 +64,9 @@ void write_tracks(const fs::path& file, const std::vector<Frame>& frames) {
       text += ',';
       append_number(text, static_cast<std::int64_t>(point.track_id));
       text += ',';
-      append_fixed(text, point.u, pixel_decimals);
+      append_pixel(text, point.u, exact);
       text += ',';
-      append_fixed(text, point.v, pixel_decimals);
+      append_pixel(text, point.v, exact);
       text += '\n';
     }
   }
@@ -74,7 +78,7 @@ void write_recording(const Recording& recording) {
   write_file(mav0 / "imu0" / "sensor.yaml", sensor_text(recording.imu.noise));
   write_file(mav0 / "imu0" / "data.csv", imu_text(recording.imu));
   for (std::size_t i = 0; i < recording.cameras.size(); ++i)
-    write_tracks(mav0 / ("cam" + std::to_string(i)) / "tracks.csv", recording.cameras[i].frames);
+    write_tracks(mav0 / ("cam" + std::to_string(i)) / "tracks.csv", recording.cameras[i].frames, recording.device.has_value());
   if (!recording.truth.empty())
     write_file(mav0 / "state_groundtruth_estimate0" / "data.csv", truth_text(recording.truth));
 }

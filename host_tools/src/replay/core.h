@@ -27,6 +27,7 @@ struct CoreOptions {
   bool hold_calibration = false;     ///< the filter runs with the calibration as it is, without estimates of its own
   std::vector<double> sigma_ref;     ///< normalises the metrics, per parameter; empty: the prior sigmas
   bool joint_ekf = false;            ///< the filter's own calibration is the result; no segments
+  std::vector<std::uint8_t> device_config;  ///< a device's own (recording.h): taken instead of all above; empty: none
 };
 
 struct CoreState {
@@ -142,6 +143,8 @@ class Core {
   /// Data faults and other counters, by name.
   virtual std::vector<std::pair<std::string, std::uint32_t>> counters() const = 0;
   virtual CoreMemory memory() const = 0;
+  /// Over all bits of what was found (segcal_result_hash).
+  virtual std::uint64_t result_hash() const = 0;
 };
 
 /// `profile`: mcu, mobile, host or mobile_double. Throws InputError for another name or a configuration that the core refuses.

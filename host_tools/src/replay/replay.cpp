@@ -17,58 +17,43 @@ double quantile(std::vector<double> values, double q) {
   return values[i];
 }
 
-/// The images of all cameras at one stamp; null: this camera has none.
-struct RigFrame {
-  std::int64_t t_ns = 0;
-  std::vector<const Frame*> cameras;
-};
-
-/// In the order of the log, so that stamps that repeat or go back reach the core, which counts them. Cameras of one rig
-/// share their trigger: a frame joins the one of cam0 with the same stamp, or stands before the first later one.
-std::vector<RigFrame> rig_frames(const Recording& recording) {
-  const std::size_t n = recording.cameras.size();
-  std::vector<RigFrame> out;
-  for (const Frame& frame : recording.cameras[0].frames) {
-    out.push_back({frame.t_ns, std::vector<const Frame*>(n, nullptr)});
-    out.back().cameras[0] = &frame;
-  }
-  for (std::size_t c = 1; c < n; ++c) {
-    std::size_t at = 0;
-    for (const Frame& frame : recording.cameras[c].frames) {
-      while (at < out.size() && (out[at].t_ns < frame.t_ns || (out[at].t_ns == frame.t_ns && out[at].cameras[c]))) ++at;
-      if (at == out.size() || out[at].t_ns != frame.t_ns) {
-        out.insert(out.begin() + static_cast<std::ptrdiff_t>(at), {frame.t_ns, std::vector<const Frame*>(n, nullptr)});
-      }
-      out[at].cameras[c] = &frame;
-    }
-  }
-  return out;
-}
-
 class Session {
  public:
   /// `background`: the device works in the background as in firmware, and so calibrates when it knows enough.
-  Session(Core& core, ReplayResult& out, bool background) : core_(core), out_(out), background_(background) {}
+  Session(Core& core, ReplayResult& out, bool calibrate, bool background)
+      : core_(core), out_(out), calibrate_(calibrate), background_(background) {}
 
   void run(const Recording& recording, const std::function<void(double)>& progress) {
     const std::vector<RigFrame> frames = rig_frames(recording);
-    auto next = recording.imu.samples.begin();
-    const auto end = recording.imu.samples.end();
-    std::size_t done = 0;
-    for (const RigFrame& frame : frames) {
-      // The filter wants IMU samples up to the frame: a real device sees the image later than the samples around it.
-      const auto start = Clock::now();
-      bool reached = false;
-      while (next != end && !reached) {
-        reached = next->t_ns >= frame.t_ns;
-        core_.push_imu(*next++);
+    std::size_t sample = 0, frame = 0;
+    auto start = Clock::now();
+    for (const DeviceCall& call : calls_of(recording, frames)) {
+      switch (call.what) {
+        case DeviceCall::sample: core_.push_imu(recording.imu.samples[sample++]); continue;
+        case DeviceCall::frame:
+          take_frame(frames[frame++], start);
+          if (progress) progress(static_cast<double>(frame) / frames.size());
+          break;
+        case DeviceCall::flush: flush(); break;
+        case DeviceCall::calibrate: calibrate(); break;
+        case DeviceCall::hash: out_.hash_checks.push_back({call.hash_value, core_.result_hash()}); break;
       }
-      take_frame(frame, start);
-      if (progress) progress(static_cast<double>(++done) / frames.size());
+      start = Clock::now();
     }
+  }
+
+  void flush() {
     core_.flush();
     collect_segment();
     if (background_ && core_.background()) note_calibration(true);
+  }
+
+  void calibrate() {
+    if (!calibrate_) return;
+    const auto start = Clock::now();
+    out_.calibrated = core_.calibrate() || out_.calibrated;
+    out_.timing.calibrate_ms = ms_since(start);
+    note_calibration(false);
   }
 
   void note_calibration(bool by_targets) {
@@ -105,7 +90,7 @@ class Session {
 
   Core& core_;
   ReplayResult& out_;
-  bool background_;
+  bool calibrate_, background_;
   std::int64_t newest_ = 0;
 };
 
@@ -115,7 +100,56 @@ void mark_kept(ReplayResult& out) {
   }
 }
 
+/// Whether a session ends with a calibration: as the device did it, but a log without any has one at its end.
+bool calibrates_at_end(const Recording& recording) {
+  if (!recording.device) return true;
+  const std::vector<DeviceCall>& calls = recording.device->calls;
+  const auto is = [](DeviceCall::What what) { return [what](const DeviceCall& call) { return call.what == what; }; };
+  return recording.device->last && std::any_of(calls.begin(), calls.end(), is(DeviceCall::frame)) &&
+         std::none_of(std::find_if(calls.rbegin(), calls.rend(), is(DeviceCall::frame)).base(), calls.end(), is(DeviceCall::calibrate));
+}
+
 }  // namespace
+
+std::vector<RigFrame> rig_frames(const Recording& recording) {
+  const std::size_t n = recording.cameras.size();
+  std::vector<RigFrame> out;
+  for (const Frame& frame : recording.cameras[0].frames) {
+    out.push_back({frame.t_ns, std::vector<const Frame*>(n, nullptr)});
+    out.back().cameras[0] = &frame;
+  }
+  for (std::size_t c = 1; c < n; ++c) {
+    std::size_t at = 0;
+    for (const Frame& frame : recording.cameras[c].frames) {
+      if (recording.device) {
+        out[at++].cameras[c] = &frame;
+        continue;
+      }
+      while (at < out.size() && (out[at].t_ns < frame.t_ns || (out[at].t_ns == frame.t_ns && out[at].cameras[c]))) ++at;
+      if (at == out.size() || out[at].t_ns != frame.t_ns) {
+        out.insert(out.begin() + static_cast<std::ptrdiff_t>(at), {frame.t_ns, std::vector<const Frame*>(n, nullptr)});
+      }
+      out[at].cameras[c] = &frame;
+    }
+  }
+  return out;
+}
+
+std::vector<DeviceCall> calls_of(const Recording& recording, const std::vector<RigFrame>& frames) {
+  if (recording.device) return recording.device->calls;
+  std::vector<DeviceCall> calls;
+  const std::vector<ImuSample>& samples = recording.imu.samples;
+  std::size_t next = 0;
+  for (const RigFrame& frame : frames) {
+    bool reached = false;
+    while (next < samples.size() && !reached) {
+      reached = samples[next++].t_ns >= frame.t_ns;
+      calls.push_back({DeviceCall::sample, 0});
+    }
+    calls.push_back({DeviceCall::frame, 0});
+  }
+  return calls;
+}
 
 ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions& options) {
   CoreOptions core_options = options.core;
@@ -123,15 +157,16 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   const std::unique_ptr<Core> core = make_core(options.profile, core_options);
   ReplayResult out;
   out.noise = options.core.noise;
-  Session session(*core, out, options.calibrate && options.core.trigger_fraction > 0);
+  const bool triggered = options.core.trigger_fraction > 0 || !options.core.device_config.empty();
+  Session session(*core, out, options.calibrate, options.calibrate && triggered);
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     if (i > 0) core->new_session();
     session.run(sessions[i], options.progress);
+    if (calibrates_at_end(sessions[i])) {
+      session.flush();
+      session.calibrate();
+    }
     if (!options.calibrate) continue;
-    const auto start = Clock::now();
-    out.calibrated = core->calibrate() || out.calibrated;
-    out.timing.calibrate_ms = ms_since(start);
-    session.note_calibration(false);
     if (options.after_session) options.after_session(i, core->result(), core->calibration());
   }
   out.result = core->result();
@@ -141,6 +176,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   out.start = options.core.calibration;
   out.counters = core->counters();
   out.memory = core->memory();
+  out.result_hash = core->result_hash();
   out.timing.vio_ms_median = quantile(session.frame_ms, 0.5);
   out.timing.vio_ms_p95 = quantile(session.frame_ms, 0.95);
   out.timing.score_ms_median = quantile(session.score_ms, 0.5);

@@ -26,6 +26,11 @@ struct ReplayCalibration {
   std::vector<CoreParameter> parameters;
 };
 
+/// A result hash that a device wrote into its log, and ours at the same place.
+struct HashCheck {
+  std::uint64_t expected = 0, found = 0;
+};
+
 struct ReplayTiming {
   double vio_ms_median = 0, vio_ms_p95 = 0;  ///< per processed frame, IMU included
   double score_ms_median = 0;                ///< per segment: frames on which a segment was closed
@@ -46,7 +51,23 @@ struct ReplayResult {
   std::vector<std::pair<std::string, std::uint32_t>> counters;
   CoreMemory memory;
   ReplayTiming timing;
+  std::uint64_t result_hash = 0;     ///< at the end
+  std::vector<HashCheck> hash_checks;  ///< one for each in the log
 };
+
+/// The images of all cameras at one stamp; null: this camera has none.
+struct RigFrame {
+  std::int64_t t_ns = 0;
+  std::vector<const Frame*> cameras;
+};
+
+/// In the order of the log, so that stamps that repeat or go back reach the core, which counts them. Cameras of one rig
+/// share their trigger: a frame joins the one of cam0 with the same stamp, or stands before the first later one.
+std::vector<RigFrame> rig_frames(const Recording& recording);
+
+/// The calls that feed a recording in order: those that its device made; without one, frames follow the first sample that is
+/// not before them, as the filter wants samples up to the frame and a device sees the image later than these.
+std::vector<DeviceCall> calls_of(const Recording& recording, const std::vector<RigFrame>& frames);
 
 /// Replays the recordings one after the other, each as a session of the same device.
 ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions& options);

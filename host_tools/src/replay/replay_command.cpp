@@ -1,10 +1,12 @@
 // segcal replay: recordings in, calibration out.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 
 #include "commands.h"
+#include "device_log/device_log.h"
 #include "replay/result_files.h"
 #include "replay/sessions.h"
 #include "replay/words.h"
@@ -14,10 +16,12 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> recordings;
-  std::string calibration, out, strategy = "single";
+  std::string calibration, out, strategy = "single", verify_hash;
   int cameras = 1;
-  bool json = false, no_calibration = false, keep_outdated = false;
+  bool json = false, no_calibration = false, keep_outdated = false, hash = false;
   ReplayOptions replay;
+  std::vector<CLI::Option*> of_device;  ///< what a device log says itself
+  CLI::Option* profile = nullptr;
 };
 
 /// One line that counts on a terminal, a line per quarter in a log.
@@ -51,14 +55,69 @@ void print_summary(const ReplayResult& r) {
               r.timing.vio_ms_p95, r.timing.calibrate_ms);
 }
 
+/// A device's log is replayed as the device was: its configuration, and its capacities if they are not chosen otherwise.
+void take_device(const std::vector<Recording>& sessions, Arguments* a) {
+  const DeviceSession& device = *sessions.front().device;
+  for (const CLI::Option* option : a->of_device) {
+    if (option->count() > 0) {
+      throw InputError(option->get_name() + ": the log holds the device's configuration; expected --calib FILE as well, to replay it with another one");
+    }
+  }
+  for (const Recording& session : sessions) {
+    if (session.device && session.device->config != device.config) {
+      throw InputError(session.root.string() + ": expected the configuration of " + sessions.front().root.string() + ", found another one");
+    }
+  }
+  a->replay.core.device_config = device.config;
+  if (a->profile->count() > 0) return;
+  if (device.profile.empty()) {
+    throw InputError(sessions.front().root.string() + ": expected the capacities of profile mcu, mobile or host, found others; --profile chooses one, and the bits will differ");
+  }
+  a->replay.profile = device.profile;
+}
+
+std::vector<Recording> sessions_of(Arguments* a) {
+  const bool log = is_device_log(a->recordings.front());
+  if (log && a->calibration.empty()) {
+    const DeviceLog front = read_device_log(a->recordings.front());
+    a->cameras = static_cast<int>(front.calibration.cameras.size());
+    a->replay.core.pixel_sigma = front.pixel_sigma;
+  }
+  std::vector<Recording> sessions = read_sessions(a->recordings, a->cameras);
+  if (log && a->calibration.empty()) {
+    take_device(sessions, a);
+  } else {
+    for (Recording& session : sessions) session.cameras.resize(static_cast<std::size_t>(a->cameras));
+  }
+  return sessions;
+}
+
+/// Our hash against the device's: those in the log at their places, or the last one of another file against the end's.
+/// Prints a line where they differ.
+bool same_hash(const Arguments& a, const ReplayResult& result) {
+  std::vector<HashCheck> checks = result.hash_checks;
+  if (std::find(a.recordings.begin(), a.recordings.end(), a.verify_hash) == a.recordings.end()) {
+    checks = {{read_hashes(a.verify_hash).back(), result.result_hash}};
+  }
+  if (checks.empty()) throw InputError(a.verify_hash + ": expected a result hash in the log (segcal_log_hash), found none");
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    if (checks[i].expected == checks[i].found) continue;
+    std::cerr << "segcal: " << a.verify_hash << ": result hash " << i + 1 << " of " << checks.size() << ": expected "
+              << hash_text(checks[i].expected) << ", found " << hash_text(checks[i].found) << std::endl;
+    return false;
+  }
+  return true;
+}
+
 int run(Arguments a) {
-  const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras);
+  const std::vector<Recording> sessions = sessions_of(&a);
   a.replay.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
   a.replay.core.noise = sessions.front().imu.noise;
   a.replay.core.multi_session = a.strategy == "multi";
   a.replay.calibrate = !a.no_calibration;
   if (a.keep_outdated) a.replay.core.outdated_level = -1;
   a.replay.progress = show_progress;
+  if (!a.verify_hash.empty()) read_hashes(a.verify_hash);  // a file without one is found out before the work
   const ReplayResult result = replay(sessions, a.replay);
   std::vector<TruthPose> truth = sessions.back().truth;
   write_result_files(a.out, result, truth);
@@ -66,7 +125,9 @@ int run(Arguments a) {
     std::cout << result_json(result).dump(1) << std::endl;
   } else {
     print_summary(result);
+    if (a.hash) std::printf("result_hash %s\n", hash_text(result.result_hash).c_str());
   }
+  if (!a.verify_hash.empty()) return same_hash(a, result) ? 0 : 1;
   if (a.no_calibration) return 0;
   return result.calibrated && result.result.status == "calibrated" ? 0 : 1;
 }
@@ -76,10 +137,10 @@ int run(Arguments a) {
 void add_replay_command(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* sub = app.add_subcommand("replay", "run recordings through the core: odometry, segments, calibration");
-  sub->add_option("recordings", a->recordings, "recordings in ASL layout (REC/mav0/...); several are sessions in order")->required();
+  sub->add_option("recordings", a->recordings, "recordings in ASL layout (REC/mav0/...) or device logs (*.segcal); several are sessions in order")->required();
   sub->add_option("--calib", a->calibration, "starting calibration, Kalibr's camchain-imucam.yaml (default: the recording's own)");
   sub->add_option("--out", a->out, "folder for result.json, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml, kept_segments.json")->required();
-  sub->add_option("--profile", a->replay.profile, "capacities of the core, as compiled for firmware: mcu, mobile, host; mobile_double: mobile in double precision, to check float")->capture_default_str();
+  a->profile = sub->add_option("--profile", a->replay.profile, "capacities of the core, as compiled for firmware: mcu, mobile, host; mobile_double: mobile in double precision, to check float; of a device log: the device's")->capture_default_str();
   sub->add_option("--metric", a->replay.core.metric, "what makes a segment informative: A, D, E or random; set_d: the set that tells most together")->capture_default_str();
   sub->add_option("--segments", a->replay.core.segments, "segments to keep in the database")->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_option("--segment-seconds", a->replay.core.segment_s, "length of a segment, s")->capture_default_str()->check(CLI::Range(1.0, 30.0));
@@ -98,7 +159,15 @@ void add_replay_command(CLI::App& app, int& exit_code) {
                 "for comparison: no segments, the filter's own estimate of the calibration is the result");
   sub->add_flag("--keep-outdated", a->keep_outdated, "keep segments that newer ones contradict: theta is taken as constant");
   sub->add_flag("--no-calibration", a->no_calibration, "odometry only: the trajectory with the starting calibration");
+  sub->add_flag("--hash", a->hash, "print one number over all bits of theta, its sigmas, the trajectory and the kept segments");
+  sub->add_option("--verify-hash", a->verify_hash,
+                  "compare that number with the one in FILE: a device log (at the places where the device wrote it), or a text that "
+                  "holds 'result_hash' and the number")->type_name("FILE");
   sub->add_flag("--json", a->json, "print result.json on standard output");
+  for (const char* name : {"--metric", "--segments", "--segment-seconds", "--adaptive-segments", "--strategy", "--cameras", "--pixel-sigma",
+                           "--seed", "--trigger-sigma", "--hold-calibration", "--joint-ekf", "--keep-outdated"}) {
+    a->of_device.push_back(sub->get_option(name));
+  }
   sub->footer(R"(Example:
   segcal replay rec --calib start.yaml --out out && segcal report out
 
@@ -111,7 +180,12 @@ a wrong start does not spoil the trajectory. That estimate stays inside the filt
 replaces it. With --joint-ekf the filter has the result's prior and the stated pixel noise, its estimate at the end of a
 session is the result, and the next session goes on from it with all of its information.
 
-Exit code 1: the result is not `calibrated` (too little motion, or the model does not fit).)");
+A device log (made with segcal/log.h, or by segcal convert) is replayed with the configuration in it and the calls that the
+device made, so that it gives the device's bits:
+  segcal replay flight.segcal --out out --verify-hash flight.segcal
+
+Exit code 1: the result is not `calibrated` (too little motion, or the model does not fit); with --verify-hash: the hash is
+another one.)");
   sub->callback([a, &exit_code] { exit_code = run(*a); });
 }
 

@@ -1,4 +1,5 @@
 #include "replay/result_files.h"
+#include "device_log/device_log.h"
 #include "replay/words.h"
 
 namespace host {
@@ -58,6 +59,7 @@ Json result_json(const ReplayResult& out) {
                     {"score_ms_median", out.timing.score_ms_median}, {"calibrate_ms", out.timing.calibrate_ms}};
   json["memory"] = {{"state_bytes", out.memory.state_bytes}, {"segment_bytes", out.memory.segment_bytes},
                     {"workspace_bytes", out.memory.workspace_bytes}};
+  json["result_hash"] = hash_text(out.result_hash);
   json["faults"] = Json::object();
   for (const auto& [name, count] : out.counters) json["faults"][name] = count;
   return json;

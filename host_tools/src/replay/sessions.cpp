@@ -1,10 +1,29 @@
 #include "replay/sessions.h"
 
+#include <iostream>
+
+#include "device_log/device_log.h"
+
 namespace host {
+namespace {
+
+std::vector<Recording> sessions_of_log(const std::string& file, int n_cameras) {
+  DeviceLog log = read_device_log(file);
+  for (const std::string& note : log.notes) std::cerr << "segcal: " << note << std::endl;
+  const int has = static_cast<int>(log.calibration.cameras.size());
+  if (has < n_cameras) throw InputError(file + ": expected " + std::to_string(n_cameras) + " cameras, found " + std::to_string(has));
+  return std::move(log.sessions);
+}
+
+}  // namespace
 
 std::vector<Recording> read_sessions(const std::vector<std::string>& recordings, int n_cameras) {
   std::vector<Recording> sessions;
   for (const std::string& root : recordings) {
+    if (is_device_log(root)) {
+      for (Recording& session : sessions_of_log(root, n_cameras)) sessions.push_back(std::move(session));
+      continue;
+    }
     sessions.push_back(read_recording(root, n_cameras));
     for (std::size_t c = 0; c < sessions.back().cameras.size(); ++c) {
       if (!sessions.back().cameras[c].frames.empty()) continue;

@@ -31,6 +31,7 @@ struct DeviceOptions {
   Strategy strategy = Strategy::single_session;
   S least_gain = S(14);
   std::uint64_t seed = 0;
+  bool has_temperature = false;
   bool joint_filter = false;    ///< the filter's own calibration is the result; no segments
   S outdated_level = S(1e-3);   ///< probability that a calibration drops segments although theta is the same; 0: never drops any
 };
@@ -56,12 +57,16 @@ class Device {
   void create(const DeviceOptions<S>& options);
 
   Taken push_imu(std::int64_t t_ns, const InertialReading<S>& reading);
+  /// degC, of the samples that follow.
+  void set_temperature(S celsius) { imu_.set_warmth(celsius - S(25)); }
   Taken push_tracks(std::int64_t t_ns, const TrackPoint<S>* points, int n);
   Taken push_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n);
   void flush();
   void new_session();
   int background(int slices);
   void calibrate();
+  /// Rows [theta | candidates | rhs] of the kept slots in `use_slot`, in calibrator().theta_triangle() (Calibrator::rows_of).
+  S linearise(const std::uint8_t* use_slot, const CandidateTerms& candidates);
   /// The filter's own calibration at this moment, judged as a result.
   void read_filter(Release<S>* out) { read_filter(out, nullptr); }
 
@@ -106,6 +111,13 @@ class Device {
   bool drop_outdated();
   void drop_misfits();
   void restart_filter();
+  void start_clock(std::int64_t t_ns);
+  void use_stamp_shift();
+  /// A time offset moves the stamps of frames before filter and segments see them, in whole nanoseconds.
+  static std::int32_t stamp_shift(const Calibration<S>& theta) {
+    const S ns = theta.effects.value_of(kTimeOffsetTerm) * S(1e9);
+    return static_cast<std::int32_t>(ns + (ns < S(0) ? S(-0.5) : S(0.5)));
+  }
   void use_odometry(bool own);
   VioOptions<S> vio_options() const;
   void read_filter(Release<S>* out, InformationAnalysis<S>* analysis);
@@ -137,6 +149,7 @@ class Device {
   SegmentSummary<S> last_;
   std::uint32_t session_, serial_, frame_;
   std::int32_t thinned_;   ///< how often the open segment was
+  std::int32_t stamp_shift_ns_;  ///< from stamps of frames to the IMU's clock, as known
   bool calibrated_, calibration_due_, knew_enough_, own_odometry_;
 };
 

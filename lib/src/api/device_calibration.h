@@ -17,6 +17,7 @@ void Device<S>::read_filter(Release<S>* out, InformationAnalysis<S>* analysis) {
   const Calibration<S>& theta = vio_.calibration();
   PackedTriangle<S> R(analysis_.W, theta.columns() + 1);  // free between two scores
   vio_.calibration_information(&R);
+  for (int i = theta.effect_column(); i < theta.columns(); ++i) R.row(i)[i] = S(1) / prior_.sigma[i];
   if (analysis) analyse_with_prior(R, prior_.sigma, analysis);
   judge_filter(theta, prior_, ReleaseRules<S>{}, &R, out);
 }
@@ -41,7 +42,32 @@ void Device<S>::calibrate() {
     return;
   }
   theta_ = release_.theta;
+  use_stamp_shift();
   if (vio_.initialised()) vio_.set_calibration(theta_);
+}
+
+template <class S>
+S Device<S>::linearise(const std::uint8_t* use_slot, const CandidateTerms& candidates) {
+  Segment<S>* segments[kMaxSegments];
+  bool use[kMaxSegments];
+  const int count = database_.in_order(segments);
+  const bool known = calibrated_ && release_.status != Status::failed && !options_.joint_filter;
+  calibrator_.continue_with(segments, count, prior_, known ? calibrator_.theta() : working_theta(), options_.model);
+  for (int i = 0; i < count; ++i) use[i] = use_slot[segments[i] - &database_.slot(0)] != 0;
+  return calibrator_.rows_of(use, candidates, &eliminator_);
+}
+
+/// A segment has one shift for all of its keyframes: where it changes, the open one begins anew.
+template <class S>
+void Device<S>::use_stamp_shift() {
+  const std::int32_t shift = stamp_shift(theta_);
+  if (shift == stamp_shift_ns_) return;
+  if (pending_count_ > 0) pending_time_ += shift - stamp_shift_ns_;
+  stamp_shift_ns_ = shift;
+  if (builder_.empty()) return;
+  ++serial_;
+  thinned_ = 0;
+  builder_.begin(&database_.building(), session_, serial_, false);
 }
 
 template <class S>

@@ -45,9 +45,10 @@ void Device<S>::take_keyframe(std::int64_t t_ns, const State<S>& state, const Tr
     ++thinned_;
   }
   next_keyframe_ = (next_keyframe_ == kNever || late ? t_ns : next_keyframe_) + (base << thinned_);
-  if (builder_.add_keyframe(t_ns, state, points, n, imu_)) return;
+  const std::int32_t shift_ns = own_odometry_ ? 0 : stamp_shift_ns_;
+  if (builder_.add_keyframe(t_ns, shift_ns, state, points, n, imu_)) return;
   end_segment(true);
-  builder_.add_keyframe(t_ns, state, points, n, imu_);
+  builder_.add_keyframe(t_ns, shift_ns, state, points, n, imu_);
 }
 
 /// Closes, scores and offers the open segment, then opens the next one.

@@ -5,7 +5,8 @@
 // and on the m rows of B, so the cost is 2 m per entry, and columns left of the block's first non-zero one are not touched.
 //
 // Both passes over the rows are "y += a x" along a row. They run in strips of columns whose sums stay in registers, as
-// vectors of 16 bytes that every target has or splits up. No sum depends on how: every build gives the same bits.
+// vectors of 16 bytes that every target has or splits up (SEGCAL_SCALAR_KERNELS: plain numbers instead). No sum depends on
+// how: every build gives the same bits.
 #pragma once
 
 #include "math/elementary.h"
@@ -57,7 +58,29 @@ struct ColumnGap {
 template <class S>
 struct Lanes {
   static constexpr int kCount = 16 / static_cast<int>(sizeof(S));
+#ifndef SEGCAL_SCALAR_KERNELS
   typedef S Vector __attribute__((vector_size(16)));
+#else
+  /// The same number by number, for compilers without the type above.
+  struct Vector {
+    S lane[kCount];
+    S& operator[](int i) { return lane[i]; }
+    friend Vector operator*(S a, Vector v) {
+      for (S& x : v.lane) x = a * x;
+      return v;
+    }
+    friend Vector operator-(Vector v, const Vector& w) {
+      for (int i = 0; i < kCount; ++i) v.lane[i] -= w.lane[i];
+      return v;
+    }
+    void operator+=(const Vector& w) {
+      for (int i = 0; i < kCount; ++i) lane[i] += w.lane[i];
+    }
+    void operator*=(S a) {
+      for (S& x : lane) x *= a;
+    }
+  };
+#endif
 
   static Vector load(const S* p) {
     Vector v;

@@ -1,0 +1,253 @@
+#include "device_log/device_log.h"
+
+#include <Eigen/Geometry>
+#include <fstream>
+
+#include "log/config_fields.h"
+
+namespace host {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace SEGCAL_NS;
+
+std::vector<std::uint8_t> bytes_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError(file.string() + ": expected a device log, but the file cannot be read");
+  return std::vector<std::uint8_t>((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+}
+
+[[noreturn]] void fail(const fs::path& name, std::size_t offset, const std::string& found) {
+  throw InputError(name.string() + ": byte " + std::to_string(offset) + ": " + found);
+}
+
+struct Capacities {
+  const char* profile;
+  std::uint32_t numbers[12];  // as the header has them, from the size of a number on
+};
+constexpr Capacities kProfiles[] = {
+    {"mcu", {4, 1, 8, 12, 40, 360, 876, 8, 40, 4, 8, 300}},
+    {"mobile", {4, 2, 15, 20, 120, 2000, 2000, 11, 160, 8, 8, 1000}},
+    {"host", {4, 2, 64, 32, 256, 6000, 8400, 11, 256, 16, 8, 2000}},
+    {"mobile_double", {8, 2, 15, 20, 120, 2000, 2000, 11, 160, 8, 8, 1000}}};
+
+Eigen::Matrix3d rotation(const double* q) {
+  const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
+  return rotation.norm() > 0 ? rotation.normalized().toRotationMatrix() : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+}
+
+Eigen::Matrix3d triangle(const double* scale, const double* misalignment) {
+  const auto one = [](double s) { return s == 0 ? 1 : s; };
+  Eigen::Matrix3d T;
+  T << one(scale[0]), misalignment[0], misalignment[1], 0, one(scale[1]), misalignment[2], 0, 0, one(scale[2]);
+  return T;
+}
+
+Calibration calibration_of(const segcal_config_t& c) {
+  Calibration out;
+  for (int i = 0; i < std::max(1, c.n_cameras); ++i) {
+    CameraCalibration camera;
+    camera.model = static_cast<DistortionModel>(c.camera[i].model);
+    camera.R_CI = rotation(c.camera[i].q_CI);
+    camera.p_CI = Eigen::Vector3d(c.camera[i].p_CI);
+    camera.intrinsics = Eigen::Vector4d(c.camera[i].intrinsics);
+    camera.distortion = Eigen::Vector4d(c.camera[i].distortion);
+    out.cameras.push_back(camera);
+  }
+  out.imu.T_g = triangle(c.imu.gyro_scale, c.imu.gyro_misalignment);
+  out.imu.T_a = triangle(c.imu.accel_scale, c.imu.accel_misalignment);
+  out.imu.R_AI = rotation(c.imu.q_AI);
+  return out;
+}
+
+/// Zero is the default there as here.
+ImuNoise noise_of(const segcal_config_t& c) {
+  ImuNoise out;
+  const auto put = [](double value, double* to) { if (value > 0) *to = value; };
+  put(c.imu_rate_hz, &out.rate_hz);
+  put(c.gyro_noise_density, &out.gyro_noise_density);
+  put(c.gyro_random_walk, &out.gyro_random_walk);
+  put(c.accel_noise_density, &out.accel_noise_density);
+  put(c.accel_random_walk, &out.accel_random_walk);
+  return out;
+}
+
+/// Blocks into sessions, in the order of the log.
+class Decoder {
+ public:
+  Decoder(const fs::path& name, const LogBlocks& blocks) : name_(name), blocks_(blocks) {}
+
+  DeviceLog run() {
+    for (const LogBlockView& block : blocks_.blocks) take(block);
+    if (!has_config_) fail(name_, 0, "expected a header and a configuration first, found none");
+    for (std::size_t i = 0; i + 1 < out_.sessions.size(); ++i) out_.sessions[i].device->last = false;
+    return std::move(out_);
+  }
+
+ private:
+  void take(const LogBlockView& block) {
+    const bool first = block.type <= static_cast<std::uint16_t>(LogBlock::config);
+    if (!first && !has_config_) fail(name_, block.offset, "expected a header and a configuration first, found a block of type " + std::to_string(block.type));
+    ByteReader in(block.payload, block.size);
+    switch (static_cast<LogBlock>(block.type)) {
+      case LogBlock::header: take_header(block, &in); break;
+      case LogBlock::config: take_config(block); return;
+      case LogBlock::imu: take_samples(block, &in); break;
+      case LogBlock::tracks: take_frame(block, &in); break;
+      case LogBlock::mark: take_mark(block, in.integer<std::int32_t>()); break;
+      case LogBlock::hash: session().device->calls.push_back({DeviceCall::hash, in.integer<std::uint64_t>()}); break;
+      case LogBlock::end: break;
+      default: fail(name_, block.offset, "expected a block type from 0 to 6, found " + std::to_string(block.type) + ", of a newer segcal");
+    }
+    if (!in.complete() || in.left() > 0) {
+      fail(name_, block.offset, "expected another number of bytes in a block of type " + std::to_string(block.type) + ", found " + std::to_string(block.size));
+    }
+  }
+
+  void take_header(const LogBlockView& block, ByteReader* in) {
+    const std::uint32_t format = in->integer<std::uint32_t>();
+    if (format != SEGCAL_LOG_FORMAT) {
+      fail(name_, block.offset, "expected log format " + std::to_string(SEGCAL_LOG_FORMAT) + ", found " + std::to_string(format));
+    }
+    in->integer<std::uint32_t>();  // version of the library
+    std::uint32_t numbers[12];
+    for (std::uint32_t& n : numbers) n = in->integer<std::uint32_t>();
+    for (const Capacities& c : kProfiles) {
+      if (std::equal(numbers, numbers + 12, c.numbers)) profile_ = c.profile;
+    }
+  }
+
+  void take_config(const LogBlockView& block) {
+    if (has_config_) fail(name_, block.offset, "expected one configuration, found a second one");
+    segcal_config_t config;
+    if (!read_config(block.payload, block.size, &config)) {
+      fail(name_, block.offset, "expected a configuration of at most " + std::to_string(SEGCAL_MAX_CAMERAS) + " cameras, found another one or a newer one");
+    }
+    has_config_ = true;
+    config_.assign(block.payload, block.payload + block.size);
+    out_.calibration = calibration_of(config);
+    out_.noise = noise_of(config);
+    if (config.pixel_sigma > 0) out_.pixel_sigma = config.pixel_sigma;
+    begin_session();
+  }
+
+  void take_samples(const LogBlockView& block, ByteReader* in) {
+    const std::int64_t t0 = in->integer<std::int64_t>();
+    const std::uint32_t n = in->integer<std::uint32_t>();
+    if (in->left() != n * kImuSample) fail(name_, block.offset, "expected " + std::to_string(n) + " samples, found " + std::to_string(in->left()) + " bytes");
+    for (std::uint32_t i = 0; i < n; ++i) {
+      ImuSample sample;
+      sample.t_ns = static_cast<std::int64_t>(static_cast<std::uint64_t>(t0) + static_cast<std::uint64_t>(std::int64_t{in->integer<std::int32_t>()}));
+      for (double& value : sample.gyro) value = in->number32();
+      for (double& value : sample.accel) value = in->number32();
+      session().imu.samples.push_back(sample);
+      session().device->calls.push_back({DeviceCall::sample, 0});
+    }
+  }
+
+  void take_frame(const LogBlockView& block, ByteReader* in) {
+    const std::int64_t t_ns = in->integer<std::int64_t>();
+    const std::uint32_t n = in->integer<std::uint32_t>();
+    if (in->left() != n * kTrackPoint) fail(name_, block.offset, "expected " + std::to_string(n) + " points, found " + std::to_string(in->left()) + " bytes");
+    for (CameraData& camera : session().cameras) camera.frames.push_back({t_ns, {}});
+    for (std::uint32_t i = 0; i < n; ++i) {
+      TrackPoint point;
+      point.track_id = in->integer<std::uint32_t>();
+      const std::size_t camera = in->integer<std::uint8_t>();
+      point.u = in->number32();
+      point.v = in->number32();
+      if (camera >= session().cameras.size()) {
+        fail(name_, block.offset, "expected cameras below " + std::to_string(session().cameras.size()) + ", found a point of camera " + std::to_string(camera));
+      }
+      session().cameras[camera].frames.back().points.push_back(point);
+    }
+    session().device->calls.push_back({DeviceCall::frame, 0});
+  }
+
+  void take_mark(const LogBlockView& block, std::int32_t mark) {
+    switch (mark) {
+      case SEGCAL_LOG_NEW_SESSION: return begin_session();
+      case SEGCAL_LOG_FLUSH: session().device->calls.push_back({DeviceCall::flush, 0}); return;
+      case SEGCAL_LOG_CALIBRATE: session().device->calls.push_back({DeviceCall::calibrate, 0}); return;
+      default: fail(name_, block.offset, "expected a mark from 1 to 3, found " + std::to_string(mark));
+    }
+  }
+
+  void begin_session() {
+    Recording recording;
+    recording.root = name_;
+    recording.imu.noise = out_.noise;
+    recording.cameras.resize(out_.calibration.cameras.size());
+    recording.device = DeviceSession{{}, config_, profile_, true};
+    out_.sessions.push_back(recording);
+  }
+
+  Recording& session() { return out_.sessions.back(); }
+
+  fs::path name_;
+  const LogBlocks& blocks_;
+  DeviceLog out_;
+  std::string profile_;
+  std::vector<std::uint8_t> config_;
+  bool has_config_ = false;
+};
+
+}  // namespace
+
+bool is_device_log(const fs::path& file) {
+  char first[kLogMagicBytes] = {};
+  if (!fs::is_regular_file(file)) return false;
+  std::ifstream in(file, std::ios::binary);
+  in.read(first, sizeof first);
+  return file.extension() == ".segcal" || (in && std::memcmp(first, kLogMagic, sizeof first) == 0);
+}
+
+DeviceLog parse_device_log(const fs::path& name, const std::vector<std::uint8_t>& bytes, Damaged damaged) {
+  const LogBlocks blocks = find_blocks(bytes);
+  std::vector<std::string> notes;
+  for (const LogDamage& d : blocks.damage) {
+    if (damaged == Damaged::refuse) fail(name, d.offset, d.found + " (segcal convert --salvage leaves such blocks out)");
+    notes.push_back(name.string() + ": byte " + std::to_string(d.offset) + ": " + d.found + ": " + std::to_string(d.bytes) + " bytes left out");
+  }
+  if (blocks.torn.bytes > 0) {
+    notes.push_back(name.string() + ": byte " + std::to_string(blocks.torn.offset) + ": " + blocks.torn.found +
+                    ": the log was cut off here, the last " + std::to_string(blocks.torn.bytes) + " bytes are left out");
+  } else if (!blocks.ended) {
+    notes.push_back(name.string() + ": byte " + std::to_string(bytes.size()) +
+                    ": expected the end mark of a log, found the end of the file: the device did not close it");
+  }
+  DeviceLog log = Decoder(name, blocks).run();
+  log.notes = notes;
+  return log;
+}
+
+DeviceLog read_device_log(const fs::path& file, Damaged damaged) { return parse_device_log(file, bytes_of(file), damaged); }
+
+std::vector<std::uint64_t> read_hashes(const fs::path& file) {
+  std::vector<std::uint64_t> hashes;
+  if (is_device_log(file)) {
+    for (const Recording& session : read_device_log(file).sessions) {
+      for (const DeviceCall& call : session.device->calls) {
+        if (call.what == DeviceCall::hash) hashes.push_back(call.hash_value);
+      }
+    }
+    if (hashes.empty()) throw InputError(file.string() + ": expected a result hash in the log (segcal_log_hash), found none");
+    return hashes;
+  }
+  const std::vector<std::uint8_t> bytes = bytes_of(file);
+  const std::string text(bytes.begin(), bytes.end()), word = "result_hash";
+  const std::size_t at = text.find(word);
+  const std::size_t from = at == std::string::npos ? at : text.find_first_of("0123456789abcdefABCDEF", at + word.size());
+  const std::size_t to = from == std::string::npos ? from : text.find_first_not_of("0123456789abcdefABCDEF", from);
+  const std::string digits = from == std::string::npos ? "" : text.substr(from, to - from);
+  if (digits.size() != 16) throw InputError(file.string() + ": expected 'result_hash' and 16 hexadecimal digits, found '" + digits.substr(0, 20) + "'");
+  return {std::stoull(digits, nullptr, 16)};
+}
+
+std::string hash_text(std::uint64_t hash) {
+  char text[20];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+}  // namespace host

@@ -1,0 +1,119 @@
+// A configuration in a device log: its fields in the order of segcal_config_t, listed once for writing and reading.
+//
+// New fields are appended to the list. A shorter block, of an older writer, leaves them zero, which means their default;
+// a longer one is refused, since what the device did with it is not known here.
+#pragma once
+
+#include "log/format.h"
+
+namespace SEGCAL_NS {
+
+class ConfigWriter {
+ public:
+  explicit ConfigWriter(ByteWriter* out) : out_(out) {}
+  void integer(const std::int32_t& value) { out_->integer(value); }
+  void integer(const std::uint64_t& value) { out_->integer(value); }
+  void number(const double& value) { out_->number(value); }
+  void numbers(const double* values, int n) {
+    for (int i = 0; i < n; ++i) out_->number(values[i]);
+  }
+  /// Entries of an array that depends on a capacity.
+  std::int32_t count(std::int32_t capacity) {
+    out_->integer(capacity);
+    return capacity;
+  }
+  void sigmas(const double* values, std::int32_t n) { numbers(values, n); }
+
+ private:
+  ByteWriter* out_;
+};
+
+class ConfigReader {
+ public:
+  explicit ConfigReader(ByteReader* in) : in_(in) {}
+  void integer(std::int32_t& value) { value = in_->integer<std::int32_t>(); }
+  void integer(std::uint64_t& value) { value = in_->integer<std::uint64_t>(); }
+  void number(double& value) { value = in_->number64(); }
+  void numbers(double* values, int n) {
+    for (int i = 0; i < n; ++i) values[i] = in_->number64();
+  }
+  std::int32_t count(std::int32_t) {
+    const std::int32_t n = in_->integer<std::int32_t>();
+    fits_ = fits_ && n >= 0 && n <= 1000;
+    return fits_ ? n : 0;
+  }
+  /// Of a writer with other capacities: entries beyond ours must be zero.
+  void sigmas(double* values, std::int32_t n) {
+    for (std::int32_t i = 0; i < n; ++i) {
+      const double value = in_->number64();
+      if (i < SEGCAL_MAX_PARAMETERS) {
+        values[i] = value;
+      } else {
+        fits_ = fits_ && value == 0;
+      }
+    }
+  }
+  bool fits() const { return fits_; }
+
+ private:
+  ByteReader* in_;
+  bool fits_ = true;
+};
+
+/// `Config`: segcal_config_t, const to write it.
+template <class Config, class Codec>
+void config_fields(Config* c, Codec* f) {
+  f->integer(c->n_cameras);
+  const std::int32_t cameras = f->count(SEGCAL_MAX_CAMERAS);
+  segcal_camera_t beyond = {};
+  for (std::int32_t i = 0; i < cameras; ++i) {
+    auto* camera = i < SEGCAL_MAX_CAMERAS ? &c->camera[i] : &beyond;  // read and forgotten: n_cameras must fit
+    f->integer(camera->model);
+    f->numbers(camera->q_CI, 4);
+    f->numbers(camera->p_CI, 3);
+    f->numbers(camera->intrinsics, 4);
+    f->numbers(camera->distortion, 4);
+  }
+  f->numbers(c->imu.gyro_scale, 3);
+  f->numbers(c->imu.gyro_misalignment, 3);
+  f->numbers(c->imu.accel_scale, 3);
+  f->numbers(c->imu.accel_misalignment, 3);
+  f->numbers(c->imu.q_AI, 4);
+  f->number(c->imu_rate_hz);
+  f->number(c->gyro_noise_density);
+  f->number(c->gyro_random_walk);
+  f->number(c->accel_noise_density);
+  f->number(c->accel_random_walk);
+  f->number(c->gyro_range);
+  f->number(c->accel_range);
+  f->number(c->pixel_sigma);
+  f->number(c->gravity);
+  f->number(c->frame_interval_s);
+  f->number(c->segment_s);
+  f->number(c->least_segment_s);
+  f->number(c->most_segment_s);
+  f->integer(c->keep_segments);
+  f->integer(c->metric);
+  f->integer(c->strategy);
+  f->number(c->least_gain_nats);
+  const std::int32_t parameters = f->count(SEGCAL_MAX_PARAMETERS);
+  f->sigmas(c->prior_sigma, parameters);
+  f->sigmas(c->sigma_ref, parameters);
+  f->number(c->filter_share);
+  f->integer(c->seed);
+  f->sigmas(c->trigger_sigma, parameters);
+  f->number(c->trigger_fraction);
+  f->integer(c->joint_filter);
+  f->number(c->outdated_level);
+}
+
+/// False if the bytes are no configuration that fits into these capacities.
+inline bool read_config(const std::uint8_t* bytes, std::size_t size, segcal_config_t* out) {
+  *out = segcal_config_t{};
+  ByteReader in(bytes, size);
+  ConfigReader reader(&in);
+  config_fields(out, &reader);
+  return reader.fits() && in.left() == 0 && out->n_cameras >= 0 && out->n_cameras <= SEGCAL_MAX_CAMERAS;
+}
+
+}  // namespace SEGCAL_NS

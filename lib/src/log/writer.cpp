@@ -1,0 +1,145 @@
+// Writes a device log block by block (segcal/log.h).
+#include "log/config_fields.h"
+
+namespace SEGCAL_NS {
+namespace {
+
+/// The block's payload begins behind its head.
+ByteWriter payload_of(const segcal_log_t& log) {
+  return ByteWriter(log.block + kBlockHead, log.capacity - kBlockHead - kBlockTail);
+}
+
+int write(segcal_log_t* log, const std::uint8_t* bytes, std::size_t n) {
+  if (log->failed) return SEGCAL_ERROR_STATE;
+  log->failed = log->write(log->context, bytes, n) == 0 ? 0 : 1;
+  return log->failed ? SEGCAL_ERROR_STATE : SEGCAL_OK;
+}
+
+/// Head and CRCs around a payload of n bytes that is in place, and out with it.
+int write_block(segcal_log_t* log, LogBlock type, std::size_t n) {
+  ByteWriter head(log->block, kBlockHead);
+  head.integer(kBlockMark);
+  head.integer(static_cast<std::uint16_t>(type));
+  head.integer(static_cast<std::uint16_t>(log->sequence++));
+  head.integer(static_cast<std::uint32_t>(n));
+  head.integer(crc32(log->block, head.size()));
+  ByteWriter tail(log->block + kBlockHead + n, kBlockTail);
+  tail.integer(crc32(log->block + kBlockHead, n));
+  log->used = 0;
+  log->samples = 0;
+  return write(log, log->block, kBlockHead + n + kBlockTail);
+}
+
+/// Everything a reader must know before it makes sense of the rest.
+int write_header(segcal_log_t* log) {
+  if (write(log, kLogMagic, kLogMagicBytes) != SEGCAL_OK) return SEGCAL_ERROR_STATE;
+  ByteWriter out = payload_of(*log);
+  const std::uint32_t numbers[] = {SEGCAL_LOG_FORMAT,       SEGCAL_VERSION,          sizeof(SEGCAL_REAL),
+                                   SEGCAL_MAX_CAMERAS,      SEGCAL_MAX_SEGMENTS,     SEGCAL_MAX_KEYFRAMES,
+                                   SEGCAL_MAX_LANDMARKS,    SEGCAL_MAX_OBSERVATIONS, SEGCAL_MAX_IMU_SAMPLES,
+                                   SEGCAL_MAX_CLONES,       SEGCAL_MAX_TRACKS,       SEGCAL_MAX_TIES,
+                                   SEGCAL_SHARED_LANDMARKS, SEGCAL_IMU_HISTORY};
+  for (std::uint32_t n : numbers) out.integer(n);
+  return write_block(log, LogBlock::header, out.size());
+}
+
+int write_config(segcal_log_t* log, const segcal_config_t& config) {
+  ByteWriter out = payload_of(*log);
+  ConfigWriter fields(&out);
+  config_fields(&config, &fields);
+  return out.fits() ? write_block(log, LogBlock::config, out.size()) : SEGCAL_ERROR_SIZE;
+}
+
+/// The samples that wait go out.
+int finish_samples(segcal_log_t* log) {
+  if (log->samples == 0) return log->failed ? SEGCAL_ERROR_STATE : SEGCAL_OK;
+  ByteWriter head(log->block + kBlockHead, kImuHead);
+  head.integer(log->t0_ns);
+  head.integer(log->samples);
+  return write_block(log, LogBlock::imu, log->used);
+}
+
+int start(segcal_log_t* log) { return !log || !log->write ? SEGCAL_ERROR_NULL : finish_samples(log); }
+
+}  // namespace
+}  // namespace SEGCAL_NS
+
+using namespace SEGCAL_NS;
+
+extern "C" {
+
+int segcal_log_begin(segcal_log_t* log, const segcal_config_t* config, uint8_t* block, size_t block_bytes,
+                     segcal_log_write_t write, void* context) {
+  if (!log || !config || !block || !write) return SEGCAL_ERROR_NULL;
+  if (block_bytes < SEGCAL_LOG_BLOCK_BYTES) return SEGCAL_ERROR_SIZE;
+  *log = segcal_log_t{};
+  log->write = write;
+  log->context = context;
+  log->block = block;
+  log->capacity = block_bytes;
+  const int error = write_header(log);
+  return error == SEGCAL_OK ? write_config(log, *config) : error;
+}
+
+int segcal_log_imu(segcal_log_t* log, const segcal_imu_t* sample) {
+  if (!log || !sample || !log->write) return SEGCAL_ERROR_NULL;
+  // The stamp is kept as its distance from the block's first: 2 s either way, else a new block begins.
+  const std::int64_t dt = static_cast<std::int64_t>(static_cast<std::uint64_t>(sample->t_ns) - static_cast<std::uint64_t>(log->t0_ns));
+  const bool room = kBlockHead + log->used + kImuSample + kBlockTail <= log->capacity;
+  if (log->samples > 0 && (!room || dt > INT32_MAX || dt < INT32_MIN)) finish_samples(log);
+  if (log->failed) return SEGCAL_ERROR_STATE;
+  if (log->samples == 0) {
+    log->t0_ns = sample->t_ns;
+    log->used = kImuHead;
+  }
+  ByteWriter out(log->block + kBlockHead + log->used, kImuSample);
+  out.integer(static_cast<std::int32_t>(log->samples == 0 ? 0 : dt));
+  for (float value : sample->gyro) out.number(value);
+  for (float value : sample->accel) out.number(value);
+  log->used += kImuSample;
+  ++log->samples;
+  return SEGCAL_OK;
+}
+
+int segcal_log_tracks(segcal_log_t* log, int64_t t_ns, const segcal_point_t* points, int32_t n) {
+  if (!points && n > 0) return SEGCAL_ERROR_NULL;
+  if (n < 0 || n > SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS) return SEGCAL_ERROR_SIZE;
+  const int error = start(log);
+  if (error != SEGCAL_OK) return error;
+  ByteWriter out = payload_of(*log);
+  out.integer(t_ns);
+  out.integer(n);
+  for (int32_t i = 0; i < n; ++i) {
+    out.integer(points[i].track_id);
+    out.integer(static_cast<std::uint8_t>(points[i].camera));
+    out.number(points[i].u);
+    out.number(points[i].v);
+  }
+  return out.fits() ? write_block(log, LogBlock::tracks, out.size()) : SEGCAL_ERROR_SIZE;
+}
+
+int segcal_log_mark(segcal_log_t* log, int32_t mark) {
+  if (mark < SEGCAL_LOG_NEW_SESSION || mark > SEGCAL_LOG_CALIBRATE) return SEGCAL_ERROR_SIZE;
+  const int error = start(log);
+  if (error != SEGCAL_OK) return error;
+  ByteWriter out = payload_of(*log);
+  out.integer(mark);
+  return write_block(log, LogBlock::mark, out.size());
+}
+
+int segcal_log_hash(segcal_log_t* log, uint64_t hash) {
+  const int error = start(log);
+  if (error != SEGCAL_OK) return error;
+  ByteWriter out = payload_of(*log);
+  out.integer(hash);
+  return write_block(log, LogBlock::hash, out.size());
+}
+
+int segcal_log_sync(segcal_log_t* log) { return start(log); }
+
+int segcal_log_end(segcal_log_t* log) {
+  const int error = start(log);
+  return error == SEGCAL_OK ? write_block(log, LogBlock::end, 0) : error;
+}
+
+}  // extern "C"
