@@ -17,6 +17,9 @@ struct LinearRecording {
   double noise = 1;                              ///< sigma of the residuals
   /// Adds what no candidate explains to a segment's residuals; may be empty.
   std::function<void(int segment, const Eigen::MatrixXd& J, Eigen::VectorXd* r)> outside;
+  /// theta changes by this from segment `step_at` on; empty: it does not.
+  Eigen::VectorXd step;
+  int step_at = 0;
   /// Changes the Jacobian of a segment, to make candidates alike; may be empty.
   std::function<void(Eigen::MatrixXd* J)> shape;
 
@@ -35,6 +38,7 @@ inline host::diagnosis::Problem problem_of(const LinearRecording& recording, Ran
   Problem out;
   out.n_theta = recording.n_theta;
   out.prior = {Eigen::VectorXd::Zero(recording.n_theta), Eigen::VectorXd::Constant(recording.n_theta, 1.0)};
+  out.blocks = {{"first", {0, 3}, std::vector<double>(3, 1.0)}, {"second", {3, 3}, std::vector<double>(3, 1.0)}};
   std::vector<Rows> segments;
   const int n = recording.n_theta + recording.terms();
   for (int s = 0; s < recording.segments; ++s) {
@@ -42,6 +46,7 @@ inline host::diagnosis::Problem problem_of(const LinearRecording& recording, Ran
     if (recording.shape) recording.shape(&J);
     Eigen::VectorXd r = recording.noise * random->matrix(recording.rows, 1);
     r += J.rightCols(recording.terms()) * recording.truth;
+    if (recording.step.size() > 0 && s >= recording.step_at) r += J.leftCols(recording.n_theta) * recording.step;
     if (recording.outside) recording.outside(s, J, &r);
     Eigen::MatrixXd rows(recording.rows, n + 1);
     rows << J, r;
@@ -49,6 +54,7 @@ inline host::diagnosis::Problem problem_of(const LinearRecording& recording, Ran
   }
   std::vector<const Rows*> all, half[2];
   for (int s = 0; s < recording.segments; ++s) {
+    out.pieces.push_back({segments[s], 4.0 * s, 4.0 * s + 4, (s + 1) / 2 % 2 == 1});
     all.push_back(&segments[s]);
     half[(s + 1) / 2 % 2].push_back(&segments[s]);
   }

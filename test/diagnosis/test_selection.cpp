@@ -33,9 +33,9 @@ Selection selected(const LinearRecording& recording, int seed) {
   return select_effects(recording.candidates, {}, [&problem](const std::vector<int>&) { return problem; });
 }
 
-std::vector<std::string> names(const LinearRecording& recording, const Selection& s) {
+std::vector<std::string> names(const Selection& s) {
   std::vector<std::string> out;
-  for (const Accepted& a : s.accepted) out.push_back(recording.candidates[a.candidate].name);
+  for (const Accepted& a : s.accepted) out.push_back(s.candidates[a.candidate].name);
   std::sort(out.begin(), out.end());
   return out;
 }
@@ -102,10 +102,10 @@ void test_one_effect() {
     recording.truth.segment(g.first, g.count).setConstant(value);
     for (int seed = 0; seed < 40; ++seed, ++runs) {
       const Selection s = selected(recording, 40 * c + seed);
-      if (names(recording, s) != std::vector<std::string>{recording.candidates[c].name}) continue;
+      if (names(s) != std::vector<std::string>{recording.candidates[c].name}) continue;
       ++right;
       for (int i = 0; i < g.count; ++i, ++values) within += std::abs(s.accepted[0].test.value(i) - value) < 3 * s.accepted[0].test.sigma(i);
-      closed += held_out_gap(s.problem, recording.candidates, s.accepted, 0, 0).closed() >= 0.9;
+      closed += held_out_gap(s.problem, s.candidates, s.accepted, 0, 0).closed() >= 0.9;
     }
   }
   std::printf("one effect: %d of %d named, %d of %d values within 3 sigma, gap closed in %d\n", right, runs, within, values, closed);
@@ -120,7 +120,7 @@ void test_two_effects() {
   recording.truth.segment(4, 9).setConstant(value_for(recording, 70, 9));
   int right = 0;
   for (int seed = 0; seed < 40; ++seed) {
-    right += names(recording, selected(recording, 500 + seed)) == std::vector<std::string>{"offset", "sensitivity"};
+    right += names(selected(recording, 500 + seed)) == std::vector<std::string>{"offset", "sensitivity"};
   }
   std::printf("two effects: %d of 40\n", right);
   TEST_ASSERT_GREATER_OR_EQUAL_INT(37, right);
@@ -167,7 +167,7 @@ void test_effect_outside() {
   };
   for (int seed = 0; seed < 20; ++seed) {
     const Selection s = selected(recording, 950 + seed);
-    const Gap gap = held_out_gap(s.problem, recording.candidates, s.accepted, 0, 0);
+    const Gap gap = held_out_gap(s.problem, s.candidates, s.accepted, 0, 0);
     TEST_ASSERT_TRUE_MESSAGE(gap.closed() < 0.5, std::to_string(gap.closed()).c_str());
   }
 }
@@ -180,6 +180,35 @@ void test_halves_that_disagree() {
     if ((s + 1) / 2 % 2 == 0) *r += 0.5 * J.col(c);
   };
   for (int seed = 0; seed < 20; ++seed) TEST_ASSERT_TRUE(selected(recording, 990 + seed).accepted.empty());
+}
+
+/// A step of theta is found with its block and time, and no effect takes its place; also where one looks like it.
+void test_step_of_theta() {
+  LinearRecording recording = catalogue();
+  recording.shape = [&recording](Eigen::MatrixXd* J) { J->col(recording.n_theta) += 0.8 * J->col(1); };
+  recording.step = Eigen::VectorXd::Zero(recording.n_theta);
+  recording.step.head(3) << 0.2, 0.3, -0.1;
+  recording.step_at = 7;
+  int right = 0;
+  for (int seed = 0; seed < 40; ++seed) {
+    const Selection s = selected(recording, 1200 + seed);
+    right += names(s) == std::vector<std::string>{"calibration_shift"} && s.shift.block.name == "first" && s.shift.time_s == 28 &&
+             held_out_gap(s.problem, s.candidates, s.accepted, 0, 0).closed() >= 0.9;
+  }
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(38, right);
+}
+
+void test_step_beside_an_effect() {
+  LinearRecording recording = catalogue();
+  recording.step = Eigen::VectorXd::Zero(recording.n_theta);
+  recording.step.head(3) << 0.2, 0.3, -0.1;
+  recording.step_at = 5;
+  recording.truth(1) = 0.4;
+  int right = 0;
+  for (int seed = 0; seed < 40; ++seed) {
+    right += names(selected(recording, 1300 + seed)) == std::vector<std::string>{"calibration_shift", "shutter"};
+  }
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(38, right);
 }
 
 /// Noise three times as large as stated: no name, and values with honest sigmas.
@@ -204,6 +233,8 @@ int main() {
   RUN_TEST(test_weak_motion);
   RUN_TEST(test_effect_outside);
   RUN_TEST(test_halves_that_disagree);
+  RUN_TEST(test_step_of_theta);
+  RUN_TEST(test_step_beside_an_effect);
   RUN_TEST(test_noise_larger_than_stated);
   return UNITY_END();
 }

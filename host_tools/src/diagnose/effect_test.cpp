@@ -19,6 +19,9 @@ constexpr double kSeen = 3;
 /// Share of a value that its linearisation far away may be wrong by: halves that differ by less agree.
 constexpr double kCurvature = 0.1;
 
+/// log10 p from which on pieces of a recording disagree about an effect.
+constexpr double kScatters = -2;
+
 Marginal marginal(const Problem& problem, const Rows& rows, const Candidate& candidate, const std::vector<TermGroup>& free) {
   std::vector<TermGroup> groups = free;
   groups.push_back(candidate.columns);
@@ -41,6 +44,27 @@ Posterior posterior(const Marginal& m, const VectorXd& size, double noise) {
   out.covariance = information.inverse();
   out.value = out.covariance * (R.transpose() * m.d / std::sqrt(noise));
   return out;
+}
+
+/// The last m columns moved to the k-th of `places` groups of m.
+Rows spread(const Rows& rows, int m, int k, int places) {
+  const int n = rows.columns() - m;
+  MatrixXd wide = MatrixXd::Zero(rows.R.rows(), n + m * places + 1);
+  wide.leftCols(n) = rows.R.leftCols(n);
+  wide.middleCols(n + k * m, m) = rows.R.middleCols(n, m);
+  wide.rightCols(1) = rows.R.rightCols(1);
+  return {wide, rows.dof};
+}
+
+struct Solved {
+  double cost = 0;
+  int rank = 0;
+};
+Solved cost_and_rank(const Problem& problem, const std::vector<Rows>& pieces) {
+  std::vector<const Rows*> pointers;
+  for (const Rows& p : pieces) pointers.push_back(&p);
+  const Solution solution = solve(with_prior(sum_of(pointers), problem.prior));
+  return {solution.cost, static_cast<int>((solution.covariance.diagonal().array() > 0).count())};
 }
 
 }  // namespace
@@ -70,6 +94,22 @@ EffectTest test_effect(const Problem& problem, const Candidate& candidate, const
   out.value = size.cwiseProduct(p.value);
   out.sigma = size.cwiseProduct(p.covariance.diagonal().cwiseSqrt());
   return out;
+}
+
+double scatter_over_time(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free) {
+  const int pieces = static_cast<int>(problem.pieces.size()), m = candidate.columns.count;
+  if (pieces < 4) return 1;
+  std::vector<TermGroup> groups = free;
+  groups.push_back(candidate.columns);
+  std::vector<Rows> shared, own;
+  for (int k = 0; k < pieces; ++k) {
+    shared.push_back(with_groups(problem.pieces[k].rows, problem.n_theta, groups));
+    own.push_back(spread(shared.back(), m, k, pieces));
+  }
+  const Solved one = cost_and_rank(problem, shared), each = cost_and_rank(problem, own);
+  const double noise = dispersion(problem, groups), drop = (one.cost - each.cost) / noise;
+  const int dof = each.rank - one.rank;
+  return dof > 0 && log10_upper_tail(drop, dof) < kScatters ? std::max(1.0, drop / dof) : 1;
 }
 
 HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free) {

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "diagnose/chi_square.h"
+#include "diagnose/shift.h"
+
 namespace host::diagnosis {
 namespace {
 
@@ -16,10 +19,10 @@ std::string number(const char* format, double value) {
 class Search {
  public:
   Search(const std::vector<Candidate>& candidates, const SelectionOptions& options, const Refit& refit)
-      : candidates_(candidates), options_(options), refit_(refit), why_(candidates.size()) {}
+      : candidates_(candidates), given_(static_cast<int>(candidates.size())), options_(options), refit_(refit), why_(candidates.size()) {}
 
   Selection run() {
-    out_.problem = refit_({});
+    fit_again();
     judge_alone();
     while (static_cast<int>(chosen_.size()) < options_.most && step_forward()) step_back();
     finish();
@@ -53,23 +56,36 @@ class Search {
   bool significant(int c, const EffectTest& test) const { return test.seen > 0 && corrected(c, test) < options_.log10_level; }
 
   /// Candidates that are significant with the chosen ones free, the most significant first.
-  std::vector<int> calls() {
+  std::vector<std::pair<double, int>> calls() {
     std::vector<std::pair<double, int>> order;
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const int c = static_cast<int>(i);
       if (out_.alone[i].seen == 0 || std::count(chosen_.begin(), chosen_.end(), c) > 0) continue;
-      const EffectTest test = test_effect(out_.problem, candidates_[i], groups_but(-1));
+      EffectTest test = test_effect(out_.problem, candidates_[i], groups_but(-1));
+      if (!significant(c, test)) continue;
+      calm(c, &test);
       if (significant(c, test)) order.emplace_back(corrected(c, test), c);
     }
     std::sort(order.begin(), order.end());
-    std::vector<int> out;
-    for (const auto& entry : order) out.push_back(entry.second);
-    return out;
+    return order;
+  }
+
+  /// An effect whose value differs from piece to piece by more than its noise is judged against that.
+  void calm(int c, EffectTest* test) {
+    const double scatter = scatter_over_time(out_.problem, candidates_[c], groups_but(-1));
+    if (scatter <= 1) return;
+    test->statistic /= scatter;
+    test->log10_p = log10_upper_tail(test->statistic, test->seen);
+    if (!significant(c, *test)) why_[c] = "its value is not the same throughout the recording";
   }
 
   /// Accepts the most significant candidate that both halves tell of.
   bool step_forward() {
-    for (int c : calls()) {
+    const std::vector<std::pair<double, int>> order = calls();
+    const std::size_t before = chosen_.size();
+    offer_shift(order);
+    if (chosen_.size() > before) return true;
+    for (const auto& [p, c] : order) {
       const HalvesTest halves = test_halves(out_.problem, candidates_[c], groups_but(-1));
       if (halves.log10_p_disagree < options_.log10_disagree) {
         why_[c] = "the halves of the recording disagree about it (p = 1e" + number("%.0f", halves.log10_p_disagree) + ")";
@@ -79,11 +95,47 @@ class Search {
         why_[c] = "not needed beside the others";
       } else {
         chosen_.push_back(c);
-        out_.problem = refit_(chosen_);
+        fit_again();
         return true;
       }
     }
     return false;
+  }
+
+  /// The core knows the effects of the catalogue; a step is put on top of what it hands out.
+  void fit_again() {
+    std::vector<int> known;
+    for (int c : chosen_) {
+      if (c < given_) known.push_back(c);
+    }
+    out_.problem = refit_(known);
+    if (out_.shifted) out_.problem = with_shift(out_.problem, out_.shift);
+  }
+
+  /// A step that says more than every effect becomes one candidate more.
+  void offer_shift(const std::vector<std::pair<double, int>>& others) {
+    if (out_.shifted || shift_refused_) return;
+    const std::optional<Shift> step = best_shift(out_.problem, groups_but(-1));
+    if (!step) return;
+    const double p = step->test.log10_p + std::log10(step->trials);
+    if (p >= options_.log10_level || (!others.empty() && others.front().first <= p)) return;
+    const Problem without = out_.problem;
+    out_.problem = with_shift(without, *step);
+    const Candidate candidate = shift_candidate(out_.problem, *step);
+    const double scatter = scatter_over_time(out_.problem, candidate, groups_but(-1));
+    const HalvesTest halves = test_halves(out_.problem, candidate, groups_but(-1));
+    const double calm = log10_upper_tail(step->test.statistic / scatter, step->test.seen) + std::log10(step->trials);
+    if (calm >= options_.log10_level || halves.log10_p_disagree < options_.log10_disagree || !(halves.gain > 0)) {
+      out_.problem = without;
+      shift_refused_ = true;
+      return;
+    }
+    out_.shifted = true;
+    out_.shift = *step;
+    candidates_.push_back(candidate);
+    why_.emplace_back();
+    out_.alone.push_back(step->test);
+    chosen_.push_back(static_cast<int>(candidates_.size()) - 1);
   }
 
   bool dropped_before(int c) const { return std::count(dropped_.begin(), dropped_.end(), c) > 0; }
@@ -99,12 +151,14 @@ class Search {
       why_[c] = "not needed beside " + candidates_[chosen_.back()].name;
       dropped_.push_back(c);
       chosen_.erase(chosen_.begin() + static_cast<std::ptrdiff_t>(i));
-      out_.problem = refit_(chosen_);
+      if (c >= given_) out_.shifted = false;
+      fit_again();
       i = 0;
     }
   }
 
   void finish() {
+    out_.candidates = candidates_;
     for (int c : chosen_) out_.accepted.push_back({c, test_effect(out_.problem, candidates_[c], groups_but(c))});
     for (const Accepted& a : out_.accepted) find_rivals(a);
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
@@ -140,12 +194,14 @@ class Search {
     }
   }
 
-  const std::vector<Candidate>& candidates_;
+  std::vector<Candidate> candidates_;
+  int given_;
   const SelectionOptions& options_;
   const Refit& refit_;
   std::vector<std::string> why_;
   std::vector<int> chosen_, dropped_;
   int tested_ = 0;
+  bool shift_refused_ = false;
   Selection out_;
 };
 

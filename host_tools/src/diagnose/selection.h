@@ -26,12 +26,28 @@ struct Candidate {
   double handicap = 0;           ///< decades added to log10 p: how much less likely than the others it is beforehand
 };
 
+/// One segment by itself, over the same columns.
+struct Piece {
+  Rows rows;
+  double start_s = 0, end_s = 0;
+  bool held_out = false;
+};
+
+/// Entries of theta that a shock moves together.
+struct Block {
+  std::string name;
+  TermGroup columns;             ///< counted from theta's first
+  std::vector<double> size;      ///< plausible step
+};
+
 /// The rows of a recording, linearised at one fit. `train` and `held_out` are interleaved halves of it, joined in themselves.
 struct Problem {
   int n_theta = 0;
   Prior prior;
   Rows all, train, held_out;     ///< without the prior
   double noise = 1;              ///< variance of whitened residuals that is known to be noise
+  std::vector<Piece> pieces;     ///< in time order; empty: steps are not looked for
+  std::vector<Block> blocks;
 };
 
 /// What the rows say about one candidate when theta and others are free.
@@ -51,6 +67,10 @@ struct HalvesTest {
 };
 HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
 
+/// Where each piece has a value of its own, how much better is the fit? A chi-square number over its degrees of freedom, if
+/// the value is the same everywhere; 1 where chance explains it (p above 1 %), and without pieces.
+double scatter_over_time(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
+
 /// chi2/dof of the model with these effects free, at least 1 and at least the known noise.
 double dispersion(const Problem& problem, const std::vector<TermGroup>& free);
 
@@ -64,6 +84,14 @@ struct Accepted {
   int candidate = -1;
   EffectTest test;               ///< with the other accepted ones free
 };
+/// A step of one block of theta, found by a search over blocks and times.
+struct Shift {
+  Block block;
+  double time_s = 0, uncertainty_s = 0;
+  int trials = 0;                ///< blocks times instants that were compared
+  EffectTest test;
+};
+
 struct Rejected {
   int candidate = -1;
   std::string why;
@@ -79,6 +107,9 @@ struct Selection {
   std::vector<Rejected> rejected;
   std::vector<Pair> pairs;
   std::vector<int> cannot_tell;
+  std::vector<Candidate> candidates;  ///< as given, and behind them calibration_shift where one was tried
+  bool shifted = false;
+  Shift shift;                   ///< where `shifted`
   std::vector<EffectTest> alone; ///< each candidate by itself, at the first fit
 };
 
