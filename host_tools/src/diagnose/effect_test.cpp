@@ -73,7 +73,7 @@ double dispersion(const Problem& problem, const std::vector<TermGroup>& free) {
   const Rows rows = with_groups(with_prior(problem.all, problem.prior), problem.n_theta, free);
   const int n = rows.columns();
   const double dof = rows.dof - n, rho = rows.R(n, n);
-  return std::max({1.0, problem.noise, dof > 0 ? rho * rho / dof : 1.0});
+  return std::max(problem.noise, dof > 0 ? rho * rho / dof : 0);
 }
 
 EffectTest test_effect(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free) {

@@ -161,6 +161,9 @@ class Search {
     out_.candidates = candidates_;
     for (int c : chosen_) out_.accepted.push_back({c, test_effect(out_.problem, candidates_[c], groups_but(c))});
     for (const Accepted& a : out_.accepted) find_rivals(a);
+    for (const auto& [p, c] : calls()) {
+      out_.leftover = std::max(out_.leftover, test_effect(out_.problem, candidates_[c], groups_but(-1)).statistic);
+    }
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const int c = static_cast<int>(i);
       const bool was_chosen = std::count(chosen_.begin(), chosen_.end(), c) > 0;

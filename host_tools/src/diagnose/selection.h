@@ -5,10 +5,10 @@
 // units of the candidate's plausible sizes, R_ee diag(size) = U diag(g) V': a direction with gain g has been seen g times
 // better than the effect is large. Only directions with g >= kSeen count: s = sum (u_i' d)^2 over these, chi-square with as
 // many degrees of freedom. None: cannot tell. s is divided by the dispersion, chi2/dof of the model so far, where that is
-// above 1: noise that is larger than stated, or errors nobody has a name for, must not look like an effect.
+// above the known noise: errors that nobody has a name for must not look like an effect.
 //
 // A name needs more than a large s:
-//  - log10 p, corrected for the number of candidates (Bonferroni), below kLevel;
+//  - log10 p, corrected for the number of candidates (Bonferroni), below the level;
 //  - both halves of the recording tell the same value: |c_T - c_H|^2 in units of its covariance is chi-square;
 //  - the value from one half lowers the cost of the other half, in sum over both.
 #pragma once
@@ -45,7 +45,7 @@ struct Problem {
   int n_theta = 0;
   Prior prior;
   Rows all, train, held_out;     ///< without the prior
-  double noise = 1;              ///< variance of whitened residuals that is known to be noise
+  double noise = 1;              ///< variance of whitened residuals that is known to be noise; 1: as stated
   std::vector<Piece> pieces;     ///< in time order; empty: steps are not looked for
   std::vector<Block> blocks;
 };
@@ -71,7 +71,7 @@ HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const
 /// the value is the same everywhere; 1 where chance explains it (p above 1 %), and without pieces.
 double scatter_over_time(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
 
-/// chi2/dof of the model with these effects free, at least 1 and at least the known noise.
+/// chi2/dof of the model with these effects free, at least the known noise.
 double dispersion(const Problem& problem, const std::vector<TermGroup>& free);
 
 struct SelectionOptions {
@@ -108,6 +108,7 @@ struct Selection {
   std::vector<Pair> pairs;
   std::vector<int> cannot_tell;
   std::vector<Candidate> candidates;  ///< as given, and behind them calibration_shift where one was tried
+  double leftover = 0;           ///< largest statistic of a candidate that is significant at the end and was refused
   bool shifted = false;
   Shift shift;                   ///< where `shifted`
   std::vector<EffectTest> alone; ///< each candidate by itself, at the first fit
