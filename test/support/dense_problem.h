@@ -53,7 +53,7 @@ class DenseProblem {
     const int k = segments_[s - 1]->n_keyframes - 1;
     const State<double>&guest = segments_[s - 1]->states.x[k], &x = segment.states.x[0];
     if (how == Join::imu) {
-      add_link(segment.integrate(0, theta_.imu, guest.b_a, guest.b_g, model_.imu), guest, x, state_column(s - 1, k),
+      add_link(segment.integrate(0, theta_, guest.b_a, guest.b_g, model_.imu), guest, x, state_column(s - 1, k),
                state_column(s, 0));
       return;
     }
@@ -131,7 +131,7 @@ class DenseProblem {
     for (int k = 0; k < segment.n_keyframes; ++k) damp_state(state_column(s, k));
     for (int k = 0; k + 1 < segment.n_keyframes; ++k) {
       const State<double>*x = segment.states.x + k;
-      add_link(segment.integrate(k + 1, theta_.imu, x[0].b_a, x[0].b_g, model_.imu), x[0], x[1], state_column(s, k),
+      add_link(segment.integrate(k + 1, theta_, x[0].b_a, x[0].b_g, model_.imu), x[0], x[1], state_column(s, k),
                state_column(s, k + 1));
     }
     for (int j = 0; j < segment.n_landmarks; ++j) add_landmark(s, j);

@@ -1,0 +1,181 @@
+// The C API's side of effects: the catalogue, names and units of terms, and the rows that diagnosis works on.
+#include "api/handle.h"
+#include "sensors/effect_catalogue.h"
+
+namespace SEGCAL_NS {
+namespace {
+
+constexpr int kMostPower = 6;
+constexpr const char* kAxes[6] = {"gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"};
+constexpr const char* kSignalNames[kNamedSignals] = {"1", "wx", "wy", "wz", "|wx|", "|wy|", "|wz|", "|w|", "fx", "fy", "fz",
+                                                     "dwx", "dwy", "dwz", "T", "t"};
+/// Powers of rad, m, s and degC in a signal's unit.
+struct Dimension {
+  int rad, m, s, degC;
+};
+constexpr Dimension kDimension[kNamedSignals] = {{0, 0, 0, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0},
+                                                 {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {0, 1, -2, 0}, {0, 1, -2, 0},
+                                                 {0, 1, -2, 0}, {1, 0, -2, 0}, {1, 0, -2, 0}, {1, 0, -2, 0}, {0, 0, 0, 1},
+                                                 {0, 0, 1, 0}};
+
+/// Text into memory of a fixed size; what does not fit is cut off.
+class Writer {
+ public:
+  Writer(char* out, int size) : out_(out), left_(size - 1) { *out_ = 0; }
+  Writer& text(const char* s) {
+    for (; *s && left_ > 0; ++s, --left_) *out_++ = *s;
+    *out_ = 0;
+    return *this;
+  }
+  Writer& number(int n) {
+    const char digit[2] = {static_cast<char>('0' + n), 0};
+    return text(digit);
+  }
+
+ private:
+  char* out_;
+  int left_;
+};
+
+/// "rad^2 s^-1" and the like: at most four factors.
+void write_unit(const Dimension& d, Writer* out) {
+  const char* const name[4] = {"rad", "m", "s", "degC"};
+  const int power[4] = {d.rad, d.m, d.s, d.degC};
+  bool first = true;
+  for (int i = 0; i < 4; ++i) {
+    if (power[i] == 0) continue;
+    if (!first) out->text(" ");
+    first = false;
+    out->text(name[i]);
+    if (power[i] == 1) continue;
+    out->text(power[i] < 0 ? "^-" : "^").number(power[i] < 0 ? -power[i] : power[i]);
+  }
+  if (first) out->text("-");
+}
+
+void describe_product(const Term& t, Writer* name, Writer* unit) {
+  name->text(kAxes[int(t.kind)]).text(":").text(kSignalNames[t.a]);
+  if (t.b > 0) name->text("*").text(kSignalNames[t.b]);
+  const Dimension a = kDimension[t.a], b = kDimension[t.b];
+  const bool gyro = t.of_gyro();
+  write_unit({(gyro ? 1 : 0) - a.rad - b.rad, (gyro ? 0 : 1) - a.m - b.m, (gyro ? -1 : -2) - a.s - b.s, -a.degC - b.degC}, unit);
+}
+
+void describe_powers(const Term& t, Writer* name, Writer* unit) {
+  name->text(t.kind == TermKind::image_u ? "image_u:" : "image_v:");
+  const char* const factor[3] = {"x", "y", "row"};
+  const int power[3] = {t.a, t.b, t.c};
+  bool first = true;
+  for (int i = 0; i < 3; ++i) {
+    if (power[i] == 0) continue;
+    if (!first) name->text("*");
+    first = false;
+    name->text(factor[i]);
+    if (power[i] > 1) name->text("^").number(power[i]);
+  }
+  if (first) name->text("1");
+  unit->text("-");
+}
+
+}  // namespace
+
+void describe(const Term& term, segcal_parameter_t* out) {
+  Writer name(out->name, SEGCAL_NAME_LENGTH), unit(out->unit, SEGCAL_UNIT_LENGTH);
+  out->prior_sigma = term_prior_sigma(term);
+  int effect, parameter;
+  if (find_effect(term, &effect, &parameter)) {
+    name.text(effect_entry(effect).name).text(".").text(effect_entry(effect).parameter[parameter]);
+    unit.text(effect_entry(effect).unit);
+  } else if (term.of_image()) {
+    describe_powers(term, &name, &unit);
+  } else {
+    describe_product(term, &name, &unit);
+  }
+}
+
+bool term_from_c(const segcal_term_t& in, Term* out) {
+  *out = {static_cast<TermKind>(in.kind), in.a, in.b, in.c};
+  int effect, parameter;
+  if (in.kind > SEGCAL_TERM_IMAGE_V) return false;
+  if (in.kind >= SEGCAL_TERM_IMAGE_U) return in.a <= kMostPower && in.b <= kMostPower && in.c <= kMostPower;
+  if (in.kind <= SEGCAL_TERM_ACCEL_Z) return in.a < kNamedSignals && in.b < kNamedSignals && in.c == 0;
+  return find_effect(*out, &effect, &parameter);
+}
+
+segcal_term_t term_to_c(const Term& term) { return {static_cast<std::uint8_t>(term.kind), term.a, term.b, term.c}; }
+
+}  // namespace SEGCAL_NS
+
+using namespace SEGCAL_NS;
+
+extern "C" {
+
+int segcal_get_effect(int32_t index, segcal_effect_t* out) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  if (index < 0 || index >= kEffects) return SEGCAL_ERROR_SIZE;
+  const EffectEntry& e = effect_entry(index);
+  *out = segcal_effect_t{e.name, e.n, {}, e.unit, e.prior_sigma, e.looks_like, e.confounded};
+  for (int i = 0; i < e.n; ++i) out->parameter[i] = e.parameter[i];
+  return SEGCAL_OK;
+}
+
+int segcal_effect_terms(int32_t index, segcal_term_t* out) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  if (index < 0 || index >= kEffects) return SEGCAL_ERROR_SIZE;
+  for (int i = 0; i < effect_entry(index).n; ++i) out[i] = term_to_c(effect_term(index, i));
+  return effect_entry(index).n;
+}
+
+int segcal_describe_term(const segcal_term_t* term, segcal_parameter_t* out) {
+  if (!term || !out) return SEGCAL_ERROR_NULL;
+  Term t;
+  if (!term_from_c(*term, &t)) return SEGCAL_ERROR_CONFIG;
+  *out = segcal_parameter_t{};
+  describe(t, out);
+  return SEGCAL_OK;
+}
+
+int segcal_get_terms(const segcal_t* device, segcal_term_t* term, double* value, int32_t capacity) {
+  if (!term || !value) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  const EffectTerms<Real>& effects = d->device.theta().effects;
+  const int n = effects.count() < capacity ? effects.count() : capacity;
+  for (int i = 0; i < n; ++i) {
+    term[i] = term_to_c(effects.term[i]);
+    value[i] = static_cast<double>(effects.value[i]);
+  }
+  return n;
+}
+
+int segcal_linearise(segcal_t* device, const uint8_t* use_slot, const segcal_term_t* candidate, int32_t n_candidates,
+                     double* triangle, int32_t capacity, int32_t* n_theta, int32_t* n_terms, int32_t* dof) {
+  if (!use_slot || !triangle || !n_theta || !n_terms || !dof || (!candidate && n_candidates > 0)) return SEGCAL_ERROR_NULL;
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  const int n = d->device.theta().columns(), taken = d->device.theta().effects.count();
+  if (n_candidates < 0 || n_candidates + taken > SEGCAL_MAX_EFFECT_COLUMNS) return SEGCAL_ERROR_SIZE;
+  if (capacity < packed_size(n + n_candidates + 1)) return SEGCAL_ERROR_SIZE;
+  CandidateTerms terms;
+  for (; terms.n < n_candidates; ++terms.n) {
+    if (!term_from_c(candidate[terms.n], &terms.term[terms.n])) return SEGCAL_ERROR_CONFIG;
+    if (d->device.theta().effects.place_of(terms.term[terms.n]) >= 0) return SEGCAL_ERROR_CONFIG;
+  }
+  int used = 0;
+  for (int i = 0; i <= SEGCAL_MAX_SEGMENTS; ++i) {
+    if (!use_slot[i]) continue;
+    if (!find_slot(*d, i)) return SEGCAL_ERROR_STATE;
+    ++used;
+  }
+  if (used == 0) return SEGCAL_ERROR_STATE;
+  const Real freedom = d->device.linearise(use_slot, terms);
+  const PackedTriangle<Real> T = d->device.calibrator().theta_triangle();
+  const Real* from = T.row(0);
+  for (int i = 0; i < packed_size(T.columns()); ++i) triangle[i] = static_cast<double>(from[i]);
+  *n_theta = n;
+  *n_terms = n_candidates;
+  *dof = static_cast<int32_t>(freedom + Real(0.5));
+  return SEGCAL_OK;
+}
+
+}  // extern "C"
