@@ -73,7 +73,7 @@ Structure hold_against(const ResidualList& list, Cause cause, const std::vector<
     v -= mean;
     variance += v * v / n;
   }
-  Structure out{list.sensor, list.axis, words_of(cause), 0, 0, {}, {}, {}};
+  Structure out{list.sensor, list.axis, words_of(cause), unit_of(cause), 0, 0, {}, {}, {}};
   const double between = between_bins(centred, x, variance, &out), rho = correlation(value_rank, ranks_of(x));
   const double p_rank = log10_upper_tail(rho * rho * n * shrink, 1), p_bins = log10_upper_tail(between / variance * shrink, kBins - 1);
   out.correlation = p_rank <= p_bins ? rho : std::sqrt(between / (variance * n));

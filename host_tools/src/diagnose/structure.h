@@ -10,7 +10,7 @@
 namespace host::diagnosis {
 
 struct Structure {
-  std::string sensor, axis, against;
+  std::string sensor, axis, against, unit;
   double correlation = 0;        ///< rank correlation; of the bins where those say more: the share of the spread, unsigned
   double log10_p = 0;            ///< corrected for the number of tests
   std::vector<double> bin_cause, bin_mean, bin_sigma;  ///< for the report: cause, mean residual and its sigma
