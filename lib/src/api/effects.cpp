@@ -148,6 +148,31 @@ int segcal_get_terms(const segcal_t* device, segcal_term_t* term, double* value,
   return n;
 }
 
+int segcal_get_effect_scores(segcal_t* device, segcal_effect_score_t* out, int32_t capacity) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  EffectMonitor<Real>& monitor = d->device.monitor();
+  int n = 0;
+  for (int e = 0; e < kEffects && n < capacity; ++e) {
+    const int parameters = monitor.active() ? monitor.parameters(e) : 0;
+    if (parameters == 0) continue;
+    const EffectScore<Real> score = d->device.effect_score(e);
+    segcal_effect_score_t& to = out[n++] = segcal_effect_score_t{};
+    to.effect = e;
+    to.n_parameters = parameters;
+    to.dof = score.dof;
+    to.segments = monitor.segments();
+    to.statistic = static_cast<double>(score.statistic);
+    to.chi2_per_dof = static_cast<double>(monitor.chi2_per_dof());
+    for (int i = 0; i < parameters; ++i) {
+      to.estimate[i] = static_cast<double>(score.estimate[i]);
+      to.sigma[i] = static_cast<double>(score.sigma(i, parameters));
+    }
+  }
+  return n;
+}
+
 int segcal_linearise(segcal_t* device, const uint8_t* use_slot, const segcal_term_t* candidate, int32_t n_candidates,
                      double* triangle, int32_t capacity, int32_t* n_theta, int32_t* n_terms, int32_t* dof) {
   if (!use_slot || !triangle || !n_theta || !n_terms || !dof || (!candidate && n_candidates > 0)) return SEGCAL_ERROR_NULL;
