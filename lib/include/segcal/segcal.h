@@ -368,6 +368,19 @@ int segcal_describe_term(const segcal_term_t *term, segcal_parameter_t *out);
 /* Values of theta's terms, as segcal_get_camera gives the camera's: fill up to `capacity`, return their number. */
 int segcal_get_terms(const segcal_t *device, segcal_term_t *term, double *value, int32_t capacity);
 
+/* Score tests of the watched effects over all segments scored since the last calibration: would the effect, alone, explain
+ * the residuals? Fills up to `capacity`, returns their number. The segments stand where the filter left them: take a
+ * statistic far above its degrees of freedom times chi2_per_dof as a suspicion. */
+typedef struct {
+  int32_t effect;                              /* index, as of segcal_get_effect */
+  int32_t n_parameters, dof;                   /* dof: parameters that these segments can tell from theta */
+  int32_t segments;
+  double statistic;                            /* chi-square with dof degrees of freedom if the effect is absent */
+  double chi2_per_dof;                         /* of the residuals with all watched effects free */
+  double estimate[SEGCAL_EFFECT_PARAMETERS], sigma[SEGCAL_EFFECT_PARAMETERS];
+} segcal_effect_score_t;
+int segcal_get_effect_scores(segcal_t *device, segcal_effect_score_t *out, int32_t capacity);
+
 /* Square-root rows over [theta | candidates | residual] of the kept slots with use_slot[slot] != 0 (SEGCAL_MAX_SEGMENTS + 1
  * entries), joined as a calibration joins them, everything else eliminated, linearised at the present states and result and
  * WITHOUT the prior on theta: the cost of these segments is |R delta - d|^2 + rho^2. `triangle`: packed upper triangle,

@@ -55,9 +55,11 @@
 
 /* Terms of effects: the copies of theta, and sigmas and verdicts beside it. */
 #define SEGCAL_EFFECT_BYTES ((SEGCAL_MAX_EFFECT_ESTIMATES + 1u) * (10u * (4u + SEGCAL_REAL_BYTES) + 12u * SEGCAL_REAL_BYTES) + 256u)
+/* The score tests' running triangle. */
+#define SEGCAL_MONITOR_BYTES (SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 4u * SEGCAL_MAX_EFFECT_COLUMNS + 768u)
 
 #define SEGCAL_STORAGE_BYTES                                                                                           \
   (SEGCAL_DATABASE_BYTES + SEGCAL_FILTER_BYTES + SEGCAL_ELIMINATION_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_INPUT_BYTES + \
-   SEGCAL_EFFECT_BYTES + 2048u)
+   SEGCAL_EFFECT_BYTES + SEGCAL_MONITOR_BYTES + 2048u)
 
 #endif

@@ -16,6 +16,8 @@
 #define segcal_get_camera SEGCAL_NAME(get_camera)
 #define segcal_get_counters SEGCAL_NAME(get_counters)
 #define segcal_get_effect SEGCAL_NAME(get_effect)
+#define segcal_get_effect_scores SEGCAL_NAME(get_effect_scores)
+#define segcal_effect_score_t SEGCAL_NAME(effect_score_t)
 #define segcal_get_terms SEGCAL_NAME(get_terms)
 #define segcal_linearise SEGCAL_NAME(linearise)
 #define segcal_get_direction SEGCAL_NAME(get_direction)

@@ -94,6 +94,10 @@ bool effects_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
     }
     ++wanted.n;
   }
+  int columns = wanted.n;
+  for (int e = 0; e < kEffects; ++e) columns += (c.watch_effects & ~c.estimate_effects) >> e & 1 ? effect_entry(e).n : 0;
+  if (columns > SEGCAL_MAX_EFFECT_COLUMNS) return false;
+  out->watch_effects = c.watch_effects;
   for (int i = 0; i < wanted.n; ++i) {
     if (!is_finite(c.term_value[i])) return false;
     effects.add(wanted.term[i], Real(c.term_value[i]));

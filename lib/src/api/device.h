@@ -9,6 +9,7 @@
 #include "calibration/agreement.h"
 #include "calibration/calibrator.h"
 #include "database/database.h"
+#include "diagnosis/effect_monitor.h"
 #include "information/metrics.h"
 #include "segments/boundary.h"
 #include "segments/builder.h"
@@ -32,6 +33,7 @@ struct DeviceOptions {
   S least_gain = S(14);
   std::uint64_t seed = 0;
   bool has_temperature = false;
+  std::uint32_t watch_effects = 0;  ///< bit e: the score test asks each scored segment about effect e
   bool joint_filter = false;    ///< the filter's own calibration is the result; no segments
   S outdated_level = S(1e-3);   ///< probability that a calibration drops segments although theta is the same; 0: never drops any
 };
@@ -83,6 +85,12 @@ class Device {
   const Database<S>& database() const { return database_; }
   /// Over theta, its sigmas, all states so far and the kept segments (api/result_hash.h).
   std::uint64_t result_hash() const;
+  EffectMonitor<S>& monitor() { return monitor_; }
+  /// Of a watched effect; in the eliminator's memory.
+  EffectScore<S> effect_score(int effect) {
+    static_assert(ScoreTest<S>::scratch_size(kMaxEffectColumns) <= ReducedSystem<S>::kScratch, "the eliminator has too little to lend");
+    return monitor_.score(effect, eliminator_.reduced().scratch());
+  }
   const FaultCounts& faults() const { return faults_; }
   const VioStatistics& vio_statistics() const { return vio_.statistics(); }
   const BuilderCounts& builder_counts() const { return builder_.counts(); }
@@ -138,6 +146,7 @@ class Device {
   Liveliness<S> liveliness_;
   SegmentEliminator<S> eliminator_;
   Calibrator<S> calibrator_;
+  EffectMonitor<S> monitor_;
   InformationAnalysis<S> analysis_, joint_;
   Release<S> release_;
   FaultCounts faults_;

@@ -42,6 +42,7 @@ void Device<S>::calibrate() {
     return;
   }
   theta_ = release_.theta;
+  monitor_.reset(prior_, theta_);
   use_stamp_shift();
   if (vio_.initialised()) vio_.set_calibration(theta_);
 }

@@ -74,13 +74,14 @@ void Device<S>::score() {
   GuestLink<S> alone;
   const Calibration<S> theta = working_theta();
   segment.turned_only = segment.wide_depth_prior = !translation_shows(segment, theta, options_.model);
-  eliminator_.eliminate(segment, alone, theta, options_.model, S(0));
+  eliminator_.eliminate(segment, alone, theta, options_.model, S(0), monitor_.candidates());
   eliminator_.extract(&segment.information);
   analyse(segment.information, prior_.sigma, &analysis_);
   segment.metrics = metrics_of(&analysis_, prior_.sigma, options_.sigma_ref);
   last_ = summary_of(segment);
   const bool settled = follows_its_imu(segment, theta, options_.model);
   if (!settled) ++faults_.segments_unsettled;
+  if (settled) monitor_.add(&eliminator_, theta);
   JointInformation<S> joint = joint_information();
   last_.kept = settled && database_.offer(&joint);
   if (last_.kept && !knew_enough_ && knows_enough()) {

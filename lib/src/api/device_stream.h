@@ -24,6 +24,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   last_ = SegmentSummary<S>{};
   calibrated_ = calibration_due_ = knew_enough_ = own_odometry_ = false;
   stamp_shift_ns_ = stamp_shift(theta_);
+  monitor_.begin(options.watch_effects, prior_, theta_);
   vio_.reset(theta_, vio_options());
   restart_filter();
 }

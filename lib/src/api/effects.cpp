@@ -1,96 +1,17 @@
 // The C API's side of effects: the catalogue, names and units of terms, and the rows that diagnosis works on.
 #include "api/handle.h"
-#include "sensors/effect_catalogue.h"
+#include "sensors/effect_names.h"
 
 namespace SEGCAL_NS {
 namespace {
 
 constexpr int kMostPower = 6;
-constexpr const char* kAxes[6] = {"gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"};
-constexpr const char* kSignalNames[kNamedSignals] = {"1", "wx", "wy", "wz", "|wx|", "|wy|", "|wz|", "|w|", "fx", "fy", "fz",
-                                                     "dwx", "dwy", "dwz", "T", "t"};
-/// Powers of rad, m, s and degC in a signal's unit.
-struct Dimension {
-  int rad, m, s, degC;
-};
-constexpr Dimension kDimension[kNamedSignals] = {{0, 0, 0, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0},
-                                                 {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {0, 1, -2, 0}, {0, 1, -2, 0},
-                                                 {0, 1, -2, 0}, {1, 0, -2, 0}, {1, 0, -2, 0}, {1, 0, -2, 0}, {0, 0, 0, 1},
-                                                 {0, 0, 1, 0}};
-
-/// Text into memory of a fixed size; what does not fit is cut off.
-class Writer {
- public:
-  Writer(char* out, int size) : out_(out), left_(size - 1) { *out_ = 0; }
-  Writer& text(const char* s) {
-    for (; *s && left_ > 0; ++s, --left_) *out_++ = *s;
-    *out_ = 0;
-    return *this;
-  }
-  Writer& number(int n) {
-    const char digit[2] = {static_cast<char>('0' + n), 0};
-    return text(digit);
-  }
-
- private:
-  char* out_;
-  int left_;
-};
-
-/// "rad^2 s^-1" and the like: at most four factors.
-void write_unit(const Dimension& d, Writer* out) {
-  const char* const name[4] = {"rad", "m", "s", "degC"};
-  const int power[4] = {d.rad, d.m, d.s, d.degC};
-  bool first = true;
-  for (int i = 0; i < 4; ++i) {
-    if (power[i] == 0) continue;
-    if (!first) out->text(" ");
-    first = false;
-    out->text(name[i]);
-    if (power[i] == 1) continue;
-    out->text(power[i] < 0 ? "^-" : "^").number(power[i] < 0 ? -power[i] : power[i]);
-  }
-  if (first) out->text("-");
-}
-
-void describe_product(const Term& t, Writer* name, Writer* unit) {
-  name->text(kAxes[int(t.kind)]).text(":").text(kSignalNames[t.a]);
-  if (t.b > 0) name->text("*").text(kSignalNames[t.b]);
-  const Dimension a = kDimension[t.a], b = kDimension[t.b];
-  const bool gyro = t.of_gyro();
-  write_unit({(gyro ? 1 : 0) - a.rad - b.rad, (gyro ? 0 : 1) - a.m - b.m, (gyro ? -1 : -2) - a.s - b.s, -a.degC - b.degC}, unit);
-}
-
-void describe_powers(const Term& t, Writer* name, Writer* unit) {
-  name->text(t.kind == TermKind::image_u ? "image_u:" : "image_v:");
-  const char* const factor[3] = {"x", "y", "row"};
-  const int power[3] = {t.a, t.b, t.c};
-  bool first = true;
-  for (int i = 0; i < 3; ++i) {
-    if (power[i] == 0) continue;
-    if (!first) name->text("*");
-    first = false;
-    name->text(factor[i]);
-    if (power[i] > 1) name->text("^").number(power[i]);
-  }
-  if (first) name->text("1");
-  unit->text("-");
-}
 
 }  // namespace
 
 void describe(const Term& term, segcal_parameter_t* out) {
-  Writer name(out->name, SEGCAL_NAME_LENGTH), unit(out->unit, SEGCAL_UNIT_LENGTH);
   out->prior_sigma = term_prior_sigma(term);
-  int effect, parameter;
-  if (find_effect(term, &effect, &parameter)) {
-    name.text(effect_entry(effect).name).text(".").text(effect_entry(effect).parameter[parameter]);
-    unit.text(effect_entry(effect).unit);
-  } else if (term.of_image()) {
-    describe_powers(term, &name, &unit);
-  } else {
-    describe_product(term, &name, &unit);
-  }
+  write_term_name(term, out->name, SEGCAL_NAME_LENGTH, out->unit, SEGCAL_UNIT_LENGTH);
 }
 
 bool term_from_c(const segcal_term_t& in, Term* out) {
@@ -144,6 +65,31 @@ int segcal_get_terms(const segcal_t* device, segcal_term_t* term, double* value,
   for (int i = 0; i < n; ++i) {
     term[i] = term_to_c(effects.term[i]);
     value[i] = static_cast<double>(effects.value[i]);
+  }
+  return n;
+}
+
+int segcal_get_effect_scores(segcal_t* device, segcal_effect_score_t* out, int32_t capacity) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  EffectMonitor<Real>& monitor = d->device.monitor();
+  int n = 0;
+  for (int e = 0; e < kEffects && n < capacity; ++e) {
+    const int parameters = monitor.active() ? monitor.parameters(e) : 0;
+    if (parameters == 0) continue;
+    const EffectScore<Real> score = d->device.effect_score(e);
+    segcal_effect_score_t& to = out[n++] = segcal_effect_score_t{};
+    to.effect = e;
+    to.n_parameters = parameters;
+    to.dof = score.dof;
+    to.segments = monitor.segments();
+    to.statistic = static_cast<double>(score.statistic);
+    to.chi2_per_dof = static_cast<double>(monitor.chi2_per_dof());
+    for (int i = 0; i < parameters; ++i) {
+      to.estimate[i] = static_cast<double>(score.estimate[i]);
+      to.sigma[i] = static_cast<double>(score.sigma(i, parameters));
+    }
   }
   return n;
 }
