@@ -120,7 +120,7 @@ void mark_kept(ReplayResult& out) {
 ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions& options) {
   CoreOptions core_options = options.core;
   core_options.joint_ekf = options.joint_ekf;
-  const std::unique_ptr<Core> core = make_core(options.profile, core_options);
+  std::unique_ptr<Core> core = make_core(options.profile, core_options);
   ReplayResult out;
   out.noise = options.core.noise;
   Session session(*core, out, options.calibrate && options.core.trigger_fraction > 0);
@@ -145,6 +145,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   out.timing.vio_ms_p95 = quantile(session.frame_ms, 0.95);
   out.timing.score_ms_median = quantile(session.score_ms, 0.5);
   mark_kept(out);
+  if (options.keep_core) *options.keep_core = std::move(core);
   return out;
 }
 

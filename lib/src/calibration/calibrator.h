@@ -37,6 +37,16 @@ class Calibrator {
   /// states are moved by run().
   void begin(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
              const MeasurementModel<S>& model);
+  /// The same where a calibration was made from exactly these segments: its fit stays as it is.
+  void continue_with(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
+                     const MeasurementModel<S>& model) {
+    bool same = count == count_;
+    for (int i = 0; i < count && same; ++i) same = segment_[i] == segments[i];
+    if (same) return;
+    const CalibrationFit<S> fit = fit_;
+    begin(segments, count, prior, theta, model);
+    fit_ = fit;
+  }
   /// Iterates to convergence.
   void run(const CalibratorOptions& options, SegmentEliminator<S>* eliminator);
 
@@ -79,11 +89,17 @@ class Calibrator {
   }
   const MeasurementModel<S>& model() const { return model_; }
   /// Eliminates everything at the present estimate without moving it.
-  void linearise(SegmentEliminator<S>* eliminator, S damping);
+  void linearise(SegmentEliminator<S>* eliminator, S damping) { linearise(eliminator, damping, nullptr, true); }
+  /// Rows [theta | candidates | rhs] of some of the segments, joined as a calibration would join them, at the present
+  /// estimate and without the prior on theta; all else stays as it was. They stand in theta_triangle() until the next call
+  /// of anything. Returns the degrees of freedom, theta and candidates not counted.
+  S rows_of(const bool* use, const CandidateTerms& candidates, SegmentEliminator<S>* eliminator);
   /// Robust, at the present estimate, with all priors.
   S total_cost();
 
  private:
+  void linearise(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates, bool with_prior);
+  void link_up();
   void form_partitions();
   GuestLink<S> guest(int i);
   const Landmark<S>& tie(int t) const;
@@ -120,9 +136,14 @@ void Calibrator<S>::begin(Segment<S>* const* segments, int count, const ThetaPri
   theta_ = theta;
   model_ = model;
   fit_ = CalibrationFit<S>{};
-  for (int i = 0; i < count; ++i) {
-    segment_[i] = segments[i];
-    link_[i] = i > 0 ? link_between(*segments[i - 1], *segments[i]) : SegmentLink<S>{};
+  for (int i = 0; i < count; ++i) segment_[i] = segments[i];
+  link_up();
+}
+
+template <class S>
+void Calibrator<S>::link_up() {
+  for (int i = 0; i < count_; ++i) {
+    link_[i] = i > 0 ? link_between(*segment_[i - 1], *segment_[i]) : SegmentLink<S>{};
     if (i > 0) link_[i - 1].passes_on = link_[i].join != Join::none;
   }
   form_partitions();
@@ -174,10 +195,11 @@ S Calibrator<S>::tie_prior_share(int t) const {
 }
 
 template <class S>
-void Calibrator<S>::linearise(SegmentEliminator<S>* eliminator, S damping) {
+void Calibrator<S>::linearise(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates, bool with_prior) {
   const int ties = partitions_.ties().count();
-  global_.begin(ties, theta_.columns());
-  global_.clear_to_prior(prior_, theta_);
+  global_.begin(ties, theta_.columns() + (candidates ? candidates->count() : 0));
+  global_.triangle().clear();
+  if (with_prior) global_.clear_to_prior(prior_, theta_);
   for (int t = 0; t < ties; ++t) global_.add_tie(t, tie(t), model_, damping);
   PackedTriangle<S> G = global_.triangle();
   chain_.begin(global_.columns());
@@ -186,11 +208,40 @@ void Calibrator<S>::linearise(SegmentEliminator<S>* eliminator, S damping) {
   for (int t = 0; t < ties; ++t) fit_.dof -= S(kLandmarkColumns) - tie_prior_share(t);
   for (int i = 0; i < count_; ++i) {
     segment_[i]->turned_only = !translation_shows(*segment_[i], theta_, model_);
-    eliminator->eliminate(*segment_[i], guest(i), theta_, model_, damping);
-    chain_.add(eliminator, link_[i].join != Join::none, link_[i].passes_on, i > 0 ? &left_[i - 1] : nullptr, &G);
+    eliminator->eliminate(*segment_[i], guest(i), theta_, model_, damping, candidates);
+    LeftRows<S>* left = i > 0 && !candidates ? &left_[i - 1] : nullptr;
+    chain_.add(eliminator, link_[i].join != Join::none, link_[i].passes_on, left, &G);
     fit_.image_points += eliminator->counts().image_points;
     fit_.dof += S(eliminator->counts().residuals - eliminator->counts().unknowns) + eliminator->prior_share();
   }
+}
+
+template <class S>
+S Calibrator<S>::rows_of(const bool* use, const CandidateTerms& candidates, SegmentEliminator<S>* eliminator) {
+  Segment<S>* all[kMaxSegments];
+  bool turned_only[kMaxSegments];
+  const int count = count_;
+  const CalibrationFit<S> fit = fit_;
+  save();   // ties of other partitions give landmarks other values
+  count_ = 0;
+  for (int i = 0; i < count; ++i) {
+    all[i] = segment_[i];
+    turned_only[i] = all[i]->turned_only;
+    if (use[i]) segment_[count_++] = all[i];
+  }
+  link_up();
+  linearise(eliminator, S(0), &candidates, false);
+  const S dof = count_ > 0 ? fit_.dof + S(theta_.columns()) : S(0);
+  for (int i = 0; i < count; ++i) {
+    segment_[i] = all[i];
+    all[i]->turned_only = turned_only[i];
+  }
+  count_ = count;
+  restore();
+  link_up();
+  restore();
+  fit_ = fit;
+  return dof;
 }
 
 template <class S>

@@ -39,9 +39,9 @@ template <class S>
 class SegmentEliminator {
  public:
   /// Linearises `segment` at its states and at theta. `damping` (square root of the Levenberg-Marquardt lambda) keeps
-  /// the step of states and landmarks small; 0 for none.
+  /// the step of states and landmarks small; 0 for none. `candidates`: terms that get columns behind theta's.
   void eliminate(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                 const MeasurementModel<S>& model, S damping);
+                 const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates = nullptr);
 
   /// What is left, and where its columns stand.
   ReducedSystem<S>& reduced() { return reduced_; }
@@ -49,14 +49,19 @@ class SegmentEliminator {
   const EliminationCounts& counts() const { return counts_; }
   S prior_share() const { return prior_share_; }
 
-  /// Copies the rows of theta; for a segment without ties.
+  /// Copies the rows of theta; for a segment without ties. Candidates are held at zero.
   void extract(SegmentInformation<S>* out);
+  /// Row i of [theta | candidates | rhs] for a segment without ties, 0 <= i <= wide_theta(): all that it says about them.
+  const S* wide_row(int i) {
+    reduced_.global_row(i, step_);
+    return step_;
+  }
 
   // A step: [keyframes 15 K | guest 15, where joined | theta | the segment's ties].
   int last_column() const { return kStateColumns * (layout().keyframes - 1); }
   int guest_column() const { return kStateColumns * layout().keyframes; }
   int theta_column() const { return guest_column() + layout().guest_columns; }
-  int tie_column() const { return theta_column() + layout().n_theta; }
+  int tie_column() const { return theta_column() + layout().wide_theta(); }
 
   /// Back-substitution after eliminate() with the same arguments: entries of `step` from `known` on (last_column(),
   /// guest_column() or theta_column()) are given, the others are filled in.
@@ -74,6 +79,8 @@ class SegmentEliminator {
                  const MeasurementModel<S>& model, S damping);
   void start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                    const MeasurementModel<S>& model);
+  void lay_out(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta, const CandidateTerms* candidates);
+  void add_term(const Term& t, ReducedLayout* layout);
   void spread_step(const S* step);
   void spread_linked(const S* step);
 
@@ -82,6 +89,9 @@ class SegmentEliminator {
   LandmarkBlock<S> landmark_;
   VelocityBiasChain<S> chain_;
   ReducedSystem<S> reduced_;
+  ImuTermColumns<S> imu_terms_;
+  Term camera_term_[kMaxEffectColumns + 1];
+  int n_theta_ = 0;          // without candidates
   S step_[kReducedColumns];  // in the reduced layout
 };
 
@@ -97,26 +107,48 @@ constexpr S kTypicalLandmarkStep = S(0.02);
 
 template <class S>
 void SegmentEliminator<S>::eliminate(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                                     const MeasurementModel<S>& model, S damping) {
-  ReducedLayout layout;
-  layout.keyframes = segment.n_keyframes;
-  layout.guest_columns = guest.join == Join::none ? 0 : kStateColumns;
-  layout.n_theta = theta.columns();
-  layout.tied = guest.tied;
-  reduced_.begin(layout);
+                                     const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates) {
+  lay_out(segment, guest, theta, candidates);
   counts_ = EliminationCounts{};
   prior_share_ = S(0);
   fold_landmarks(segment, theta, model, damping);
   if (guest.holds_gauge()) hold_gauge(segment.states.x[0], model);
-  for (int k = 0; k < layout.keyframes; ++k) damp_pose(k, damping);
-  chain_.begin(nullptr);
+  for (int k = 0; k < layout().keyframes; ++k) damp_pose(k, damping);
+  chain_.begin(nullptr, layout());
   run_chain(segment, guest, theta, model, damping);
   chain_.finish(&reduced_);
   // Gauge, bias prior and damping are no residuals; the bias walk over a gap is.
   counts_.unknowns -= (guest.holds_gauge() ? 4 : 0) + (guest.join == Join::none ? 6 : 0);
   counts_.residuals += guest.join == Join::bias ? 6 : 0;
   counts_.residuals += 2 * counts_.image_points + 15 * chain_.links();
-  counts_.unknowns += 3 * counts_.landmarks + kStateColumns * layout.keyframes;
+  counts_.unknowns += 3 * counts_.landmarks + kStateColumns * layout().keyframes;
+}
+
+template <class S>
+void SegmentEliminator<S>::lay_out(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                                   const CandidateTerms* candidates) {
+  ReducedLayout layout;
+  layout.keyframes = segment.n_keyframes;
+  layout.guest_columns = guest.join == Join::none ? 0 : kStateColumns;
+  layout.sensor_cameras = theta.imu_column();
+  layout.tied = guest.tied;
+  imu_terms_.n = 0;
+  n_theta_ = theta.columns();
+  for (int i = 0; i < theta.effects.count(); ++i) add_term(theta.effects.term[i], &layout);
+  for (int i = 0; candidates && i < candidates->count(); ++i) add_term(candidates->term[i], &layout);
+  reduced_.begin(layout);
+}
+
+/// What does not fit any more has no column.
+template <class S>
+void SegmentEliminator<S>::add_term(const Term& t, ReducedLayout* layout) {
+  if (layout->terms >= kMaxEffectColumns) return;
+  if (t.of_imu()) {
+    imu_terms_.term[imu_terms_.n++] = t;
+  } else {
+    camera_term_[layout->camera_terms] = t;
+  }
+  layout->add_term(t);
 }
 
 template <class S>
@@ -127,7 +159,7 @@ void SegmentEliminator<S>::fold_landmarks(const Segment<S>& segment, const Calib
   for (int last = 0; last < segment.n_keyframes; ++last) {
     for (int j = 0; j < segment.n_landmarks; ++j) {
       if (segment.last_keyframe(j) != last || layout().tied.place_of(j) >= 0) continue;
-      LandmarkFit<S> fit = landmark_.build(segment, j, theta, model, layout(), landmark_damping);
+      LandmarkFit<S> fit = landmark_.build(segment, j, theta, model, layout(), camera_term_, landmark_damping);
       if (fit.used < 2) continue;
       landmark_.eliminate(&fit);
       reduced_.fold_visual(landmark_.rest(), fit.rows - kLandmarkColumns, landmark_.stride(), fit.first_keyframe,
@@ -145,7 +177,7 @@ void SegmentEliminator<S>::fold_landmarks(const Segment<S>& segment, const Calib
 template <class S>
 void SegmentEliminator<S>::fold_ties(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model) {
   for (int t = 0; t < layout().tied.n; ++t) {
-    const LandmarkFit<S> fit = landmark_.build_tied(segment, t, theta, model, layout());
+    const LandmarkFit<S> fit = landmark_.build_tied(segment, t, theta, model, layout(), camera_term_);
     if (fit.used == 0) continue;
     reduced_.fold_visual(landmark_.tied_rows(), fit.rows, landmark_.stride(), fit.first_keyframe,
                          fit.last_keyframe, true);
@@ -181,11 +213,12 @@ void SegmentEliminator<S>::run_chain(const Segment<S>& segment, const GuestLink<
       chain_.add_scalar(c - kPoseColumns, damping / typical_step<S>(c), S(0), &reduced_);
     }
     if (k + 1 == segment.n_keyframes) break;
-    const ImuIntegral<S> I = segment.integrate(k + 1, theta.imu, x[k].b_a, x[k].b_g, model.imu);
+    const ImuIntegral<S> I = segment.integrate(k + 1, theta, x[k].b_a, x[k].b_g, model.imu, &imu_terms_);
     ImuRows<S> rows;
     link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model.g, &rows);
-    whiten(I, model.imu, &rows);
-    chain_.add_link(rows, &reduced_);
+    link_term_columns(rows, &imu_terms_);
+    whiten(I, model.imu, &rows, &imu_terms_);
+    chain_.add_link(rows, imu_terms_, &reduced_);
   }
 }
 
@@ -195,10 +228,11 @@ void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLin
                                        const MeasurementModel<S>& model) {
   const State<S>& x = segment.states.x[0];
   if (guest.join == Join::imu) {
-    const ImuIntegral<S> I = segment.integrate(0, theta.imu, guest.state.b_a, guest.state.b_g, model.imu);
+    const ImuIntegral<S> I = segment.integrate(0, theta, guest.state.b_a, guest.state.b_g, model.imu, &imu_terms_);
     ImuRows<S> rows;
     link_rows(I, guest.state, x, guest.state, x, model.g, &rows);
-    if (whiten(I, model.imu, &rows)) chain_.add_guest_link(rows, &reduced_);
+    link_term_columns(rows, &imu_terms_);
+    if (whiten(I, model.imu, &rows, &imu_terms_)) chain_.add_guest_link(rows, imu_terms_, &reduced_);
   } else if (guest.join == Join::bias) {
     const S root = square_root(guest.gap_s);
     chain_.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g, S(1) / (model.imu.accel_walk * root),
@@ -214,13 +248,14 @@ void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLin
 
 template <class S>
 void SegmentEliminator<S>::extract(SegmentInformation<S>* out) {
-  const int n = layout().n_theta;
+  const int n = n_theta_, wide = layout().wide_theta();
   out->n_theta = n;
   out->dof = counts_.residuals - counts_.unknowns;
   PackedTriangle<S> info = out->triangle();
   info.clear();
-  for (int i = 0; i <= n; ++i) {
+  for (int i = 0; i <= wide; ++i) {
     reduced_.global_row(i, step_);
+    step_[n] = step_[wide];
     fold_rows(info, step_, 1, n + 1, 0, n + 1);
   }
 }
@@ -239,8 +274,7 @@ void SegmentEliminator<S>::spread_linked(const S* step) {
   const ReducedLayout& at = layout();
   for (int c = at.last(); c < at.theta(); ++c) step_[c] = step[last_column() + c - at.last()];
   const S* theta = step + theta_column();
-  for (int c = 0; c < at.camera_columns(); ++c) step_[at.cameras() + c] = theta[c];
-  for (int c = 0; c < kImuColumns; ++c) step_[at.imu() + c] = theta[at.camera_columns() + c];
+  for (int c = 0; c < at.wide_theta(); ++c) step_[at.column_of(c)] = theta[c];
   for (int c = 0; c < kLandmarkColumns * at.tied.n; ++c) step_[at.tie(0) + c] = step[tie_column() + c];
 }
 
@@ -252,7 +286,7 @@ void SegmentEliminator<S>::back_substitute(const Segment<S>& segment, const Gues
   reduced_.back_substitute(step_, at.last() + known - last_column());
   for (int c = 0; c < at.last(); ++c) step[kStateColumns * (c / kPoseColumns) + c % kPoseColumns] = step_[c];
   for (int c = 0; c < kStateColumns; ++c) step[last_column() + c] = step_[at.last() + c];
-  chain_.begin(step_);
+  chain_.begin(step_, at);
   run_chain(segment, guest, theta, model, damping);
   chain_.back_substitute(step + kPoseColumns, kStateColumns);
 }
@@ -268,7 +302,7 @@ void SegmentEliminator<S>::move(Segment<S>* segment, const Calibration<S>& theta
       add_step(&segment->states.landmark[j], step + tie_column() + kLandmarkColumns * tie);
       continue;
     }
-    LandmarkFit<S> fit = landmark_.build(*segment, j, theta, model, layout(), damping / kTypicalLandmarkStep<S>);
+    LandmarkFit<S> fit = landmark_.build(*segment, j, theta, model, layout(), camera_term_, damping / kTypicalLandmarkStep<S>);
     if (fit.used < 2) continue;
     landmark_.eliminate(&fit);
     S landmark_step[kLandmarkColumns];

@@ -56,7 +56,25 @@ segcal_camera_t camera_to_c(const CameraCalibration& camera) {
   for (int i = 0; i < 3; ++i) out.p_CI[i] = camera.p_CI(i);
   for (int i = 0; i < 4; ++i) out.intrinsics[i] = camera.intrinsics(i);
   for (int i = 0; i < 4; ++i) out.distortion[i] = camera.distortion(i);
+  out.height = camera.height;
   return out;
+}
+
+segcal_term_t term_to_c(const CoreTerm& t) {
+  return {static_cast<std::uint8_t>(t.kind), static_cast<std::uint8_t>(t.a), static_cast<std::uint8_t>(t.b), static_cast<std::uint8_t>(t.c)};
+}
+
+void configure_effects(const CoreOptions& options, segcal_config_t* c) {
+  constexpr std::size_t room = SEGCAL_MAX_EFFECT_ESTIMATES;
+  if (options.terms.size() > room || options.term_values.size() > room) {
+    throw InputError("effects: this profile estimates at most " + std::to_string(room) + " terms, found " +
+                     std::to_string(std::max(options.terms.size(), options.term_values.size())));
+  }
+  c->estimate_effects = options.effects;
+  c->n_terms = static_cast<int>(options.terms.size());
+  for (std::size_t i = 0; i < options.terms.size(); ++i) c->term[i] = term_to_c(options.terms[i]);
+  for (std::size_t i = 0; i < options.term_values.size(); ++i) c->term_value[i] = options.term_values[i];
+  c->has_temperature = options.has_temperature ? 1 : 0;
 }
 
 segcal_config_t config_of(const CoreOptions& options) {
@@ -94,6 +112,7 @@ segcal_config_t config_of(const CoreOptions& options) {
   c.filter_share = options.hold_calibration ? 1e-3 : 1;
   for (std::size_t i = 0; i < options.sigma_ref.size() && i < SEGCAL_MAX_PARAMETERS; ++i) c.sigma_ref[i] = options.sigma_ref[i];
   c.joint_filter = options.joint_ekf ? 1 : 0;
+  configure_effects(options, &c);
   return c;
 }
 
@@ -149,6 +168,7 @@ class ProfileCore final : public Core {
       s.gyro[i] = static_cast<float>(sample.gyro[i]);
       s.accel[i] = static_cast<float>(sample.accel[i]);
     }
+    s.temperature = static_cast<float>(sample.temperature_degC);
     last_outcome_ = outcome(segcal_push_imu(device_, &s));
   }
 
@@ -263,6 +283,28 @@ class ProfileCore final : public Core {
             m.huber, m.bias_a_sigma, m.bias_g_sigma, m.velocity_sigma, m.inverse_depth_sigma, m.turned_inverse_depth_sigma};
   }
 
+  CoreRows linearise(const std::vector<std::uint32_t>& serials, const std::vector<CoreTerm>& candidates) override {
+    std::uint8_t use[SEGCAL_MAX_SEGMENTS + 1] = {};
+    for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
+      segcal_segment_t s;
+      if (segcal_get_segment(device_, slot, &s) != SEGCAL_OK || !s.kept) continue;
+      use[slot] = std::find(serials.begin(), serials.end(), s.serial) != serials.end() ? 1 : 0;
+    }
+    std::vector<segcal_term_t> terms;
+    for (const CoreTerm& t : candidates) terms.push_back(term_to_c(t));
+    constexpr std::size_t columns = SEGCAL_MAX_CAMERAS * 14 + 15 + SEGCAL_MAX_EFFECT_COLUMNS + 1;
+    CoreRows out;
+    out.triangle.resize(columns * (columns + 1) / 2);
+    std::int32_t n_theta = 0, n_terms = 0, dof = 0;
+    const int error = segcal_linearise(device_, use, terms.data(), static_cast<int>(terms.size()), out.triangle.data(),
+                                       static_cast<int>(out.triangle.size()), &n_theta, &n_terms, &dof);
+    if (error != SEGCAL_OK) throw InputError("the core does not linearise these segments and effects (error " + std::to_string(error) + ")");
+    out.n_theta = n_theta;
+    out.n_candidates = n_terms;
+    out.dof = dof;
+    return out;
+  }
+
   std::vector<std::uint32_t> outdated() const override {
     std::vector<std::uint32_t> out;
     for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
@@ -307,7 +349,11 @@ class ProfileCore final : public Core {
   int parameters() const {
     int n = 15;
     for (const CameraCalibration& c : options_.calibration.cameras) n += c.model == DistortionModel::fov ? 11 : 14;
-    return n;
+    for (int e = 0; e < SEGCAL_EFFECTS; ++e) {
+      segcal_effect_t effect;
+      if ((options_.effects >> e & 1u) != 0 && segcal_get_effect(e, &effect) == SEGCAL_OK) n += effect.n_parameters;
+    }
+    return n + static_cast<int>(options_.terms.size());
   }
 
   static CoreDirection direction(const segcal_direction_t& d, int n) {
