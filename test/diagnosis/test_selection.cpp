@@ -105,7 +105,7 @@ void test_one_effect() {
       if (names(s) != std::vector<std::string>{recording.candidates[c].name}) continue;
       ++right;
       for (int i = 0; i < g.count; ++i, ++values) within += std::abs(s.accepted[0].test.value(i) - value) < 3 * s.accepted[0].test.sigma(i);
-      closed += held_out_gap(s.problem, s.candidates, s.accepted, 0, 0).closed() >= 0.9;
+      closed += held_out_gap(s.problem, s.candidates, s.accepted, {}, 0).closed() >= 0.9;
     }
   }
   std::printf("one effect: %d of %d named, %d of %d values within 3 sigma, gap closed in %d\n", right, runs, within, values, closed);
@@ -167,7 +167,7 @@ void test_effect_outside() {
   };
   for (int seed = 0; seed < 20; ++seed) {
     const Selection s = selected(recording, 950 + seed);
-    const Gap gap = held_out_gap(s.problem, s.candidates, s.accepted, 0, 0);
+    const Gap gap = held_out_gap(s.problem, s.candidates, s.accepted, {}, 0);
     TEST_ASSERT_TRUE_MESSAGE(gap.closed() < 0.5, std::to_string(gap.closed()).c_str());
   }
 }
@@ -193,7 +193,7 @@ void test_step_of_theta() {
   for (int seed = 0; seed < 40; ++seed) {
     const Selection s = selected(recording, 1200 + seed);
     right += names(s) == std::vector<std::string>{"calibration_shift"} && s.shift.block.name == "first" && s.shift.time_s == 28 &&
-             held_out_gap(s.problem, s.candidates, s.accepted, 0, 0).closed() >= 0.9;
+             held_out_gap(s.problem, s.candidates, s.accepted, {}, 0).closed() >= 0.9;
   }
   TEST_ASSERT_GREATER_OR_EQUAL_INT(38, right);
 }

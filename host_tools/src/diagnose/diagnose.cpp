@@ -19,8 +19,8 @@ using namespace diagnosis;
 constexpr std::size_t kFewestSegments = 4;
 /// A pixel noise that differs from the stated one by less is not worth a name; and by how many sigmas it must differ.
 constexpr double kNoiseDiffers = 0.04, kNoiseSigmas = 6;
-/// log10 p from which on structure in residuals is reported, and from which on it keeps the verdict open.
-constexpr double kStructure = -3;
+/// log10 p from which on structure in residuals is reported; all of it.
+constexpr double kStructure = -3, kAll = 1e9;
 
 class Diagnoser {
  public:
@@ -88,32 +88,16 @@ class Diagnoser {
 
   Problem fit(const std::vector<bool>& estimated) {
     begin("fit " + std::to_string(++fits_));
-    Problem problem = evidence_.fit(terms_, estimated, start_);
-    const PixelNoise pixels = pixel_noise(evidence_.result().kept);
-    // Unless it differs, the stated noise is known better than any measurement of it.
-    problem.noise = differs(pixels) ? pixels.factor * pixels.factor : 1;
-    pixels_ = pixels;
+    const Problem problem = evidence_.fit(terms_, estimated, start_);
+    pixels_ = pixel_noise(evidence_.result().kept);
     return problem;
   }
-  static bool differs(const PixelNoise& p) {
-    return std::abs(p.factor - 1) > std::max(kNoiseDiffers, kNoiseSigmas * p.sigma);
-  }
 
-  /// Without effects. Image noise that is not as stated is put right, and the fit made once more.
+  /// Without effects.
   void fit_plain() {
     terms_ = catalogue_.terms;
     start_.assign(terms_.size(), 0);
-    const std::vector<bool> none(terms_.size(), false);
-    plain_ = fit(none);
-    out_.fit_before = evidence_.result();
-    const double used = evidence_.result().model.pixel_sigma, found = pixels_.factor * used, stated = options_.core.pixel_sigma;
-    out_.pixels = pixels_;
-    out_.pixels.factor = found / stated;
-    out_.pixels.sigma = pixels_.sigma * used / stated;
-    if (!differs(out_.pixels) || evidence_.result().kept.size() < kFewestSegments) return;
-    evidence_.options().pixel_sigma = out_.pixel_sigma = found;
-    noise_effects_.push_back(named_noise("pixel_noise", {{"pixel_noise.factor", out_.pixels.factor, out_.pixels.sigma, "-"}}));
-    plain_ = fit(none);
+    plain_ = fit(std::vector<bool>(terms_.size(), false));
   }
 
   bool judgeable() {
@@ -133,17 +117,68 @@ class Diagnoser {
     return out_.judged;
   }
 
+  /// Image noise that is not as stated shows when the effects are in the model; then everything is weighed again.
   void find_effects() {
-    const Refit refit = [this](const std::vector<int>& accepted) {
+    out_.fit_before = evidence_.result();
+    search();
+    if (pixel_noise_differs()) {
+      fit_plain();
+      search();
+      name_pixel_noise();
+    }
+    if (!selection_.accepted.empty() || !noise_effects_.empty()) out_.fit_after = evidence_.result();
+    collect();
+  }
+
+  void search() {
+    Problem last = plain_;
+    const Refit refit = [this, &last](const std::vector<int>& accepted) {
       if (accepted.empty()) return plain_;
       std::vector<bool> estimated(terms_.size(), false);
-      for (int c : accepted) mark(catalogue_.candidates[c], &estimated);
-      return fit(estimated);
+      std::vector<TermGroup> groups;
+      for (int c : accepted) {
+        mark(catalogue_.candidates[c], &estimated);
+        groups.push_back(catalogue_.candidates[c].columns);
+      }
+      begin_at(last, groups);
+      last = fit(estimated);
+      return last;
     };
     selection_ = select_effects(catalogue_.candidates, {}, refit);
     look_beyond();
-    if (selection_.shifted || !selection_.accepted.empty() || !noise_effects_.empty()) out_.fit_after = evidence_.result();
-    collect();
+  }
+
+  /// The next fit begins at what the rows of the last one say: its odometry knows the effects then.
+  void begin_at(const Problem& problem, const std::vector<TermGroup>& groups) {
+    const Solution s = solve(with_groups(with_prior(problem.all, problem.prior), problem.n_theta, groups));
+    int at = problem.n_theta;
+    for (const TermGroup& g : groups) {
+      for (int i = 0; i < g.count; ++i) {
+        const double most = 3 * terms_[g.first + i].size;
+        start_[g.first + i] = std::clamp(s.x(at++), -most, most);
+      }
+    }
+  }
+
+  bool pixel_noise_differs() {
+    find_pixel_factor();
+    if (std::abs(out_.pixels.factor - 1) <= std::max(kNoiseDiffers, kNoiseSigmas * out_.pixels.sigma)) return false;
+    evidence_.options().pixel_sigma = out_.pixels.factor * options_.core.pixel_sigma;
+    return true;
+  }
+
+  /// At the last fit, over the stated noise.
+  void find_pixel_factor() {
+    const double ratio = evidence_.result().model.pixel_sigma / options_.core.pixel_sigma;
+    out_.pixels = pixels_;
+    out_.pixels.factor *= ratio;
+    out_.pixels.sigma *= ratio;
+  }
+
+  void name_pixel_noise() {
+    find_pixel_factor();
+    out_.pixel_sigma = out_.pixels.factor * options_.core.pixel_sigma;
+    noise_effects_.push_back(named_noise("pixel_noise", {{"pixel_noise.factor", out_.pixels.factor, out_.pixels.sigma, "-"}}));
   }
 
   void mark(const Candidate& c, std::vector<bool>* estimated) {
@@ -161,9 +196,9 @@ class Diagnoser {
     beyond.run([this](const std::vector<bool>& estimated) { return fit(estimated); });
   }
 
-  double floor_sigma() const { return 2 * pixels_.sigma; }
+  Floor noise_floor() const { return {pixels_.factor * pixels_.factor, 2 * pixels_.factor * pixels_.sigma}; }
   bool something_open() const {
-    const Gap gap = held_out_gap(selection_.problem, selection_.candidates, selection_.accepted, floor_sigma(), selection_.leftover);
+    const Gap gap = held_out_gap(selection_.problem, selection_.candidates, selection_.accepted, noise_floor(), selection_.leftover);
     return gap.rest > 0;
   }
 
@@ -184,7 +219,7 @@ class Diagnoser {
   /// Names are given for what closes at least half of the gap together; less is a coincidence.
   void measure_gap() {
     const Problem& problem = selection_.problem;
-    const Gap gap = held_out_gap(problem, selection_.candidates, selection_.accepted, floor_sigma(), selection_.leftover);
+    const Gap gap = held_out_gap(problem, selection_.candidates, selection_.accepted, noise_floor(), selection_.leftover);
     const double unit = gap.dof > 0 ? 1 / (gap.dof * gap.floor) : 0;
     const bool named_ones = gap.before > 0 && gap.closed() >= 0.5;
     out_.before.total = gap.before * unit;
@@ -256,7 +291,7 @@ class Diagnoser {
     std::vector<ImuData> imu;
     for (const Recording& r : sessions_) imu.push_back(r.imu);
     out_.where = find_structure(residual_lists(out_.fit_before.kept, imu), kStructure, 2);
-    const std::vector<Structure> after = find_structure(residual_lists(evidence_.result().kept, imu), 1, kCauses);
+    const std::vector<Structure> after = find_structure(residual_lists(evidence_.result().kept, imu), kAll, kCauses);
     for (const Structure& s : out_.where) {
       const auto same = std::find_if(after.begin(), after.end(), [&s](const Structure& a) {
         return a.sensor == s.sensor && a.axis == s.axis && a.against == s.against;

@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "diagnose/diagnose.h"
+#include "replay/model_file.h"
 #include "replay/sessions.h"
 
 namespace host {
@@ -62,6 +63,7 @@ int run(Arguments a) {
   const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras);
   a.diagnose.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
   a.diagnose.core.noise = sessions.front().imu.noise;
+  if (!a.model.empty()) read_model(a.model).apply(&a.diagnose.core);
   a.diagnose.progress = show_progress;
   const Diagnosis d = diagnose(sessions, a.diagnose);
   write_diagnosis(a.out, d, sessions);

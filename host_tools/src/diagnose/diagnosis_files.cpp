@@ -5,6 +5,7 @@
 
 #include "diagnose/diagnosis_files.h"
 #include "file_output.h"
+#include "replay/model_file.h"
 
 namespace host {
 namespace {
@@ -121,31 +122,13 @@ std::string diagnosis_data_json(const Diagnosis& d, const std::vector<Recording>
   return json.dump();
 }
 
-std::string model_yaml(const Diagnosis& d) {
-  std::string out = "# Effects beside theta, found by `segcal diagnose`; values are starts of an estimate. Units in each line.\nformat: 1\n";
-  out += d.model.empty() ? "effects: []\n" : "effects:\n";
-  std::string last;
-  for (const ModelTerm& t : d.model) {
-    const std::string effect = t.effect.empty() ? "term" : t.effect;
-    if (effect != last || t.effect.empty()) out += "  - name: " + effect + "\n    parameters:\n";
-    last = effect;
-    const std::string name = t.parameter.name.substr(t.effect.empty() ? 0 : t.effect.size() + 1);
-    out += "      - {name: \"" + name + "\", value: ";
-    append_number(out, t.parameter.value);
-    out += ", sigma: ";
-    append_number(out, t.parameter.sigma);
-    out += ", unit: \"" + t.parameter.unit + "\"}\n";
-  }
-  return out;
-}
-
 void write_diagnosis(const std::filesystem::path& folder, const Diagnosis& d, const std::vector<Recording>& sessions) {
   const ReplayResult& last = d.fit_after.kept.empty() ? d.fit_before : d.fit_after;
   if (!last.calibration.cameras.empty()) {
     write_camchain(folder / "camchain-imucam.yaml", last.calibration);
     write_imu_yaml(folder / "imu.yaml", last.calibration, d.noise);
   }
-  write_file(folder / "model.yaml", model_yaml(d));
+  write_file(folder / "model.yaml", model_yaml(last));
   write_file(folder / "segcal_effects.h", effects_header(d));
   write_file(folder / "diagnosis_data.json", diagnosis_data_json(d, sessions));
   write_file(folder / "diagnosis.json", diagnosis_json(d) + "\n");  // last: its presence says the rest is there

@@ -6,7 +6,6 @@
 namespace host {
 
 std::string effects_header(const Diagnosis& diagnosis);
-std::string model_yaml(const Diagnosis& diagnosis);
 std::string diagnosis_data_json(const Diagnosis& diagnosis, const std::vector<Recording>& sessions);
 
 }  // namespace host

@@ -11,10 +11,12 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// A fit with chi2/dof far above 1 is refused by the core, and segments are dropped as misfits. With a larger pixel noise it
-/// is taken, and what is missing in the model can be asked for.
-constexpr double kInflate = 2.5;
-constexpr int kMostInflations = 4;
+/// A fit with chi2/dof far above 1 is refused by the core, and segments whose states do not follow their IMU samples are
+/// dropped. With larger noise they are taken, and what is missing in the model can be asked for.
+constexpr double kInflatePixels = 2, kInflateImu = 4;
+constexpr int kMostInflations = 3;
+/// Of the segments that were closed; with fewer kept the fit is made with larger noise.
+constexpr double kKeptShare = 0.75;
 
 MatrixXd unpacked(const CoreRows& rows) {
   const int n = rows.n_theta + rows.n_candidates + 1;
@@ -74,6 +76,12 @@ void reorder(const std::vector<int>& place, Problem* problem) {
     if (!rows->empty()) reorder(place, rows, problem->n_theta);
   }
   for (Piece& p : problem->pieces) reorder(place, &p.rows, problem->n_theta);
+}
+
+void inflate(CoreOptions* core) {
+  core->pixel_sigma *= kInflatePixels;
+  core->noise.gyro_noise_density *= kInflateImu;
+  core->noise.accel_noise_density *= kInflateImu;
 }
 
 }  // namespace
@@ -152,11 +160,7 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
     }
     replay_options.core.term_values.push_back(start[i]);
   }
-  for (int trial = 0; trial < kMostInflations; ++trial) {
-    result_ = replay(sessions_, replay_options);
-    if (result_.result.status != "failed") break;
-    replay_options.core.pixel_sigma *= kInflate;
-  }
+  for (int trial = 0; trial < kMostInflations && !try_fit(replay_options); ++trial) inflate(&replay_options.core);
   taken_ = taken;
   Problem mixed = gather(taken, asked);
   std::vector<int> place(terms.size());  // of each term among [taken | asked]
@@ -164,6 +168,13 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
   for (std::size_t i = 0; i < terms.size(); ++i) place[i] = estimated[i] ? next_taken++ : next_asked++;
   reorder(place, &mixed);
   return mixed;
+}
+
+/// True if the fit was taken, with nearly all of the segments.
+bool Evidence::try_fit(const ReplayOptions& options) {
+  result_ = replay(sessions_, options);
+  const std::size_t whole = std::min<std::size_t>(result_.segments.size(), static_cast<std::size_t>(options.core.segments));
+  return result_.result.status != "failed" && static_cast<double>(result_.kept.size()) >= kKeptShare * static_cast<double>(whole);
 }
 
 std::vector<CoreKept> Evidence::segments() const {
@@ -195,6 +206,7 @@ Problem Evidence::gather(const std::vector<TermInfo>& taken, const std::vector<T
   for (std::size_t i = 0; i < taken.size(); ++i) taken_values_(static_cast<Eigen::Index>(i)) = parameters[n_theta_ + i].value;
   out.prior = prior_of(result_.result, n_theta_);
   out.blocks = blocks_of(result_.calibration);
+  out.noise = std::pow(options_.pixel_sigma / result_.model.pixel_sigma, 2);
   std::vector<std::uint32_t> all, half[2];
   const std::vector<CoreKept> kept = segments();
   const std::int64_t zero_ns = sessions_.front().cameras.front().frames.front().t_ns;

@@ -45,6 +45,7 @@ class Evidence {
   CoreOptions& options() { return options_; }
 
  private:
+  bool try_fit(const ReplayOptions& options);
   Problem gather(const std::vector<TermInfo>& taken, const std::vector<TermInfo>& candidates);
   Rows rows_of(const std::vector<std::uint32_t>& serials, const std::vector<TermInfo>& candidates);
 

@@ -11,6 +11,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kCountsAsNone = 2;  ///< sigmas
+constexpr double kUnexplained = 4;   ///< sigmas of chi2 over the floor
 
 /// Effects that are asked about, with the others free.
 struct Asked {
@@ -62,8 +63,10 @@ void add_half(const Marginal& trained, const Marginal& held_out, double noise, G
   out->after_sigma += std::sqrt(2.0) * expected;  // the halves' differences are one and the same number: sigmas add up
 }
 
-/// chi2 of the held-out rows with everything that was accepted, over what the noise leaves.
-double unexplained_chi2(const Problem& problem, const std::vector<TermGroup>& groups, double floor_sigma) {
+/// chi2 of the held-out rows with everything that was accepted, over what the noise leaves. Floor and chi2 are measured on
+/// the same residuals: chi2/dof is the better measure of the two if all is well, so that the variance of their difference
+/// is the difference of their variances.
+double unexplained_chi2(const Problem& problem, const std::vector<TermGroup>& groups, const Floor& floor) {
   double chi2 = 0, dof = 0;
   for (const Rows* half : {&problem.train, &problem.held_out}) {
     const Rows rows = with_groups(with_prior(*half, problem.prior), problem.n_theta, groups);
@@ -71,9 +74,10 @@ double unexplained_chi2(const Problem& problem, const std::vector<TermGroup>& gr
     chi2 += rows.R(n, n) * rows.R(n, n);
     dof += rows.dof - n;
   }
-  const double excess = chi2 - dof * problem.noise;
-  const double sigma = problem.noise * std::sqrt(2 * dof + floor_sigma * floor_sigma * dof * dof);
-  return excess > 3 * sigma ? excess : 0;
+  const double own = 2 * floor.value * floor.value / dof, measured = floor.sigma * floor.sigma;
+  const double sigma = std::sqrt(measured > 0 ? std::max(measured - own, 0.25 * measured) : own);
+  const double excess = chi2 / dof - floor.value;
+  return excess > kUnexplained * sigma ? excess * dof : 0;
 }
 
 Gap gap_of(const Problem& problem, const Asked& asked) {
@@ -94,10 +98,11 @@ Gap gap_of(const Problem& problem, const Asked& asked) {
 }  // namespace
 
 Gap held_out_gap(const Problem& problem, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted,
-                 double floor_sigma, double rest_statistic) {
+                 const Floor& floor, double rest_statistic) {
   const Asked asked = asked_of(candidates, accepted, -1);
   Gap out = gap_of(problem, asked);
-  out.rest = std::max(unexplained_chi2(problem, asked.groups, floor_sigma), rest_statistic);
+  out.floor = floor.value;
+  out.rest = std::max(unexplained_chi2(problem, asked.groups, floor), rest_statistic);
   out.before += out.rest;
   out.after += out.rest;
   return out;

@@ -32,9 +32,14 @@ struct Gap {
   double closed() const { return before > 0 ? 1 - after / before : 0; }
 };
 
-/// `floor_sigma`: how well chi2/dof of the noise is known, beside its own scatter. `rest_statistic`: of what was not accepted.
+/// chi2/dof that noise leaves, as it was measured apart from the fit.
+struct Floor {
+  double value = 1, sigma = 0;
+};
+
+/// `rest_statistic`: of what was not accepted.
 Gap held_out_gap(const Problem& problem, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted,
-                 double floor_sigma, double rest_statistic);
+                 const Floor& floor, double rest_statistic);
 
 /// The same for one of the accepted effects, the others free.
 Gap held_out_gap_of(const Problem& problem, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted,

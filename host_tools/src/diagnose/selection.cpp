@@ -175,7 +175,8 @@ class Search {
     for (const Pair& pair : out_.pairs) {
       if (pair.other == c) return "this motion does not tell it from " + candidates_[pair.accepted].name;
     }
-    if (!why_[c].empty()) return why_[c];
+    const bool open = significant(c, test_effect(out_.problem, candidates_[c], groups_but(-1)));
+    if (!why_[c].empty() && (open || dropped_before(c))) return why_[c];
     return chosen_.empty() ? "not significant" : "explained by " + candidates_[chosen_.front()].name;
   }
 
