@@ -2,9 +2,11 @@
 # PlatformIO repeats it, and a test compares).
 set(SEGCAL_CORE_SOURCES
   src/api/convert.cpp
+  src/api/effects.cpp
   src/api/kept.cpp
   src/api/results.cpp
-  src/api/segcal.cpp)
+  src/api/segcal.cpp
+  src/log/writer.cpp)
 
 # What the core is compiled with everywhere. Bits: no contraction, no reassociation, no vector kernels of Eigen's. No heap,
 # exceptions, RTTI or guards of statics.

@@ -14,6 +14,8 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Of hosted targets the C library's memory functions are chosen at run time; they are leaves.
 HOSTED_LEAVES = ["memcpy=0", "memset=0", "memmove=0"]
+# The device log writes through the user's function.
+USERS_FUNCTIONS = "segcal_log_"
 
 
 def run(command, **options):
@@ -80,7 +82,7 @@ def code_bytes(args):
 
 
 def proven_stack(args, path):
-    command = [ROOT / "test/gates/call_graph.py", "--graphs", args.build / "lib", "--json", path]
+    command = [ROOT / "test/gates/call_graph.py", "--graphs", args.build / "lib", "--callbacks", USERS_FUNCTIONS, "--json", path]
     if args.target.startswith("cortex"):
         command += ["--image", args.build / "run_session.elf", "--objdump", args.tools + "objdump"]
     else:

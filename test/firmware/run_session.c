@@ -2,7 +2,6 @@
  * The same program on every target; exit code 0: calibrated. */
 #include "marks.h"
 #include "print.h"
-#include "segcal/result_hash.h"
 #include "session.h"
 #if defined(__ARM_ARCH_PROFILE)
 #include "stack.h"
@@ -10,11 +9,11 @@
 
 static char memory[SEGCAL_STORAGE_BYTES] __attribute__((aligned(SEGCAL_STORAGE_ALIGNMENT)));
 static segcal_config_t config;
-static segcal_hash_work_t work;
+static segcal_result_t result;
+static segcal_segment_t segment;
 static segcal_point_t points[SEGCAL_MAX_TRACKS];
 static segcal_counters_t counters;
 static segcal_t *device;
-static uint64_t hash = SEGCAL_HASH_START;
 static uint32_t closed_segments;
 
 /* Paint is renewed before each call whose stack is of interest. */
@@ -37,8 +36,8 @@ static int closed_a_segment(void) {
 /* A closed segment is scored at once or in background work; the newest score's serial number tells. */
 static int score_pending(void) {
   static uint32_t scored, newest;
-  if (segcal_get_segment(device, -1, &work.segment) == SEGCAL_OK && (scored == 0 || work.segment.serial != newest)) {
-    newest = work.segment.serial;
+  if (segcal_get_segment(device, -1, &segment) == SEGCAL_OK && (scored == 0 || segment.serial != newest)) {
+    newest = segment.serial;
     ++scored;
   }
   return closed_segments - counters.segments_discarded > scored;
@@ -78,21 +77,19 @@ static void feed(void) {
     const int32_t n = session_next_frame(&at, &t_ns, points);
     feed_imu_until(t_ns);
     measure_begin();
-    const int answer = segcal_push_tracks(device, t_ns, points, n);
+    segcal_push_tracks(device, t_ns, points, n);
     if (closed_a_segment()) {
       segcal_mark_frame_closing();
     } else {
       segcal_mark_frame();
     }
-    if (answer == SEGCAL_TRACKING) hash = segcal_hash_state(hash, device);
     work_in_background();
   }
 }
 
 static void print_results(void) {
-  const segcal_result_t *r = &work.result;
-  hash = segcal_hash_results(hash, device, &work);
-  segcal_get_result(device, &work.result);
+  const segcal_result_t *r = &result;
+  segcal_get_result(device, &result);
   print_number("state_bytes", (uint32_t)segcal_storage_bytes());
 #if defined(__ARM_ARCH_PROFILE)
   print_number("stack_painted_bytes", stack_high_water() - stack_in_use());
@@ -100,7 +97,7 @@ static void print_results(void) {
   print_number("segments_closed", closed_segments);
   print_number("segments_used", (uint32_t)r->segments);
   print_number("iterations", (uint32_t)r->iterations);
-  print_hex("result_hash", hash);
+  print_hex("result_hash", segcal_result_hash(device));
   for (int i = 0; i < r->n_parameters; ++i) {
     print_double(r->parameter[i].name, r->parameter[i].value);
     print_double("sigma", r->parameter[i].sigma);
@@ -114,11 +111,11 @@ int main(void) {
     return 2;
   }
   feed();
-  if (segcal_get_result(device, &work.result) != SEGCAL_OK) {
+  if (segcal_get_result(device, &result) != SEGCAL_OK) {
     measure_begin();
     segcal_calibrate(device);
     segcal_mark_calibrate();
   }
   print_results();
-  return work.result.status == SEGCAL_CALIBRATED ? 0 : 1;
+  return result.status == SEGCAL_CALIBRATED ? 0 : 1;
 }

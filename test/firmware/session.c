@@ -65,7 +65,7 @@ int32_t session_next_frame(session_frame_t *at, int64_t *t_ns, segcal_point_t po
 void session_config(segcal_config_t *config) {
   static const segcal_camera_t data_sheet = {
       SEGCAL_FOV, {0.45686248, 0.51683624, -0.52183405, 0.50184280}, {0.05741690, -0.01500375, -0.03358849}, {256, 256, 319.5, 239.5},
-      {0.92}};
+      {0.92}, 480};
   memset(config, 0, sizeof *config);
   config->camera[0] = data_sheet;
 }

@@ -3,7 +3,7 @@
 of variable size, no indirect call. Functions without a graph (libgcc, the C library) are read from the linked image.
 
 usage: call_graph.py --graphs FOLDER [--image ELF --objdump OBJDUMP] [--assume NAME=BYTES]... [--limit BYTES] [--json FILE]
-                     [--roots PREFIX]
+                     [--roots PREFIX] [--callbacks REGEX]
 Exit code 0: proven and within the limit, 1: not (each reason is named), 2: nothing to read."""
 import argparse
 import json
@@ -105,8 +105,9 @@ class Image:
 
 
 class Proof:
-    def __init__(self, graph, image, assumed):
+    def __init__(self, graph, image, assumed, callbacks):
         self.graph, self.image, self.assumed = graph, image, assumed
+        self.callbacks = re.compile(callbacks) if callbacks else None
         self.problems, self.deepest = set(), {}
 
     def depth(self, name, path=()):
@@ -121,7 +122,8 @@ class Proof:
         if name in self.assumed:
             return self.assumed[name], ((name, self.assumed[name]),)
         if name == "__indirect_call":
-            self.problems.add(f"indirect call from {path[-1]}")
+            if not self.callbacks or not self.callbacks.search(path[-1]):
+                self.problems.add(f"indirect call from {path[-1]}")
             return 0, ()
         if name not in graph.frame:
             if not self.image or name not in self.image.body:
@@ -141,6 +143,7 @@ def arguments():
     parser.add_argument("--image", help="linked image, for functions without a graph")
     parser.add_argument("--objdump", default="objdump")
     parser.add_argument("--assume", action="append", default=[], metavar="NAME=BYTES")
+    parser.add_argument("--callbacks", help="functions that may call what the user gave them; that stack is the user's")
     parser.add_argument("--limit", type=int)
     parser.add_argument("--json")
     parser.add_argument("--roots", default="segcal_")
@@ -156,7 +159,7 @@ def main():
     if not roots:
         sys.exit(print(f"{args.graphs}: no call graph of a function {args.roots}*") or 2)
     image = Image(args.image, args.objdump) if args.image else None
-    proof = Proof(graph, image, {k: int(v) for k, v in (a.split("=") for a in args.assume)})
+    proof = Proof(graph, image, {k: int(v) for k, v in (a.split("=") for a in args.assume)}, args.callbacks)
     depth = {root: proof.depth(root) for root in roots}
     worst = max(roots, key=lambda root: depth[root][0])
     total, path = depth[worst]

@@ -32,6 +32,7 @@ expect 1 recursion 'recursion: segcal_f -> g -> segcal_f' "int segcal_f(int); __
 int segcal_f(int x) { return x ? g(x) * 3 : 0; }"
 expect 1 dynamic 'frame of variable size: segcal_f' "$use int segcal_f(int n) { char a[n]; use(a); return a[0]; }" --assume use=0
 expect 1 indirect 'indirect call from segcal_f' 'int segcal_f(int (*g)(int)) { return g(1) + 1; }'
+expect 0 callback 'worst stack' 'int segcal_f(int (*g)(int)) { return g(1) + 1; }' --callbacks segcal_f
 expect 1 unknown 'no frame is known of use' "$use int segcal_f(void) { char a[8]; use(a); return a[0]; }"
 expect 1 limit 'over the limit of 100 bytes' "$use int segcal_f(void) { char a[128]; use(a); return a[0]; }" --assume use=0 --limit 100
 expect 2 nothing 'no call graph' 'int other(void) { return 1; }'
