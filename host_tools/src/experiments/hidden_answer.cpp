@@ -4,9 +4,7 @@
 #include <cmath>
 #include <set>
 
-#if __has_include("diagnose/diagnose.h")
 #include "diagnose/diagnose.h"
-#endif
 
 namespace host::experiments {
 namespace {
@@ -23,7 +21,6 @@ std::string full_name(const std::string& effect, const std::string& parameter) {
 
 }  // namespace
 
-#if __has_include("diagnose/diagnose.h")
 Json diagnosed(const Recording& session, const Calibration& start) {
   DiagnoseOptions options;
   options.core.calibration = start;
@@ -42,9 +39,6 @@ Json diagnosed(const Recording& session, const Calibration& start) {
   for (const CandidateScore& s : d.scores) out["statistics"][s.name] = s.statistic;
   return out;
 }
-#else
-Json diagnosed(const Recording&, const Calibration&) { throw InputError("this build has no diagnosis"); }
-#endif
 
 Json hidden_truth(const std::vector<sim::EffectTruth>& effects) {
   Json names = Json::array(), values = Json::object();
