@@ -125,7 +125,7 @@ class Core {
   /// Points of all cameras at one stamp; `per_camera` has one entry per camera (null: no image at this stamp).
   virtual FrameOutcome push_frame(std::int64_t t_ns, const std::vector<const Frame*>& per_camera) = 0;
   virtual bool state(CoreState* out) const = 0;
-  /// Scores and, when due, calibrates. True if a calibration ran.
+  /// Does all work that is pending: scores and, when the device began one, a calibration. True if one ran.
   virtual bool background() = 0;
   virtual void flush() = 0;
   virtual void new_session() = 0;
