@@ -37,6 +37,7 @@ void feed_samples(ByteReader in, Device<Real>* device) {
     InertialReading<Real> reading;
     for (int i = 0; i < 3; ++i) reading.gyro(i) = in.number32();
     for (int i = 0; i < 3; ++i) reading.accel(i) = in.number32();
+    in.number32();  // temperature: no effect that needs it is enabled
     device->push_imu(t, reading);
     work(device);
   }

@@ -15,6 +15,7 @@ CameraCalibration<To> cast(const CameraCalibration<From>& a) {
   b.p_CI = a.p_CI.template cast<To>();
   b.intrinsics = a.intrinsics.template cast<To>();
   b.distortion = a.distortion.template cast<To>();
+  b.middle_row = To(a.middle_row);
   return b;
 }
 
@@ -35,6 +36,8 @@ Calibration<To> cast(const Calibration<From>& a) {
   b.n_cameras = a.n_cameras;
   for (int c = 0; c < a.n_cameras; ++c) b.camera[c] = cast<To>(a.camera[c]);
   b.imu = cast<To>(a.imu);
+  for (int i = 0; i < a.effects.count(); ++i) b.effects.add(a.effects.term[i], To(a.effects.value[i]));
+  b.effects.time_zero_ns = a.effects.time_zero_ns;
   return b;
 }
 
@@ -70,8 +73,10 @@ void cast(const Segment<From>& a, Segment<To>* b) {
   b->n_landmarks = a.n_landmarks;
   b->n_observations = a.n_observations;
   b->lead_us = a.lead_us;
+  b->stamp_shift_ns = a.stamp_shift_ns;
   for (int k = 0; k < a.n_keyframes; ++k) {
     b->t_us[k] = a.t_us[k];
+    b->warmth[k] = a.warmth[k];
     b->states.x[k] = cast<To>(a.states.x[k]);
   }
   b->first_observation[0] = 0;

@@ -1,6 +1,6 @@
 // The same least-squares problem as the core's elimination, stacked as one dense matrix and solved by Eigen in double.
 //
-// Columns: for each segment [states 15 K | landmarks 3 L], then theta; the right-hand side apart. Only the rows of single
+// Columns: for each segment [states 15 K | landmarks 3 L], then theta and candidate terms; the right-hand side apart. Only the rows of single
 // measurements (reprojection_rows, link_rows) come from the core; order, whitening, weights and priors are written here.
 // Landmarks that segments share stand in the columns of the first segment that has them.
 #pragma once
@@ -24,8 +24,11 @@ struct SameLandmark {
 class DenseProblem {
  public:
   DenseProblem(const std::vector<const Segment<double>*>& segments, const Calibration<double>& theta,
-               const MeasurementModel<double>& model, double damping, const std::vector<SameLandmark>& same = {})
+               const MeasurementModel<double>& model, double damping, const std::vector<SameLandmark>& same = {},
+               const CandidateTerms& candidates = {})
       : segments_(segments), theta_(theta), model_(model), damping_(damping) {
+    for (int i = 0; i < theta.effects.count(); ++i) terms_.push_back(theta.effects.term[i]);
+    for (int i = 0; i < candidates.count(); ++i) terms_.push_back(candidates.term[i]);
     for (const Segment<double>* s : segments) {
       first_.push_back(nuisance_);
       nuisance_ += kStateColumns * s->n_keyframes;
@@ -45,7 +48,9 @@ class DenseProblem {
   int state_column(int s, int k) const { return first_[s] + kStateColumns * k; }
   int landmark_column(int s, int j) const { return landmark_[s][j]; }
   int theta_column() const { return nuisance_; }
-  int columns() const { return nuisance_ + theta_.columns(); }
+  /// Theta with candidates.
+  int wide() const { return theta_.effect_column() + static_cast<int>(terms_.size()); }
+  int columns() const { return nuisance_ + wide(); }
 
   /// Segment s hangs on the segment before it.
   void join(int s, Join how, double gap_s) {
@@ -53,8 +58,9 @@ class DenseProblem {
     const int k = segments_[s - 1]->n_keyframes - 1;
     const State<double>&guest = segments_[s - 1]->states.x[k], &x = segment.states.x[0];
     if (how == Join::imu) {
-      add_link(segment.integrate(0, theta_.imu, guest.b_a, guest.b_g, model_.imu), guest, x, state_column(s - 1, k),
-               state_column(s, 0));
+      ImuTermColumns<double> terms = imu_terms();
+      const ImuIntegral<double> I = segment.integrate(0, theta_, guest.b_a, guest.b_g, model_.imu, &terms);
+      add_link(I, guest, x, state_column(s - 1, k), state_column(s, 0), terms);
       return;
     }
     for (int i = 0; i < 6; ++i) {
@@ -93,10 +99,10 @@ class DenseProblem {
 
   /// [theta | rhs] after all other columns have been eliminated: any number of rows, no triangle.
   Eigen::MatrixXd reduced() const {
-    Eigen::MatrixXd left(rows_.size(), nuisance_), right(rows_.size(), theta_.columns() + 1);
+    Eigen::MatrixXd left(rows_.size(), nuisance_), right(rows_.size(), wide() + 1);
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       left.row(i) = rows_[i].head(nuisance_).transpose();
-      right.row(i) << rows_[i].tail(theta_.columns()).transpose(), rhs_[i];
+      right.row(i) << rows_[i].tail(wide()).transpose(), rhs_[i];
     }
     right.applyOnTheLeft(Eigen::HouseholderQR<Eigen::MatrixXd>(left).householderQ().adjoint());
     return right.bottomRows(right.rows() - nuisance_);
@@ -131,8 +137,9 @@ class DenseProblem {
     for (int k = 0; k < segment.n_keyframes; ++k) damp_state(state_column(s, k));
     for (int k = 0; k + 1 < segment.n_keyframes; ++k) {
       const State<double>*x = segment.states.x + k;
-      add_link(segment.integrate(k + 1, theta_.imu, x[0].b_a, x[0].b_g, model_.imu), x[0], x[1], state_column(s, k),
-               state_column(s, k + 1));
+      ImuTermColumns<double> terms = imu_terms();
+      const ImuIntegral<double> I = segment.integrate(k + 1, theta_, x[0].b_a, x[0].b_g, model_.imu, &terms);
+      add_link(I, x[0], x[1], state_column(s, k), state_column(s, k + 1), terms);
     }
     for (int j = 0; j < segment.n_landmarks; ++j) add_landmark(s, j);
   }
@@ -155,12 +162,9 @@ class DenseProblem {
   }
 
   void add_observation(int s, int j, const Observation& z) {
-    const State<double>& x = segments_[s]->states.x[z.keyframe];
+    const Exposure<double> at = exposure_of(*segments_[s], z, theta_, model_.g, true);
     ReprojectionRows<double> rows;
-    if (!reprojection_rows<double>(theta_.camera[z.camera], x.R_GI, x.p_GI, x.R_GI, x.p_GI,
-                                   segments_[s]->states.landmark[j], Vec2<double>(z.u, z.v), &rows)) {
-      return;
-    }
+    if (!point_rows<double>(z, theta_, at, segments_[s]->states.landmark[j], nullptr, &rows)) return;
     const double e = rows.r.norm() / model_.pixel_sigma;
     const double scale = std::sqrt(e > model_.huber ? model_.huber / e : 1.0) / model_.pixel_sigma;
     const int n_camera = theta_.camera[z.camera].columns();
@@ -169,22 +173,44 @@ class DenseProblem {
       row.segment<3>(landmark_column(s, j)) = scale * rows.J_l.row(i).transpose();
       row.segment<6>(state_column(s, z.keyframe)) = scale * rows.J_pose.row(i).transpose();
       row.segment(theta_column() + theta_.camera_column(z.camera), n_camera) = scale * rows.J_camera.row(i).head(n_camera).transpose();
+      for (std::size_t t = 0; t < terms_.size(); ++t) {
+        if (terms_[t].of_imu()) continue;
+        row(term_column(t)) = scale * camera_term_column(terms_[t], z, theta_, at, false, rows)(i);
+      }
       add_row(row, -scale * rows.r(i));
     }
   }
 
-  void add_link(const ImuIntegral<double>& I, const State<double>& x0, const State<double>& x1, int column0, int column1) {
+  int term_column(std::size_t t) const { return theta_column() + theta_.effect_column() + static_cast<int>(t); }
+
+  ImuTermColumns<double> imu_terms() const {
+    ImuTermColumns<double> columns;
+    for (const Term& t : terms_) {
+      if (t.of_imu()) columns.term[columns.n++] = t;
+    }
+    return columns;
+  }
+
+  void add_link(const ImuIntegral<double>& I, const State<double>& x0, const State<double>& x1, int column0, int column1,
+                ImuTermColumns<double>& terms) {
     ImuRows<double> rows;
     link_rows(I, x0, x1, x0, x1, model_.g, &rows);
+    link_term_columns(rows, &terms);
+    Eigen::MatrixXd J_terms(15, terms.n);
+    for (int t = 0; t < terms.n; ++t) J_terms.col(t) = Eigen::Map<const Eigen::VectorXd>(terms.link[t], 15);
     const Eigen::MatrixXd Q = link_covariance(I, model_.imu);
     const Eigen::LLT<Eigen::MatrixXd> llt(Q);
     const Eigen::MatrixXd J = llt.matrixL().solve(Eigen::MatrixXd(rows.J));
     const Eigen::VectorXd r = llt.matrixL().solve(Eigen::VectorXd(rows.r));
+    J_terms = llt.matrixL().solve(J_terms).eval();
     for (int i = 0; i < 15; ++i) {
       Eigen::VectorXd row = Eigen::VectorXd::Zero(columns());
       row.segment<15>(column0) = J.row(i).head<15>().transpose();
       row.segment<15>(column1) = J.row(i).segment<15>(15).transpose();
       row.segment<15>(theta_column() + theta_.imu_column()) = J.row(i).tail<15>().transpose();
+      for (std::size_t t = 0, of_imu = 0; t < terms_.size(); ++t) {
+        if (terms_[t].of_imu()) row(term_column(t)) = J_terms(i, static_cast<int>(of_imu++));
+      }
       add_row(row, -r(i));
     }
   }
@@ -193,6 +219,7 @@ class DenseProblem {
   Calibration<double> theta_;
   MeasurementModel<double> model_;
   double damping_;
+  std::vector<Term> terms_;                  ///< of theta, then candidates
   int nuisance_ = 0;
   std::vector<int> first_;
   std::vector<std::vector<int>> landmark_;  ///< first column of each

@@ -12,6 +12,11 @@
 
 namespace host {
 
+/// A term of an effect as the C API counts them (segcal_term_t).
+struct CoreTerm {
+  int kind = 0, a = 0, b = 0, c = 0;
+};
+
 struct CoreOptions {
   Calibration calibration;
   ImuNoise noise;
@@ -27,7 +32,11 @@ struct CoreOptions {
   bool hold_calibration = false;     ///< the filter runs with the calibration as it is, without estimates of its own
   std::vector<double> sigma_ref;     ///< normalises the metrics, per parameter; empty: the prior sigmas
   bool joint_ekf = false;            ///< the filter's own calibration is the result; no segments
-  std::vector<std::uint8_t> device_config;  ///< a device's own (recording.h): taken instead of all above; empty: none
+  std::vector<std::uint8_t> device_config;  ///< a device's own (recording.h): taken instead of all here; empty: none
+  std::uint32_t effects = 0;         ///< SEGCAL_EFFECT_* that are estimated
+  std::vector<CoreTerm> terms;       ///< and further terms
+  std::vector<double> term_values;   ///< where they start, effects by bit, then `terms`; empty: at zero
+  bool has_temperature = false;      ///< the samples tell the temperature
 };
 
 struct CoreState {
@@ -112,6 +121,13 @@ struct CoreKept {
   std::vector<ImuSample> samples;    ///< as stored, rounded to 16 bits
 };
 
+/// Square-root rows over [theta | candidates | residual] of some kept segments, without the prior (segcal_linearise).
+struct CoreRows {
+  int n_theta = 0, n_candidates = 0; ///< theta with the terms that are estimated
+  double dof = 0;                    ///< residuals minus states and landmarks
+  std::vector<double> triangle;      ///< packed, row-major, n_theta + n_candidates + 1 columns
+};
+
 struct CoreMemory {
   std::size_t state_bytes = 0, segment_bytes = 0, workspace_bytes = 0;
 };
@@ -138,6 +154,9 @@ class Core {
   virtual bool last_segment(CoreSegment* out) = 0;
   virtual std::vector<CoreKept> kept() const = 0;
   virtual CoreModel model() const = 0;
+  /// Rows of the kept segments with these serial numbers, at the last calibration. Throws InputError for candidates that
+  /// this profile has no room for.
+  virtual CoreRows linearise(const std::vector<std::uint32_t>& serials, const std::vector<CoreTerm>& candidates) = 0;
   /// Serial numbers of what the last calibration dropped as outdated.
   virtual std::vector<std::uint32_t> outdated() const = 0;
   /// Data faults and other counters, by name.

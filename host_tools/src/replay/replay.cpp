@@ -154,7 +154,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   CoreOptions core_options = options.core;
   core_options.joint_ekf = options.joint_ekf;
   if (!options.calibrate) core_options.trigger_fraction = 0;
-  const std::unique_ptr<Core> core = make_core(options.profile, core_options);
+  std::unique_ptr<Core> core = make_core(options.profile, core_options);
   ReplayResult out;
   out.noise = options.core.noise;
   Session session(*core, out, options.calibrate);
@@ -180,6 +180,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   out.timing.vio_ms_p95 = quantile(session.frame_ms, 0.95);
   out.timing.score_ms_median = quantile(session.score_ms, 0.5);
   mark_kept(out);
+  if (options.keep_core) *options.keep_core = std::move(core);
   return out;
 }
 

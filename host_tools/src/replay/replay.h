@@ -14,6 +14,7 @@ struct ReplayOptions {
   bool calibrate = true;             ///< false: odometry only, the calibration stays as it is
   /// Called after each session with what has been found so far; may be empty. The number counts from 0.
   std::function<void(std::size_t, const CoreResult&, const Calibration&)> after_session;
+  std::unique_ptr<Core>* keep_core = nullptr;  ///< takes the core over when the replay is done, to ask it further things
   std::function<void(double)> progress;  ///< called with the fraction done, 0..1; may be empty
 };
 

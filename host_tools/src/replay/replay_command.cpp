@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "device_log/device_log.h"
+#include "replay/model_file.h"
 #include "replay/result_files.h"
 #include "replay/sessions.h"
 #include "replay/words.h"
@@ -16,7 +17,8 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> recordings;
-  std::string calibration, out, strategy = "single", verify_hash;
+  std::string calibration, out, model, strategy = "single", verify_hash;
+  std::vector<std::string> effects;
   int cameras = 1;
   bool json = false, no_calibration = false, keep_outdated = false, hash = false;
   ReplayOptions replay;
@@ -43,12 +45,12 @@ void print_summary(const ReplayResult& r) {
     if (done.by_targets) std::printf("targets reached at %.2f s with %d segments: %s\n", 1e-9 * static_cast<double>(done.t_ns),
                                      done.segments, done.status.c_str());
   }
-  std::printf("%-14s %14s %12s %-4s %14s  %s\n", "parameter", "value", "sigma", "unit", "initial", "verdict");
+  std::printf("%-26s %14s %12s %-10s %14s  %s\n", "parameter", "value", "sigma", "unit", "initial", "verdict");
   for (const CoreParameter& p : c.parameters) {
-    std::printf("%-14s %14.6f %12.6f %-4s %14.6f  %s\n", p.name.c_str(), p.value, p.sigma, p.unit.c_str(), p.initial,
+    std::printf("%-26s %14.7g %12.3g %-10s %14.7g  %s\n", p.name.c_str(), p.value, p.sigma, p.unit.c_str(), p.initial,
                 p.verdict.c_str());
   }
-  const std::vector<std::string> names = parameter_names(r.calibration);
+  const std::vector<std::string> names = parameter_names(c, r.calibration);
   for (const CoreDirection& d : c.unobservable) std::printf("%s\n", in_words(d, names).c_str());
   std::printf("state_bytes %zu (segment %zu, workspace %zu); VIO %.2f ms per frame (p95 %.2f), calibration %.0f ms\n",
               r.memory.state_bytes, r.memory.segment_bytes, r.memory.workspace_bytes, r.timing.vio_ms_median,
@@ -115,6 +117,12 @@ int run(Arguments a) {
   a.replay.core.noise = sessions.front().imu.noise;
   a.replay.core.multi_session = a.strategy == "multi";
   a.replay.calibrate = !a.no_calibration;
+  a.replay.core.has_temperature = true;
+  for (const Recording& r : sessions) a.replay.core.has_temperature &= r.imu.has_temperature;
+  EffectChoice choice;
+  if (!a.model.empty()) choice = read_model(a.model);
+  for (const std::string& name : a.effects) choice.enable(name);
+  choice.apply(&a.replay.core);
   if (a.keep_outdated) a.replay.core.outdated_level = -1;
   a.replay.progress = show_progress;
   if (!a.verify_hash.empty()) read_hashes(a.verify_hash);  // a file without one is found out before the work
@@ -150,6 +158,10 @@ void add_replay_command(CLI::App& app, int& exit_code) {
       ->capture_default_str()->check(CLI::IsMember({"single", "multi"}));
   sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
   sub->add_option("--pixel-sigma", a->replay.core.pixel_sigma, "stated noise of a tracked corner per axis, px")->capture_default_str()->check(CLI::PositiveNumber);
+  sub->add_option("--enable", a->effects,
+                  "effect to estimate beside the calibration, as time_offset; repeatable. All of them: see below")
+      ->allow_extra_args(false);
+  sub->add_option("--model", a->model, "model.yaml: effects to estimate, with the values to start from");
   sub->add_option("--seed", a->replay.core.seed, "of the random metric")->capture_default_str();
   sub->add_option("--trigger-sigma", a->replay.core.trigger_fraction,
                   "calibrate in between, as soon as all predicted sigmas are below this fraction of the prior's; 0: at the end only")
@@ -184,6 +196,7 @@ A device log (made with segcal/log.h, or by segcal convert) is replayed with the
 device made, so that it gives the device's bits:
   segcal replay flight.segcal --out out --verify-hash flight.segcal
 
+)" + effects_help() + R"(
 Exit code 1: the result is not `calibrated` (too little motion, or the model does not fit); with --verify-hash: the hash is
 another one.)");
   sub->callback([a, &exit_code] { exit_code = run(*a); });

@@ -4,6 +4,7 @@
 
 #include "file_output.h"
 #include "replay/kept_segments.h"
+#include "replay/model_file.h"
 
 namespace host {
 
@@ -24,7 +25,7 @@ void write_result_files(const std::filesystem::path& dir, const ReplayResult& re
   write_camchain(dir / "camchain-imucam.yaml", result.calibration);
   write_imu_yaml(dir / "imu.yaml", result.calibration, result.noise);
   write_file(dir / "trajectory.tum", trajectory_tum(result.trajectory));
-  write_file(dir / "model.yaml", "# Effects beside theta that are active in this calibration.\nformat: 1\neffects: []\n");
+  write_file(dir / "model.yaml", model_yaml(result));
   write_file(dir / "report_data.json", report_data(result, truth).dump());
   write_file(dir / "kept_segments.json", kept_segments_json(kept_segments(result)));
   write_file(dir / "result.json", result_json(result).dump(1) + "\n");  // last: its presence says the rest is there

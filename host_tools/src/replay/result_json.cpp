@@ -42,7 +42,7 @@ Json calibrations_json(const ReplayResult& out) {
 
 Json result_json(const ReplayResult& out) {
   const CoreResult& r = out.result;
-  const std::vector<std::string> names = parameter_names(out.calibration);
+  const std::vector<std::string> names = parameter_names(r, out.calibration);
   Json json;
   json["format"] = 1;
   json["status"] = r.status;

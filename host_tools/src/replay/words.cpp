@@ -41,4 +41,11 @@ std::vector<std::string> parameter_names(const Calibration& calibration) {
   return names;
 }
 
+std::vector<std::string> parameter_names(const CoreResult& result, const Calibration& calibration) {
+  if (result.parameters.empty()) return parameter_names(calibration);
+  std::vector<std::string> names;
+  for (const CoreParameter& p : result.parameters) names.push_back(p.name);
+  return names;
+}
+
 }  // namespace host

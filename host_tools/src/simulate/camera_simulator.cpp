@@ -28,10 +28,11 @@ class Coverage {
 
 }  // namespace
 
-CameraSimulator::CameraSimulator(const CameraCalibration& camera, const Trajectory& truth,
+CameraSimulator::CameraSimulator(const CameraCalibration& camera, std::size_t index, const Trajectory& truth,
                                  const std::vector<Eigen::Vector3d>& scene, const Effects& effects,
                                  const TrackOptions& options, double period, std::uint64_t seed)
     : camera_(camera),
+      index_(index),
       truth_(truth),
       scene_(scene),
       effects_(effects),
@@ -41,28 +42,35 @@ CameraSimulator::CameraSimulator(const CameraCalibration& camera, const Trajecto
       noise_(seed, Stream::pixels),
       in_use_(scene.size(), false) {}
 
-std::optional<Eigen::Vector2d> CameraSimulator::project_from(const BodyState& state,
+std::optional<Eigen::Vector2d> CameraSimulator::project_from(const CameraCalibration& camera, const BodyState& state,
                                                              const Eigen::Vector3d& landmark_G) const {
   const Eigen::Vector3d p_I = state.R_GI.transpose() * (landmark_G - state.p_GI);
-  const Eigen::Vector3d p_C = camera_.R_CI * p_I + camera_.p_CI;
+  const Eigen::Vector3d p_C = camera.R_CI * p_I + camera.p_CI;
   const double distance = p_C.norm();
   if (distance < options_.depth.near || distance > options_.depth.far) return std::nullopt;
-  return project(camera_, p_C, border_px);
+  return project(camera, p_C, border_px);
+}
+
+CameraCalibration CameraSimulator::camera_at(double t) const {
+  CameraCalibration camera = camera_;
+  for (const auto& effect : effects_) effect->on_camera_calibration(t, index_, camera);
+  return camera;
 }
 
 /// All effects on the camera act here. The row decides when a pixel is exposed, and the pose at that time decides the
 /// row: two rounds are plenty, the motion during the read-out is small.
 std::optional<Eigen::Vector2d> CameraSimulator::observe(const BodyState& state, double t,
                                                         const Eigen::Vector3d& landmark_G) const {
-  std::optional<Eigen::Vector2d> pixel = project_from(state, landmark_G);
-  if (effects_.empty()) return pixel;
+  if (effects_.empty()) return project_from(camera_, state, landmark_G);
+  const CameraCalibration camera = camera_at(t);
+  std::optional<Eigen::Vector2d> pixel = project_from(camera, state, landmark_G);
   for (int round = 0; round < 3 && pixel; ++round) {
     double t_exposed = t;
-    for (const auto& effect : effects_) t_exposed = effect->exposure_time(camera_, t_exposed, pixel->y());
-    pixel = project_from(truth_.at(t_exposed), landmark_G);
+    for (const auto& effect : effects_) t_exposed = effect->exposure_time(camera, t_exposed, pixel->y());
+    pixel = project_from(camera, truth_.at(t_exposed), landmark_G);
   }
   if (!pixel) return pixel;
-  for (const auto& effect : effects_) effect->on_pixel(camera_, t, *pixel);
+  for (const auto& effect : effects_) effect->on_pixel(camera, t, *pixel);
   return pixel;
 }
 

@@ -24,7 +24,7 @@ struct TrackOptions {
 class CameraSimulator {
  public:
   /// `period` in s between frames; it is used to look ahead, so that no track begins that could not live `shortest` frames.
-  CameraSimulator(const CameraCalibration& camera, const Trajectory& truth, const std::vector<Eigen::Vector3d>& scene,
+  CameraSimulator(const CameraCalibration& camera, std::size_t index, const Trajectory& truth, const std::vector<Eigen::Vector3d>& scene,
                   const Effects& effects, const TrackOptions& options, double period, std::uint64_t seed);
 
   /// From now on landmarks that `first`, the rig's first camera, follows at the time are preferred, under its ids. `first`
@@ -47,7 +47,9 @@ class CameraSimulator {
   };
 
   std::optional<Eigen::Vector2d> observe(const BodyState& state, double t, const Eigen::Vector3d& landmark_G) const;
-  std::optional<Eigen::Vector2d> project_from(const BodyState& state, const Eigen::Vector3d& landmark_G) const;
+  std::optional<Eigen::Vector2d> project_from(const CameraCalibration& camera, const BodyState& state,
+                                              const Eigen::Vector3d& landmark_G) const;
+  CameraCalibration camera_at(double t) const;
   bool stays_visible(std::size_t landmark) const;
   std::vector<Sighting> free_sightings(double t);
   void continue_tracks(double t, std::vector<TrackPoint>& points);
@@ -57,7 +59,8 @@ class CameraSimulator {
   void start_track(const Sighting& sighting, std::uint32_t id, std::vector<TrackPoint>& points);
   TrackPoint measured(std::uint32_t id, const Eigen::Vector2d& pixel);
 
-  CameraCalibration camera_;
+  CameraCalibration camera_;   ///< before any shock
+  std::size_t index_;
   const Trajectory& truth_;
   const std::vector<Eigen::Vector3d>& scene_;
   const Effects& effects_;

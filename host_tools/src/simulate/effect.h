@@ -2,8 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "../calibration_file.h"
+#include "../recording.h"
 #include "trajectory.h"
 
 namespace host::sim {
@@ -14,21 +18,64 @@ struct ImuReading {
   Eigen::Vector3d accel = Eigen::Vector3d::Zero();
 };
 
+/// What an IMU reading can depend on.
+struct ImuMoment {
+  double t;                       ///< s since the first frame
+  const Trajectory& truth;
+  const ImuCalibration& imu;      ///< of this moment
+  const BodyState& state;         ///< truth.at(t)
+  Eigen::Vector3d force_I;        ///< specific force in I, m/s^2
+  double temperature_degC;        ///< 25 where the simulation has no temperature
+};
+
+/// Factors on the standard deviation of the white noise; the files go on stating the noise without them.
+struct NoiseFactors {
+  double gyro = 1, accel = 1, pixel = 1;
+};
+
+/// What an effect is, for truth/truth.json: parameters named as in result files.
+struct EffectTruth {
+  struct Parameter {
+    std::string name;   ///< without the effect's name and its dot
+    double value;
+    std::string unit;
+  };
+  std::string name;
+  std::vector<Parameter> parameters;
+};
+
 /// An effect overrides the hooks that it needs; what is not overridden changes nothing. Effects must not keep state
 /// between calls that depends on the order of cameras; IMU hooks come in order of time.
 class Effect {
  public:
   virtual ~Effect() = default;
 
-  /// Changes a reading after scale, misalignment and rotation, before bias and noise. `t` in s since the first frame.
-  virtual void on_imu(double t, const Trajectory& truth, ImuReading& reading) const;
+  virtual EffectTruth truth() const { return {}; }
+
+  /// Changes a reading after scale, misalignment and rotation, before bias and noise.
+  virtual void on_imu(const ImuMoment&, ImuReading&) const {}
 
   /// Time on the IMU's clock, s, at which the image row `v_row`, px, of the frame stamped `t_stamp`, s, was exposed.
   /// Several effects are applied one after another.
-  virtual double exposure_time(const CameraCalibration& camera, double t_stamp, double v_row) const;
+  virtual double exposure_time(const CameraCalibration&, double t_stamp, double /*v_row*/) const { return t_stamp; }
 
-  /// Moves an ideal pixel to where the real lens puts it.
-  virtual void on_pixel(const CameraCalibration& camera, double t, Eigen::Vector2d& pixel) const;
+  /// Moves an ideal pixel to where the real lens puts it. `t` in s since the first frame.
+  virtual void on_pixel(const CameraCalibration&, double /*t*/, Eigen::Vector2d& /*pixel*/) const {}
+
+  /// What has become of the device by time `t`, s: a shock.
+  virtual void on_camera_calibration(double /*t*/, std::size_t /*camera*/, CameraCalibration&) const {}
+  virtual void on_imu_calibration(double /*t*/, ImuCalibration&) const {}
+
+  virtual void on_noise(NoiseFactors&) const {}
+
+  /// Changes the finished log: faults of the sensors' electronics and of the logger.
+  virtual void on_log(Recording&, std::uint64_t /*seed*/) const {}
+
+  /// Acts on the simulated IMU samples: no use with real ones.
+  virtual bool needs_simulated_imu() const { return false; }
+  virtual bool needs_temperature() const { return false; }
 };
+
+using Effects = std::vector<std::shared_ptr<const Effect>>;
 
 }  // namespace host::sim

@@ -34,18 +34,22 @@ Biases BiasHistory::at(double t) const {
           values_[before].accel + share * (values_[after].accel - values_[before].accel)};
 }
 
-ImuReading ideal_reading(const ImuCalibration& imu, const Trajectory& truth, double t, const Effects& effects) {
+ImuReading ideal_reading(const ImuCalibration& unshaken, const Trajectory& truth, double t, const Effects& effects,
+                         double temperature_degC) {
+  ImuCalibration imu = unshaken;
+  for (const auto& effect : effects) effect->on_imu_calibration(t, imu);
   const BodyState state = truth.at(t);
   const Eigen::Vector3d specific_force_I = state.R_GI.transpose() * (state.a_GI - gravity_G);
   ImuReading reading{imu.T_g * state.w_GI, imu.T_a * imu.R_AI * specific_force_I};
-  for (const auto& effect : effects) effect->on_imu(t, truth, reading);
+  const ImuMoment moment{t, truth, imu, state, specific_force_I, temperature_degC};
+  for (const auto& effect : effects) effect->on_imu(moment, reading);
   return reading;
 }
 
-ImuWhiteNoise::ImuWhiteNoise(std::uint64_t seed, const ImuNoise& noise)
+ImuWhiteNoise::ImuWhiteNoise(std::uint64_t seed, const ImuNoise& noise, const NoiseFactors& factors)
     : random_(seed, Stream::imu),
-      gyro_sigma_(noise.gyro_noise_density * std::sqrt(noise.rate_hz)),
-      accel_sigma_(noise.accel_noise_density * std::sqrt(noise.rate_hz)) {}
+      gyro_sigma_(factors.gyro * noise.gyro_noise_density * std::sqrt(noise.rate_hz)),
+      accel_sigma_(factors.accel * noise.accel_noise_density * std::sqrt(noise.rate_hz)) {}
 
 void ImuWhiteNoise::add_to(ImuReading& reading) {
   reading.gyro += random_.normal3(gyro_sigma_);

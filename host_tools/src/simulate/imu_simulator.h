@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "../calibration_file.h"
 #include "effect.h"
 #include "random.h"
+#include "temperature.h"
 
 namespace host::sim {
 
@@ -34,15 +34,14 @@ class BiasHistory {
   std::vector<Biases> values_;
 };
 
-using Effects = std::vector<std::shared_ptr<const Effect>>;
-
 /// The reading without bias and noise at time t, s.
-ImuReading ideal_reading(const ImuCalibration& imu, const Trajectory& truth, double t, const Effects& effects);
+ImuReading ideal_reading(const ImuCalibration& imu, const Trajectory& truth, double t, const Effects& effects,
+                         double temperature_degC = reference_temperature_degC);
 
-/// White noise of one sample has the standard deviation density * sqrt(rate).
+/// White noise of one sample has the standard deviation density * sqrt(rate), times the factor of the effects.
 class ImuWhiteNoise {
  public:
-  ImuWhiteNoise(std::uint64_t seed, const ImuNoise& noise);
+  ImuWhiteNoise(std::uint64_t seed, const ImuNoise& noise, const NoiseFactors& factors = {});
   void add_to(ImuReading& reading);
 
  private:

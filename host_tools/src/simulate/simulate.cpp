@@ -41,6 +41,8 @@ void check(const SimulationOptions& options) {
   require(options.tracks.pixel_noise_px >= 0 && options.tracks.pixel_noise_px <= 20, "--pixel-noise: expected 0 to 20 px");
   require(options.imu_file.empty() || !options.trajectory_file.empty(),
           "--imu: expected --trajectory too, the motion that these samples belong to");
+  for (const auto& effect : options.effects)
+    require(options.imu_file.empty() || !effect->needs_simulated_imu(), "--imu: expected no effect on the IMU, real samples have their own");
 }
 
 Session drawn_session(const SimulationOptions& options) {
@@ -96,6 +98,22 @@ TruthPose as_pose(std::int64_t t_ns, const sim::BodyState& state) {
   return pose;
 }
 
+/// How warm the IMU is, where the recording says it. The time constant is a third of the session unless stated.
+std::optional<sim::WarmUp> temperature_of(const SimulationOptions& options, const Session& session) {
+  if (options.temperature) return options.temperature;
+  const bool needed = std::any_of(options.effects.begin(), options.effects.end(), [](const auto& e) { return e->needs_temperature(); });
+  if (!needed) return std::nullopt;
+  sim::WarmUp warm_up;
+  warm_up.time_constant_s = (session.last_frame - session.first_frame) / 3;
+  return warm_up;
+}
+
+sim::NoiseFactors noise_factors(const SimulationOptions& options) {
+  sim::NoiseFactors factors;
+  for (const auto& effect : options.effects) effect->on_noise(factors);
+  return factors;
+}
+
 /// IMU samples from a little before the first frame to a little after the last; the frames' stamps fall in between.
 void simulate_imu(const SimulationOptions& options, const Session& session, SimulationResult& result) {
   const double period = 1 / options.imu_noise.rate_hz;
@@ -103,16 +121,20 @@ void simulate_imu(const SimulationOptions& options, const Session& session, Simu
   const double t0 = session.first_frame - imu_lead - period * random.uniform(0.2, 0.8);
   const auto n = static_cast<std::size_t>(std::ceil((session.last_frame + imu_lead - t0) / period)) + 1;
   if (options.with_imu_noise) result.biases = sim::BiasHistory(options.seed, options.imu_noise, t0, n);
-  sim::ImuWhiteNoise noise(options.seed, options.imu_noise);
+  sim::ImuWhiteNoise noise(options.seed, options.imu_noise, noise_factors(options));
+  const std::optional<sim::WarmUp> warm_up = temperature_of(options, session);
+  result.recording.imu.has_temperature = warm_up.has_value();
   for (std::size_t k = 0; k < n; ++k) {
     const std::int64_t t_ns = stamp(session, t0 + period * static_cast<double>(k));
     const double t = time_of(session.time_zero_ns, t_ns);
-    sim::ImuReading reading = sim::ideal_reading(result.truth.imu, session.trajectory, t, options.effects);
+    const double temperature = warm_up ? warm_up->at(t - session.first_frame) : sim::reference_temperature_degC;
+    sim::ImuReading reading = sim::ideal_reading(result.truth.imu, session.trajectory, t, options.effects, temperature);
     const sim::Biases biases = result.biases.at(t);
     reading.gyro += biases.gyro;
     reading.accel += biases.accel;
     if (options.with_imu_noise) noise.add_to(reading);
     result.recording.imu.samples.push_back(as_sample(t_ns, reading));
+    result.recording.imu.samples.back().temperature_degC = temperature;
   }
 }
 
@@ -126,9 +148,11 @@ void simulate_cameras(const SimulationOptions& options, const Session& session, 
                       const std::function<void(double)>& progress) {
   const double period = 1 / options.camera_rate_hz;
   const auto scene = sim::make_scene(session.trajectory, session.first_frame, session.last_frame, options.seed);
+  sim::TrackOptions tracks = options.tracks;
+  tracks.pixel_noise_px *= noise_factors(options).pixel;
   std::vector<sim::CameraSimulator> simulators;
   for (std::size_t i = 0; i < result.truth.cameras.size(); ++i)
-    simulators.emplace_back(result.truth.cameras[i], session.trajectory, scene, options.effects, options.tracks, period,
+    simulators.emplace_back(result.truth.cameras[i], i, session.trajectory, scene, options.effects, tracks, period,
                             options.seed + seed_step_per_camera * i);
   for (std::size_t i = 1; options.stereo_matches && i < simulators.size(); ++i) simulators[i].match_with(&simulators[0]);
   result.recording.cameras.resize(simulators.size());
@@ -165,6 +189,10 @@ SimulationResult simulate(const SimulationOptions& options, const std::function<
   for (const ImuSample& sample : result.recording.imu.samples) {
     const double t = time_of(session.time_zero_ns, sample.t_ns);
     if (!in_hole(session, t)) result.recording.truth.push_back(as_pose(sample.t_ns, session.trajectory.at(t)));
+  }
+  for (const auto& effect : options.effects) {
+    effect->on_log(result.recording, options.seed);
+    result.effects.push_back(effect->truth());
   }
   result.trajectory = session.trajectory;
   result.time_zero_ns = session.time_zero_ns;

@@ -31,6 +31,7 @@ struct SimulationOptions {
   bool with_imu_noise = true;                 ///< false: no white noise and no biases
   sim::TrackOptions tracks;                   ///< number, life span and pixel noise
   sim::Effects effects;                       ///< departures from the model, applied in this order
+  std::optional<sim::WarmUp> temperature;     ///< of the IMU; empty: recorded only if an effect needs it
   std::filesystem::path trajectory_file;      ///< recorded poses to follow instead of `scenario`; empty: none
   std::filesystem::path imu_file;             ///< real IMU samples instead of simulated ones, needs `trajectory_file`
 };
@@ -44,7 +45,8 @@ struct TruthState {
 struct SimulationResult {
   Recording recording;             ///< root is empty; `truth` holds the pose at each IMU stamp
   Calibration nominal;             ///< what an estimator starts from
-  Calibration truth;               ///< the simulated specimen
+  Calibration truth;               ///< the simulated specimen, before any shock
+  std::vector<sim::EffectTruth> effects;
   bool imu_is_simulated = true;    ///< false with `imu_file`: the IMU part of `truth` is unknown then
   sim::Trajectory trajectory;      ///< times in s since `time_zero_ns`
   sim::BiasHistory biases;

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "../commands.h"
+#include "effect_names.h"
 #include "scenarios.h"
 #include "simulate.h"
 
@@ -21,6 +22,8 @@ constexpr const char* examples = R"(Examples:
   segcal simulate --out day2 --scenario arvr --seed 2 --device-seed 1
       another session of the same device
   segcal simulate --out stereo --scenario rich --cameras 2 --distortion radtan --pixel-noise 0.3
+  segcal simulate --out late --effect time_offset=0.003 --effect gyro_lag=0.004
+      a device that departs from the model: REC/truth/truth.json says by what, `segcal diagnose late --out d` is to find it
   segcal simulate --out mh03 --trajectory groundtruth.csv --imu imu.csv --seconds 100
       landmarks simulated along a recorded motion, with the real IMU samples
 
@@ -31,6 +34,8 @@ struct Command {
   SimulationOptions options;
   std::filesystem::path out;
   std::string distortion = "fov";
+  std::vector<std::string> effects, faults;
+  std::vector<double> temperature;
 };
 
 std::string scenario_help() {
@@ -116,6 +121,30 @@ void add_sensor_options(CLI::App& app, Command& command) {
   app.add_option("--accel-walk", noise.accel_random_walk, "m/s^3/sqrt(Hz)")->check(positive)->capture_default_str();
 }
 
+void add_effect_options(CLI::App& app, Command& command) {
+  app.add_option("--effect", command.effects,
+                 "NAME=v1,v2,...: an effect that the calibrated model has no parameter for; repeatable. Values of the sizes\n"
+                 "that show in a minute of rich motion, and their names and units:\n" + sim::effect_help(sim::EffectKind::catalogue))
+      ->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--fault", command.faults,
+                 "NAME=v1,...: a fault of wiring, units or clocks; repeatable:\n" + sim::effect_help(sim::EffectKind::fault))
+      ->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--temperature", command.temperature,
+                 "BEGIN,END[,TIME CONSTANT]: degC, degC, s: temperature column of an IMU that warms up; without it effects\n"
+                 "that need one take 25,40 and a third of the recording")
+      ->expected(1, 3)->delimiter(',')->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void take_effects(Command& command) {
+  for (const auto* list : {&command.effects, &command.faults})
+    for (const std::string& text : *list) command.options.effects.push_back(sim::parse_effect(text));
+  const std::vector<double>& t = command.temperature;
+  if (t.empty()) return;
+  if (t.size() < 2 || (t.size() == 3 && !(t[2] > 0)))
+    throw InputError("--temperature: expected BEGIN,END[,TIME CONSTANT], degC, degC, s above 0");
+  command.options.temperature = sim::WarmUp{t[0], t[1], t.size() == 3 ? t[2] : command.options.seconds / 3};
+}
+
 }  // namespace
 
 void add_simulate_command(CLI::App& app, int& exit_code) {
@@ -126,8 +155,10 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
   add_motion_options(*sub, *command);
   add_device_options(*sub, *command);
   add_sensor_options(*sub, *command);
+  add_effect_options(*sub, *command);
   sub->callback([command, &exit_code] {
     command->options.distortion = distortion_from_name(command->distortion);
+    take_effects(*command);
     run(*command);
     exit_code = 0;
   });

@@ -23,6 +23,8 @@
 #define SEGCAL_DEFAULT_TRACKS 40
 #define SEGCAL_DEFAULT_TIES 4
 #define SEGCAL_DEFAULT_IMU_HISTORY 300
+#define SEGCAL_DEFAULT_EFFECT_ESTIMATES 3
+#define SEGCAL_DEFAULT_EFFECT_COLUMNS 10
 #elif SEGCAL_PROFILE == SEGCAL_PROFILE_MOBILE
 #define SEGCAL_DEFAULT_NS segcal_mobile
 #define SEGCAL_DEFAULT_CAMERAS 2
@@ -35,6 +37,8 @@
 #define SEGCAL_DEFAULT_TRACKS 160
 #define SEGCAL_DEFAULT_TIES 8
 #define SEGCAL_DEFAULT_IMU_HISTORY 1000
+#define SEGCAL_DEFAULT_EFFECT_ESTIMATES 36
+#define SEGCAL_DEFAULT_EFFECT_COLUMNS 36
 #elif SEGCAL_PROFILE == SEGCAL_PROFILE_HOST
 #define SEGCAL_DEFAULT_NS segcal_host
 #define SEGCAL_DEFAULT_CAMERAS 2
@@ -47,6 +51,8 @@
 #define SEGCAL_DEFAULT_TRACKS 256
 #define SEGCAL_DEFAULT_TIES 16
 #define SEGCAL_DEFAULT_IMU_HISTORY 2000
+#define SEGCAL_DEFAULT_EFFECT_ESTIMATES 64
+#define SEGCAL_DEFAULT_EFFECT_COLUMNS 64
 #else
 #error "SEGCAL_PROFILE: 1 (mcu), 2 (mobile) or 3 (host)"
 #endif
@@ -103,6 +109,20 @@
 /* Raw IMU samples kept for the filter's start (1.5 s of them) and for cutting segments. */
 #ifndef SEGCAL_IMU_HISTORY
 #define SEGCAL_IMU_HISTORY SEGCAL_DEFAULT_IMU_HISTORY
+#endif
+
+/* Terms of effects that can be estimated beside the calibration at a time (time_offset is one term, gyro_g_sensitivity
+   nine). Each kept segment's stored triangle grows by them. */
+#ifndef SEGCAL_MAX_EFFECT_ESTIMATES
+#if defined(SEGCAL_MAX_EFFECT_COLUMNS) && SEGCAL_MAX_EFFECT_COLUMNS < SEGCAL_DEFAULT_EFFECT_ESTIMATES
+#define SEGCAL_MAX_EFFECT_ESTIMATES SEGCAL_MAX_EFFECT_COLUMNS
+#else
+#define SEGCAL_MAX_EFFECT_ESTIMATES SEGCAL_DEFAULT_EFFECT_ESTIMATES
+#endif
+#endif
+/* Terms in one linearisation: those estimated, and candidates that are only tested. 0: no effects at all. */
+#ifndef SEGCAL_MAX_EFFECT_COLUMNS
+#define SEGCAL_MAX_EFFECT_COLUMNS SEGCAL_DEFAULT_EFFECT_COLUMNS
 #endif
 
 /* Arithmetic of the core: float by default; the host's cross-check builds with double. */

@@ -36,9 +36,10 @@ uint32_t segcal_version(void);
 size_t segcal_storage_bytes(void);
 
 /* ---- limits ---- */
-#define SEGCAL_MAX_PARAMETERS (SEGCAL_MAX_CAMERAS * 14 + 15)
+#define SEGCAL_MAX_PARAMETERS (SEGCAL_MAX_CAMERAS * 14 + 15 + SEGCAL_MAX_EFFECT_ESTIMATES)
 #define SEGCAL_MAX_DIRECTIONS SEGCAL_MAX_PARAMETERS
-#define SEGCAL_NAME_LENGTH 16
+#define SEGCAL_NAME_LENGTH 40
+#define SEGCAL_UNIT_LENGTH 24
 
 /* ---- return codes ---- */
 enum {
@@ -70,7 +71,57 @@ typedef struct {
   double p_CI[3];        /* m */
   double intrinsics[4];  /* fx fy cx cy, px; fx, fy > 0 */
   double distortion[4];  /* fov: w (0..2.5 rad); radtan: k1 k2 p1 p2; equidistant: k1..k4 */
+  int32_t height;        /* rows of the image, for rolling_shutter; 0: twice cy */
 } segcal_camera_t;
+
+/* ---- effects: what the model may lack (DESIGN, section 3) ----
+ * An effect is a sum of terms, a term is one number that is estimated beside the calibration, behind its last entry. Terms
+ * of the catalogue's effects come from segcal_effect_term(); other terms of the same kinds may be given as well:
+ *   SEGCAL_TERM_GYRO_X .. ACCEL_Z   c times the product of the signals a and b is added to the reading of this axis
+ *   SEGCAL_TERM_IMAGE_U, IMAGE_V    c x^a y^b row^c is added to the distorted point, in units of the focal length;
+ *                                   row runs from -1 at the top of the image to 1 at its bottom
+ * What they do to a reading stands in lib/src/sensors/effect_terms.h. */
+enum {
+  SEGCAL_EFFECT_TIME_OFFSET = 1 << 0,         /* t_d, s: t_imu = t_cam + t_d. Once released, stamps of frames are moved by it */
+  SEGCAL_EFFECT_ROLLING_SHUTTER = 1 << 1,     /* line delay, s/row, from the middle row */
+  SEGCAL_EFFECT_RADIAL_RESIDUAL = 1 << 2,
+  SEGCAL_EFFECT_TANGENTIAL_RESIDUAL = 1 << 3,
+  SEGCAL_EFFECT_GYRO_G_SENSITIVITY = 1 << 4,
+  SEGCAL_EFFECT_GYRO_NONLINEARITY = 1 << 5,
+  SEGCAL_EFFECT_ACCEL_NONLINEARITY = 1 << 6,
+  SEGCAL_EFFECT_GYRO_TEMPERATURE = 1 << 7,    /* needs segcal_imu_t.temperature */
+  SEGCAL_EFFECT_ACCEL_TEMPERATURE = 1 << 8,
+  SEGCAL_EFFECT_GYRO_LAG = 1 << 9,
+  SEGCAL_EFFECT_ACCEL_AXIS_OFFSET = 1 << 10
+};
+#define SEGCAL_EFFECTS 11            /* how many there are: bits 0..10 */
+#define SEGCAL_EFFECT_PARAMETERS 9   /* most parameters of an effect */
+
+enum {
+  SEGCAL_TERM_GYRO_X, SEGCAL_TERM_GYRO_Y, SEGCAL_TERM_GYRO_Z, SEGCAL_TERM_ACCEL_X, SEGCAL_TERM_ACCEL_Y, SEGCAL_TERM_ACCEL_Z,
+  SEGCAL_TERM_GYRO_LAG, SEGCAL_TERM_AXIS_OFFSET, SEGCAL_TERM_CAMERA_TIME, SEGCAL_TERM_RADIAL, SEGCAL_TERM_TANGENTIAL_1,
+  SEGCAL_TERM_TANGENTIAL_2, SEGCAL_TERM_IMAGE_U, SEGCAL_TERM_IMAGE_V
+};
+/* Corrected readings, rad/s and m/s^2; DW: angular acceleration, rad/s^2; WARMTH: degC above 25; TIME: s since the first
+   sample. Forces are in I for a term of the gyroscope, along the accelerometer's axes for one of the accelerometer. */
+enum {
+  SEGCAL_SIGNAL_ONE, SEGCAL_SIGNAL_WX, SEGCAL_SIGNAL_WY, SEGCAL_SIGNAL_WZ, SEGCAL_SIGNAL_ABS_WX, SEGCAL_SIGNAL_ABS_WY,
+  SEGCAL_SIGNAL_ABS_WZ, SEGCAL_SIGNAL_ABS_W, SEGCAL_SIGNAL_FX, SEGCAL_SIGNAL_FY, SEGCAL_SIGNAL_FZ, SEGCAL_SIGNAL_DWX,
+  SEGCAL_SIGNAL_DWY, SEGCAL_SIGNAL_DWZ, SEGCAL_SIGNAL_WARMTH, SEGCAL_SIGNAL_TIME
+};
+typedef struct {
+  uint8_t kind;      /* SEGCAL_TERM_* */
+  uint8_t a, b, c;   /* signals (SEGCAL_SIGNAL_*) or powers (up to 6); 0 where there is none */
+} segcal_term_t;
+
+typedef struct {
+  const char *name;                                    /* "time_offset" */
+  int32_t n_parameters;
+  const char *parameter[SEGCAL_EFFECT_PARAMETERS];     /* "t_d" */
+  const char *unit;                                    /* of each parameter */
+  double prior_sigma;
+  const char *looks_like, *confounded;                 /* one line each, for people */
+} segcal_effect_t;
 
 typedef struct {
   double gyro_scale[3];         /* 0: 1 */
@@ -121,6 +172,16 @@ typedef struct {
   /* Kept segments that newer ones contradict are dropped at calibration (a device that fell has another calibration).
      Probability that a calibration drops any although the device is the same, up to 0.1; 0: 0.001; -1: never drop any. */
   double outdated_level;
+  /* Effects that are estimated (SEGCAL_EFFECT_*), then further terms: together at most SEGCAL_MAX_EFFECT_ESTIMATES terms.
+     They stand behind theta's other entries, effects by bit, and have entries of prior_sigma, sigma_ref, trigger_sigma. */
+  uint32_t estimate_effects;
+  int32_t n_terms;
+  segcal_term_t term[SEGCAL_MAX_EFFECT_ESTIMATES + 1];
+  double term_value[SEGCAL_MAX_EFFECT_ESTIMATES + 1];  /* start, and mean of the prior, of each estimated term */
+  /* Effects that each scored segment is asked about, see segcal_get_effect_scores. Those that find no column any more
+     (SEGCAL_MAX_EFFECT_COLUMNS) are refused. */
+  uint32_t watch_effects;
+  int32_t has_temperature;         /* 1: segcal_imu_t.temperature is set; 0: it is not looked at */
 } segcal_config_t;
 
 /* ---- data in ---- */
@@ -128,6 +189,7 @@ typedef struct {
   int64_t t_ns;      /* IMU clock */
   float gyro[3];     /* rad/s, gyroscope's axes */
   float accel[3];    /* m/s^2, accelerometer's axes; at rest and level z reads +9.8 */
+  float temperature; /* degC, with segcal_config_t.has_temperature; NaN: as the sample before */
 } segcal_imu_t;
 
 typedef struct {
@@ -150,8 +212,8 @@ enum { SEGCAL_INSUFFICIENT = 0, SEGCAL_CALIBRATED = 1, SEGCAL_FAILED = 2 };
 enum { SEGCAL_FIXED = 0, SEGCAL_WEAK = 1, SEGCAL_OBSERVED = 2 };
 
 typedef struct {
-  char name[SEGCAL_NAME_LENGTH]; /* "cam0.r_CI.x" ... as in DESIGN, section 3 */
-  char unit[4];                  /* "rad", "m", "px", "-" */
+  char name[SEGCAL_NAME_LENGTH]; /* "cam0.r_CI.x" ... as in DESIGN, section 3; then "time_offset.t_d" ... */
+  char unit[SEGCAL_UNIT_LENGTH]; /* "rad", "m", "px", "-", "s/row" ... */
   double value, initial;         /* rotations: the rotation vector's component */
   double sigma;                  /* scaled by what the fit shows */
   double prior_sigma;
@@ -304,6 +366,37 @@ int segcal_get_model(const segcal_t *device, segcal_model_t *out);
    were fed the same and computed the same have the same one. 0 without a device. Reads all kept segments: not in bounded
    time like the calls above. */
 uint64_t segcal_result_hash(const segcal_t *device);
+/* Index 0..SEGCAL_EFFECTS - 1, by bit. SEGCAL_ERROR_SIZE beyond. */
+int segcal_get_effect(int32_t index, segcal_effect_t *out);
+/* Terms of an effect, up to SEGCAL_EFFECT_PARAMETERS of them; returns their number. */
+int segcal_effect_terms(int32_t index, segcal_term_t *out);
+/* Name ("gyro_x:fy*wz", or the catalogue's "time_offset.t_d"), unit and prior sigma of a term. */
+int segcal_describe_term(const segcal_term_t *term, segcal_parameter_t *out);
+/* Values of theta's terms, as segcal_get_camera gives the camera's: fill up to `capacity`, return their number. */
+int segcal_get_terms(const segcal_t *device, segcal_term_t *term, double *value, int32_t capacity);
+
+/* Score tests of the watched effects over all segments scored since the last calibration: would the effect, alone, explain
+ * the residuals? Fills up to `capacity`, returns their number. The segments stand where the filter left them: take a
+ * statistic far above its degrees of freedom times chi2_per_dof as a suspicion. */
+typedef struct {
+  int32_t effect;                              /* index, as of segcal_get_effect */
+  int32_t n_parameters, dof;                   /* dof: parameters that these segments can tell from theta */
+  int32_t segments;
+  double statistic;                            /* chi-square with dof degrees of freedom if the effect is absent */
+  double chi2_per_dof;                         /* of the residuals with all watched effects free */
+  double estimate[SEGCAL_EFFECT_PARAMETERS], sigma[SEGCAL_EFFECT_PARAMETERS];
+} segcal_effect_score_t;
+int segcal_get_effect_scores(segcal_t *device, segcal_effect_score_t *out, int32_t capacity);
+
+/* Square-root rows over [theta | candidates | residual] of the kept slots with use_slot[slot] != 0 (SEGCAL_MAX_SEGMENTS + 1
+ * entries), joined as a calibration joins them, everything else eliminated, linearised at the present states and result and
+ * WITHOUT the prior on theta: the cost of these segments is |R delta - d|^2 + rho^2. `triangle`: packed upper triangle,
+ * row-major, n = n_theta + n_terms + 1 columns, d last and rho in the corner; capacity in numbers, n (n + 1) / 2 are
+ * written. Theta's entries are those of segcal_result_t, rotations as small rotations from the left. n_candidates and
+ * theta's terms together at most SEGCAL_MAX_EFFECT_COLUMNS. dof: residuals minus states and landmarks, theta and terms not
+ * counted. Call it after the segments were calibrated or scored; it changes nothing but the workspaces. */
+int segcal_linearise(segcal_t *device, const uint8_t *use_slot, const segcal_term_t *candidate, int32_t n_candidates,
+                     double *triangle, int32_t capacity, int32_t *n_theta, int32_t *n_terms, int32_t *dof);
 /* Bytes of one database slot and of the workspaces. */
 void segcal_memory(size_t *state_bytes, size_t *segment_bytes, size_t *workspace_bytes);
 

@@ -7,14 +7,17 @@
 #include "segcal/config.h"
 
 #define SEGCAL_REAL_BYTES sizeof(SEGCAL_REAL)
-#define SEGCAL_THETA_COLUMNS (14u * SEGCAL_MAX_CAMERAS + 15u)
+#define SEGCAL_SENSOR_COLUMNS (14u * SEGCAL_MAX_CAMERAS + 15u)
+#define SEGCAL_THETA_COLUMNS (SEGCAL_SENSOR_COLUMNS + SEGCAL_MAX_EFFECT_ESTIMATES)
+/* Theta with candidate terms: in the workspaces only. */
+#define SEGCAL_WIDE_COLUMNS (SEGCAL_SENSOR_COLUMNS + SEGCAL_MAX_EFFECT_COLUMNS)
 #define SEGCAL_TIE_COLUMNS (3u * SEGCAL_MAX_TIES)
 #define SEGCAL_PACKED(n) ((n) * ((n) + 1u) / 2u)
 
 /* One slot of the database: raw IMU samples, image points, states and landmarks, R_theta. */
 #define SEGCAL_SEGMENT_BYTES                                                                                           \
   (SEGCAL_MAX_IMU_SAMPLES * 14u + SEGCAL_MAX_IMU_SAMPLES / 4u + SEGCAL_MAX_OBSERVATIONS * 12u +                         \
-   SEGCAL_MAX_KEYFRAMES * (21u * SEGCAL_REAL_BYTES + 4u) + SEGCAL_MAX_LANDMARKS * (7u * SEGCAL_REAL_BYTES + 6u) +       \
+   SEGCAL_MAX_KEYFRAMES * (21u * SEGCAL_REAL_BYTES + 8u) + SEGCAL_MAX_LANDMARKS * (7u * SEGCAL_REAL_BYTES + 6u) +       \
    SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 160u)
 #define SEGCAL_DATABASE_BYTES ((SEGCAL_MAX_SEGMENTS + 1u) * (SEGCAL_SEGMENT_BYTES + 1u) + 128u)
 
@@ -25,23 +28,24 @@
    SEGCAL_MAX_CAMERAS * SEGCAL_MAX_TRACKS * ((SEGCAL_MAX_CLONES + 1u) * 2u * SEGCAL_REAL_BYTES + 16u) + 1024u)
 
 /* Elimination of one segment: the reduced triangle, one landmark's rows, the chain of velocities and biases. */
-#define SEGCAL_REDUCED_COLUMNS (6u * (SEGCAL_MAX_KEYFRAMES - 1u) + 30u + SEGCAL_THETA_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
+#define SEGCAL_REDUCED_COLUMNS (6u * (SEGCAL_MAX_KEYFRAMES - 1u) + 30u + SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
 #define SEGCAL_ELIMINATION_BYTES                                                                                       \
   (SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_REDUCED_COLUMNS) +                                                         \
                         (2u * SEGCAL_MAX_KEYFRAMES * SEGCAL_MAX_CAMERAS + 4u) * (SEGCAL_REDUCED_COLUMNS + 3u) +         \
-                        25u * (49u + 6u * SEGCAL_MAX_KEYFRAMES) + 12u * SEGCAL_REDUCED_COLUMNS +                         \
+                        25u * (49u + SEGCAL_MAX_EFFECT_COLUMNS + 6u * SEGCAL_MAX_KEYFRAMES) + 31u * (SEGCAL_MAX_EFFECT_COLUMNS + 1u) + 12u * SEGCAL_REDUCED_COLUMNS +                         \
                         171u * SEGCAL_MAX_KEYFRAMES) + 256u)
 
 /* Calibration: saved states and one row block per segment, the chain between segments, the triangle of ties and theta,
    directions, and who shares what with whom. */
-#define SEGCAL_LINK_COLUMNS (30u + SEGCAL_THETA_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
+#define SEGCAL_LINK_COLUMNS (30u + SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
+#define SEGCAL_LEFT_COLUMNS (15u + SEGCAL_THETA_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
 #define SEGCAL_PARTITION_BYTES                                                                                         \
   ((SEGCAL_MAX_TIES + 1u) * (8u + 2u * SEGCAL_MAX_SEGMENTS) + SEGCAL_MAX_SEGMENTS * (SEGCAL_MAX_SEGMENTS + 1u))
 #define SEGCAL_CALIBRATION_BYTES                                                                                       \
   (SEGCAL_MAX_SEGMENTS * SEGCAL_REAL_BYTES * (21u * SEGCAL_MAX_KEYFRAMES + 7u * SEGCAL_MAX_LANDMARKS + 12u) +           \
-   (SEGCAL_MAX_SEGMENTS - 1u) * SEGCAL_REAL_BYTES * (15u * (SEGCAL_LINK_COLUMNS - 15u) - 105u) +                        \
+   (SEGCAL_MAX_SEGMENTS - 1u) * SEGCAL_REAL_BYTES * (15u * SEGCAL_LEFT_COLUMNS - 105u) +                        \
    SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_LINK_COLUMNS) + 2u * SEGCAL_LINK_COLUMNS +                                 \
-                        SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + SEGCAL_TIE_COLUMNS + 1u) + 16u * SEGCAL_MAX_KEYFRAMES +     \
+                        SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u) + 16u * SEGCAL_MAX_KEYFRAMES +     \
                         4u * SEGCAL_THETA_COLUMNS * (SEGCAL_THETA_COLUMNS + 1u)) + SEGCAL_PARTITION_BYTES + 2048u)
 
 /* Samples and points on their way in. */
@@ -49,7 +53,13 @@
   (SEGCAL_IMU_HISTORY * (8u + 6u * SEGCAL_REAL_BYTES) +                                                                 \
    SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS * 2u * (8u + 2u * SEGCAL_REAL_BYTES) + 6u * SEGCAL_MAX_LANDMARKS + 512u)
 
+/* Terms of effects: the copies of theta, and sigmas and verdicts beside it. */
+#define SEGCAL_EFFECT_BYTES ((SEGCAL_MAX_EFFECT_ESTIMATES + 1u) * (10u * (4u + SEGCAL_REAL_BYTES) + 12u * SEGCAL_REAL_BYTES) + 256u)
+/* The score tests' running triangle. */
+#define SEGCAL_MONITOR_BYTES (SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 4u * SEGCAL_MAX_EFFECT_COLUMNS + 768u)
+
 #define SEGCAL_STORAGE_BYTES                                                                                           \
-  (SEGCAL_DATABASE_BYTES + SEGCAL_FILTER_BYTES + SEGCAL_ELIMINATION_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_INPUT_BYTES + 2048u)
+  (SEGCAL_DATABASE_BYTES + SEGCAL_FILTER_BYTES + SEGCAL_ELIMINATION_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_INPUT_BYTES + \
+   SEGCAL_EFFECT_BYTES + SEGCAL_MONITOR_BYTES + 2048u)
 
 #endif

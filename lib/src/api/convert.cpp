@@ -37,6 +37,9 @@ bool camera_from_c(const segcal_camera_t& in, CameraCalibration<Real>* out) {
   out->p_CI = vector<3>(in.p_CI);
   out->intrinsics = vector<4>(in.intrinsics);
   out->distortion = vector<4>(in.distortion);
+  if (in.height < 0 || in.height > 100000) return false;
+  out->middle_row = in.height > 0 ? Real(0.5 * in.height) : out->intrinsics(3);
+  if (!(out->middle_row > Real(0))) out->middle_row = Real(1);
   return rotation(in.q_CI, &out->R_CI);
 }
 
@@ -73,6 +76,35 @@ bool noise_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
          positive(c.frame_interval_s, 0.1, 2, &out->frame_interval_s) && positive(c.segment_s, 4, 60, &out->segment_s);
 }
 
+/// Theta's terms: effects by bit, then the further ones.
+bool effects_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
+  if (c.estimate_effects >> kEffects || c.watch_effects >> kEffects) return false;
+  if (c.n_terms < 0 || c.n_terms > SEGCAL_MAX_EFFECT_ESTIMATES) return false;
+  EffectTerms<Real>& effects = out->theta.effects;
+  CandidateTerms wanted;
+  for (int e = 0; e < kEffects; ++e) {
+    if (!(c.estimate_effects >> e & 1)) continue;
+    if (wanted.n + effect_entry(e).n > SEGCAL_MAX_EFFECT_ESTIMATES) return false;
+    for (int i = 0; i < effect_entry(e).n; ++i) wanted.term[wanted.n++] = effect_term(e, i);
+  }
+  for (int i = 0; i < c.n_terms; ++i) {
+    if (wanted.n == SEGCAL_MAX_EFFECT_ESTIMATES || !term_from_c(c.term[i], &wanted.term[wanted.n])) return false;
+    for (int k = 0; k < wanted.n; ++k) {
+      if (wanted.term[k] == wanted.term[wanted.n]) return false;
+    }
+    ++wanted.n;
+  }
+  int columns = wanted.n;
+  for (int e = 0; e < kEffects; ++e) columns += (c.watch_effects & ~c.estimate_effects) >> e & 1 ? effect_entry(e).n : 0;
+  if (columns > SEGCAL_MAX_EFFECT_COLUMNS) return false;
+  out->watch_effects = c.watch_effects;
+  for (int i = 0; i < wanted.n; ++i) {
+    if (!is_finite(c.term_value[i])) return false;
+    effects.add(wanted.term[i], Real(c.term_value[i]));
+  }
+  return true;
+}
+
 bool sigmas_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   default_prior_sigmas(out->theta, out->prior_sigma);
   out->calibrates_itself = c.trigger_fraction != -1;
@@ -98,7 +130,8 @@ bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   for (int i = 0; i < out->theta.n_cameras; ++i) {
     if (!camera_from_c(c.camera[i], &out->theta.camera[i])) return false;
   }
-  if (!imu_from_c(c.imu, &out->theta.imu) || !noise_from_config(c, out)) return false;
+  if (!imu_from_c(c.imu, &out->theta.imu) || !noise_from_config(c, out) || !effects_from_config(c, out)) return false;
+  out->has_temperature = c.has_temperature != 0;
   out->keep_segments = c.keep_segments > 0 ? c.keep_segments : (SEGCAL_MAX_SEGMENTS < 8 ? SEGCAL_MAX_SEGMENTS : 8);
   out->metric = static_cast<Metric>(c.metric);
   out->strategy = static_cast<Strategy>(c.strategy);
@@ -145,6 +178,7 @@ void parameter_names(const Calibration<Real>& theta, segcal_parameter_t* out) {
   for (int i = 0; i < 6; ++i) put("gyro", -1, kImu[i], "-");
   for (int i = 0; i < 6; ++i) put("accel", -1, kImu[i], "-");
   for (int i = 0; i < 3; ++i) put("accel", -1, kRotation[i], "rad");
+  for (int i = 0; i < theta.effects.count(); ++i) describe(theta.effects.term[i], out++);
 }
 
 void parameter_values(const Calibration<Real>& theta, double* out) {
@@ -163,6 +197,7 @@ void parameter_values(const Calibration<Real>& theta, double* out) {
   put(theta.imu.accel_scale, 3);
   put(theta.imu.accel_misalignment, 3);
   put(so3_log<Real>(theta.imu.R_AI), 3);
+  for (int i = 0; i < theta.effects.count(); ++i) *out++ = static_cast<double>(theta.effects.value[i]);
 }
 
 void camera_to_c(const CameraCalibration<Real>& camera, segcal_camera_t* out) {
@@ -173,6 +208,7 @@ void camera_to_c(const CameraCalibration<Real>& camera, segcal_camera_t* out) {
     out->intrinsics[i] = static_cast<double>(camera.intrinsics(i));
     out->distortion[i] = i < camera.distortion_columns() ? static_cast<double>(camera.distortion(i)) : 0;
   }
+  out->height = static_cast<std::int32_t>(camera.middle_row * Real(2) + Real(0.5));
   for (int i = 0; i < 3; ++i) out->p_CI[i] = static_cast<double>(camera.p_CI(i));
 }
 

@@ -9,6 +9,7 @@
 #include "calibration/agreement.h"
 #include "calibration/calibrator.h"
 #include "database/database.h"
+#include "diagnosis/effect_monitor.h"
 #include "information/metrics.h"
 #include "segments/boundary.h"
 #include "segments/builder.h"
@@ -31,6 +32,8 @@ struct DeviceOptions {
   Strategy strategy = Strategy::single_session;
   S least_gain = S(14);
   std::uint64_t seed = 0;
+  bool has_temperature = false;
+  std::uint32_t watch_effects = 0;  ///< bit e: the score test asks each scored segment about effect e
   bool joint_filter = false;    ///< the filter's own calibration is the result; no segments
   S outdated_level = S(1e-3);   ///< probability that a calibration drops segments although theta is the same; 0: never drops any
   bool calibrates_itself = true; ///< when it knows enough; else only where it is told to
@@ -63,6 +66,8 @@ class Device {
   void create(const DeviceOptions<S>& options);
 
   Taken push_imu(std::int64_t t_ns, const InertialReading<S>& reading);
+  /// degC, of the samples that follow.
+  void set_temperature(S celsius) { imu_.set_warmth(celsius - S(25)); }
   Taken push_tracks(std::int64_t t_ns, const TrackPoint<S>* points, int n);
   Taken push_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n);
   void flush();
@@ -70,6 +75,8 @@ class Device {
   /// At most `slices` pieces of pending work; returns 1 if some is left, else 0.
   int background(int slices);
   void calibrate();
+  /// Rows [theta | candidates | rhs] of the kept slots in `use_slot`, in calibrator().theta_triangle() (Calibrator::rows_of).
+  S linearise(const std::uint8_t* use_slot, const CandidateTerms& candidates);
   /// The filter's own calibration at this moment, judged as a result.
   void read_filter(Release<S>* out) { read_filter(out, nullptr); }
 
@@ -86,6 +93,12 @@ class Device {
   const Database<S>& database() const { return database_; }
   /// Over theta, its sigmas, all states so far and the kept segments (api/result_hash.h).
   std::uint64_t result_hash() const;
+  EffectMonitor<S>& monitor() { return monitor_; }
+  /// Of a watched effect; in the eliminator's memory.
+  EffectScore<S> effect_score(int effect) {
+    static_assert(ScoreTest<S>::scratch_size(kMaxEffectColumns) <= ReducedSystem<S>::kScratch, "the eliminator has too little to lend");
+    return monitor_.score(effect, eliminator_.reduced().scratch());
+  }
   const FaultCounts& faults() const { return faults_; }
   const VioStatistics& vio_statistics() const { return vio_.statistics(); }
   const BuilderCounts& builder_counts() const { return builder_.counts(); }
@@ -123,6 +136,13 @@ class Device {
   void take_release();
   bool step();
   void restart_filter();
+  void start_clock(std::int64_t t_ns);
+  void use_stamp_shift();
+  /// A time offset moves the stamps of frames before filter and segments see them, in whole nanoseconds.
+  static std::int32_t stamp_shift(const Calibration<S>& theta) {
+    const S ns = theta.effects.value_of(kTimeOffsetTerm) * S(1e9);
+    return static_cast<std::int32_t>(ns + (ns < S(0) ? S(-0.5) : S(0.5)));
+  }
   void use_odometry(bool own);
   VioOptions<S> vio_options() const;
   void read_filter(Release<S>* out, InformationAnalysis<S>* analysis);
@@ -143,6 +163,7 @@ class Device {
   Liveliness<S> liveliness_;
   SegmentEliminator<S> eliminator_;
   Calibrator<S> calibrator_;
+  EffectMonitor<S> monitor_;
   InformationAnalysis<S> analysis_, joint_;
   Release<S> release_;
   FaultCounts faults_;
@@ -154,6 +175,7 @@ class Device {
   SegmentSummary<S> last_;
   std::uint32_t session_, serial_, frame_;
   std::int32_t thinned_;   ///< how often the open segment was
+  std::int32_t stamp_shift_ns_;  ///< from stamps of frames to the IMU's clock, as known
   bool calibrated_, knew_enough_, own_odometry_;
 
   // Work in slices (math/resumable.h).

@@ -32,6 +32,7 @@ void Device<S>::read_filter(Release<S>* out, InformationAnalysis<S>* analysis) {
   const Calibration<S>& theta = vio_.calibration();
   PackedTriangle<S> R(analysis_.W, theta.columns() + 1);  // free between two scores
   vio_.calibration_information(&R);
+  for (int i = theta.effect_column(); i < theta.columns(); ++i) R.row(i)[i] = S(1) / prior_.sigma[i];
   if (analysis) analyse_with_prior(R, prior_.sigma, analysis);
   judge_filter(theta, prior_, ReleaseRules<S>{}, &R, out);
 }
@@ -106,7 +107,35 @@ template <class S>
 void Device<S>::take_release() {
   if (release_.status == Status::failed) return;
   theta_ = release_.theta;
+  monitor_.reset(prior_, theta_);
+  use_stamp_shift();
   if (vio_.initialised()) vio_.set_calibration(theta_);
+}
+
+/// A segment has one shift for all of its keyframes: where it changes, the open one begins anew.
+template <class S>
+void Device<S>::use_stamp_shift() {
+  const std::int32_t shift = stamp_shift(theta_);
+  if (shift == stamp_shift_ns_) return;
+  if (pending_count_ > 0) pending_time_ += shift - stamp_shift_ns_;
+  stamp_shift_ns_ = shift;
+  if (builder_.empty()) return;
+  ++serial_;
+  thinned_ = 0;
+  builder_.begin(&open_slot(), session_, serial_, false);
+}
+
+template <class S>
+S Device<S>::linearise(const std::uint8_t* use_slot, const CandidateTerms& candidates) {
+  finish_score();  // eliminator and calibrator are needed
+  if (window_ > 0) finish_calibration();
+  Segment<S>* segments[kMaxSegments];
+  bool use[kMaxSegments];
+  const int count = database_.in_order(segments);
+  const bool known = calibrated_ && release_.status != Status::failed && !options_.joint_filter;
+  calibrator_.continue_with(segments, count, prior_, known ? calibrator_.theta() : working_theta(), options_.model);
+  for (int i = 0; i < count; ++i) use[i] = use_slot[segments[i] - &database_.slot(0)] != 0;
+  return calibrator_.rows_of(use, candidates, &eliminator_);
 }
 
 /// Drops segments that newer ones contradict (calibration/agreement.h); dropped_ says whether there were any. All are scored

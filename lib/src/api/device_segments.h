@@ -46,9 +46,10 @@ void Device<S>::take_keyframe(std::int64_t t_ns, const State<S>& state, const Tr
     ++thinned_;
   }
   next_keyframe_ = (next_keyframe_ == kNever || late ? t_ns : next_keyframe_) + (base << thinned_);
-  if (builder_.add_keyframe(t_ns, state, points, n, imu_)) return;
+  const auto shift_ns = [this] { return own_odometry_ ? 0 : stamp_shift_ns_; };
+  if (builder_.add_keyframe(t_ns, shift_ns(), state, points, n, imu_)) return;
   end_segment(true);
-  builder_.add_keyframe(t_ns, state, points, n, imu_);
+  builder_.add_keyframe(t_ns, shift_ns(), state, points, n, imu_);
 }
 
 /// Closes the open segment, hands it over to be scored, and opens the next one. The score of the segment before must be done
@@ -94,7 +95,8 @@ bool Device<S>::score_step() {
   Segment<S>& segment = database_.building();
   SEGCAL_SLICES(score_place_) {
     segment.turned_only = segment.wide_depth_prior = !translation_shows(segment, score_theta_, options_.model);
-    SEGCAL_AWAIT(score_place_, eliminator_.eliminate_step(segment, GuestLink<S>{}, score_theta_, options_.model, S(0)));
+    SEGCAL_AWAIT(score_place_, eliminator_.eliminate_step(segment, GuestLink<S>{}, score_theta_, options_.model, S(0),
+                                                          monitor_.candidates()));
     eliminator_.extract(&segment.information);
     begin_analysis(segment.information, prior_.sigma, &analysis_);
     SEGCAL_AWAIT(score_place_, analyse_step(segment.information.n_theta, &analysis_));
@@ -114,6 +116,7 @@ void Device<S>::offer() {
   last_ = summary_of(segment);
   const bool settled = follows_its_imu(segment, cost_.inertial());
   if (!settled) ++faults_.segments_unsettled;
+  if (settled) monitor_.add(&eliminator_, score_theta_);
   JointInformation<S> joint = joint_information();
   last_.kept = settled && database_.offer(&joint);
   scoring_ = false;

@@ -27,6 +27,8 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   window_ = n_taking_part_ = i_ = round_ = 0;
   score_place_ = calibrate_place_ = inner_place_ = 0;
   spare_ = nullptr;
+  stamp_shift_ns_ = stamp_shift(theta_);
+  monitor_.begin(options.watch_effects, prior_, theta_);
   vio_.reset(theta_, vio_options());
   restart_filter();
 }
@@ -95,6 +97,7 @@ Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading) 
     ++faults_.imu_saturated;
     break;
   }
+  if (faults_.imu_samples == 1) start_clock(t_ns);
   if (last_imu_ != kNever && S(t_ns - last_imu_) * S(1e-9) > S(3) / options_.imu_rate_hz) {
     ++faults_.imu_gaps;
     break_stream();
@@ -102,6 +105,13 @@ Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading) 
   last_imu_ = t_ns;
   imu_.push(t_ns, reading);
   return pending_count_ > 0 && imu_.newest() >= pending_time_ ? process_frame() : Taken::ok;
+}
+
+/// Signal::time counts from the first sample.
+template <class S>
+void Device<S>::start_clock(std::int64_t t_ns) {
+  options_.theta.effects.time_zero_ns = theta_.effects.time_zero_ns = prior_.mean.effects.time_zero_ns = t_ns;
+  vio_.set_time_zero(t_ns);
 }
 
 /// A gap: the open segment ends with what it has, the filter starts again.
@@ -133,7 +143,7 @@ Taken Device<S>::push_tracks(std::int64_t t_ns, const TrackPoint<S>* points, int
   if (pending_count_ > 0) ++faults_.frames_dropped;  // its IMU samples never came
   count_missing_frames(t_ns);
   last_frame_ = t_ns;
-  pending_time_ = t_ns;
+  pending_time_ = t_ns + stamp_shift_ns_;
   pending_count_ = 0;
   for (int i = 0; i < n && pending_count_ < kMaxFramePoints; ++i) {
     if (is_finite(points[i].uv.x()) && is_finite(points[i].uv.y())) {
@@ -143,7 +153,7 @@ Taken Device<S>::push_tracks(std::int64_t t_ns, const TrackPoint<S>* points, int
     }
   }
   if (pending_count_ < kFewestTracks) ++faults_.frames_few_tracks;
-  if (imu_.size() < 2 || imu_.newest() < t_ns) return Taken::waiting;
+  if (imu_.size() < 2 || imu_.newest() < pending_time_) return Taken::waiting;
   return process_frame();
 }
 

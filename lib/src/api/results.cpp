@@ -59,10 +59,8 @@ void reprojection_statistics(const CDevice& d, segcal_result_t* out) {
     const Segment<Real>* s = find_slot(d, slot);
     for (int o = 0; s && o < s->n_observations; ++o) {
       const Observation& z = s->observation[o];
-      const State<Real>& x = s->states.x[z.keyframe];
       Vec2<Real> r;
-      if (!reprojection_residual(d.device.calibrator().theta().camera[z.camera], x.R_GI, x.p_GI, s->states.landmark[z.landmark],
-                                 Vec2<Real>(Real(z.u), Real(z.v)), &r)) {
+      if (!point_residual(*s, z, d.device.calibrator().theta(), d.device.options().model.g, s->states.landmark[z.landmark], &r)) {
         continue;
       }
       const Real length = square_root(r.squaredNorm());
@@ -244,10 +242,8 @@ int segcal_get_point_residuals(const segcal_t* device, int32_t index, segcal_poi
   for (int o = 0; o < s->n_observations && n < capacity; ++o) {
     const Observation& z = s->observation[o];
     if (z.rejected) continue;
-    const State<Real>& x = s->states.x[z.keyframe];
     Vec2<Real> r;
-    if (!reprojection_residual(d->device.calibrator().theta().camera[z.camera], x.R_GI, x.p_GI, s->states.landmark[z.landmark],
-                               Vec2<Real>(Real(z.u), Real(z.v)), &r)) {
+    if (!point_residual(*s, z, d->device.calibrator().theta(), d->device.options().model.g, s->states.landmark[z.landmark], &r)) {
       continue;
     }
     out[n++] = {keyframe_time(*s, z.keyframe), z.camera, static_cast<float>(r.x() / sigma), static_cast<float>(r.y() / sigma)};
@@ -264,7 +260,7 @@ int segcal_get_imu_residuals(const segcal_t* device, int32_t index, segcal_imu_r
   int n = 0;
   for (int k = 1; k < s->n_keyframes && n < capacity; ++k) {
     const State<Real>* x = s->states.x;
-    const ImuIntegral<Real> I = s->integrate(k, d->device.calibrator().theta().imu, x[k - 1].b_a, x[k - 1].b_g, model.imu);
+    const ImuIntegral<Real> I = s->integrate(k, d->device.calibrator().theta(), x[k - 1].b_a, x[k - 1].b_g, model.imu);
     Vec<Real, 15> w;
     if (!whiten_residual(I, model.imu, link_residual(I, x[k - 1], x[k], model.g), &w)) continue;
     out[n].t_ns = keyframe_time(*s, k);

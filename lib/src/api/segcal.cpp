@@ -83,6 +83,7 @@ int segcal_push_imu(segcal_t* device, const segcal_imu_t* sample) {
     reading.gyro(i) = Real(sample->gyro[i]);
     reading.accel(i) = Real(sample->accel[i]);
   }
+  if (d->device.options().has_temperature && is_finite(sample->temperature)) d->device.set_temperature(Real(sample->temperature));
   return code(d->device.push_imu(sample->t_ns, reading));
 }
 

@@ -39,6 +39,16 @@ class Calibrator {
   /// states are moved by run().
   void begin(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
              const MeasurementModel<S>& model);
+  /// The same where a calibration was made from exactly these segments: its fit stays as it is.
+  void continue_with(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
+                     const MeasurementModel<S>& model) {
+    bool same = count == count_;
+    for (int i = 0; i < count && same; ++i) same = segment_[i] == segments[i];
+    if (same) return;
+    const CalibrationFit<S> fit = fit_;
+    begin(segments, count, prior, theta, model);
+    fit_ = fit;
+  }
   /// Iterates to convergence.
   void run(const CalibratorOptions& options, SegmentEliminator<S>* eliminator) {
     while (!run_step(options, eliminator)) {
@@ -86,10 +96,11 @@ class Calibrator {
   }
   const MeasurementModel<S>& model() const { return model_; }
   /// Eliminates everything at the present estimate without moving it.
-  void linearise(SegmentEliminator<S>* eliminator, S damping) {
-    while (!linearise_step(eliminator, damping)) {
-    }
-  }
+  void linearise(SegmentEliminator<S>* eliminator, S damping) { linearise(eliminator, damping, nullptr, true); }
+  /// Rows [theta | candidates | rhs] of some of the segments, joined as a calibration would join them, at the present
+  /// estimate and without the prior on theta; all else stays as it was. They stand in theta_triangle() until the next call
+  /// of anything. Returns the degrees of freedom, theta and candidates not counted.
+  S rows_of(const bool* use, const CandidateTerms& candidates, SegmentEliminator<S>* eliminator);
   /// Robust, at the present estimate, with all priors.
   S total_cost() {
     while (!total_cost_step()) {
@@ -103,13 +114,18 @@ class Calibrator {
   }
 
  private:
+  void linearise(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates, bool with_prior) {
+    while (!linearise_step(eliminator, damping, candidates, with_prior)) {
+    }
+  }
+  void link_up();
   void form_partitions();
   GuestLink<S> guest(int i);
   const Landmark<S>& tie(int t) const;
   S tie_prior_share(int t) const;
   bool total_cost_step();
-  PackedTriangle<S> begin_linearisation(S damping);
-  bool linearise_step(SegmentEliminator<S>* eliminator, S damping);
+  PackedTriangle<S> begin_linearisation(S damping, const CandidateTerms* candidates, bool with_prior);
+  bool linearise_step(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates = nullptr, bool with_prior = true);
   bool step_back_step(SegmentEliminator<S>* eliminator, S damping);
   void gather_step(const SegmentEliminator<S>& eliminator, int i);
   bool refine_landmarks_step();
@@ -164,9 +180,14 @@ void Calibrator<S>::begin(Segment<S>* const* segments, int count, const ThetaPri
   fit_ = CalibrationFit<S>{};
   place_ = iterate_place_ = inner_place_ = 0;
   new (&memory_) Memory;
-  for (int i = 0; i < count; ++i) {
-    segment_[i] = segments[i];
-    link_[i] = i > 0 ? link_between(*segments[i - 1], *segments[i]) : SegmentLink<S>{};
+  for (int i = 0; i < count; ++i) segment_[i] = segments[i];
+  link_up();
+}
+
+template <class S>
+void Calibrator<S>::link_up() {
+  for (int i = 0; i < count_; ++i) {
+    link_[i] = i > 0 ? link_between(*segment_[i - 1], *segment_[i]) : SegmentLink<S>{};
     if (i > 0) link_[i - 1].passes_on = link_[i].join != Join::none;
   }
   form_partitions();
@@ -224,16 +245,16 @@ S Calibrator<S>::tie_prior_share(int t) const {
 }
 
 template <class S>
-bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping) {
+bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates, bool with_prior) {
   PackedTriangle<S> G = global_.triangle();
   SEGCAL_SLICES(inner_place_) {
-    G = begin_linearisation(damping);
+    G = begin_linearisation(damping, candidates, with_prior);
     eliminator->restart();
     for (i_ = 0; i_ < count_; ++i_) {
       segment_[i_]->turned_only = !translation_shows(*segment_[i_], theta_, model_);
-      SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping));
+      SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping, candidates));
       SEGCAL_AWAIT(inner_place_, chain_.add_step(eliminator, link_[i_].join != Join::none, link_[i_].passes_on,
-                                                 i_ > 0 ? &memory_.left[i_ - 1] : nullptr, &G));
+                                                 i_ > 0 && !candidates ? &memory_.left[i_ - 1] : nullptr, &G));
       fit_.image_points += eliminator->counts().image_points;
       fit_.dof += S(eliminator->counts().residuals - eliminator->counts().unknowns) + eliminator->prior_share();
     }
@@ -243,16 +264,45 @@ bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping) 
 
 /// Priors, damping and degrees of freedom of what is not any segment's.
 template <class S>
-PackedTriangle<S> Calibrator<S>::begin_linearisation(S damping) {
+PackedTriangle<S> Calibrator<S>::begin_linearisation(S damping, const CandidateTerms* candidates, bool with_prior) {
   const int ties = partitions_.ties().count();
-  global_.begin(ties, theta_.columns());
-  global_.clear_to_prior(prior_, theta_);
+  global_.begin(ties, theta_.columns() + (candidates ? candidates->count() : 0));
+  global_.triangle().clear();
+  if (with_prior) global_.clear_to_prior(prior_, theta_);
   for (int t = 0; t < ties; ++t) global_.add_tie(t, tie(t), model_, damping);
   chain_.begin(global_.columns());
   fit_.image_points = 0;
   fit_.dof = count_ > 0 ? -S(theta_.columns()) : S(0);
   for (int t = 0; t < ties; ++t) fit_.dof -= S(kLandmarkColumns) - tie_prior_share(t);
   return global_.triangle();
+}
+
+template <class S>
+S Calibrator<S>::rows_of(const bool* use, const CandidateTerms& candidates, SegmentEliminator<S>* eliminator) {
+  Segment<S>* all[kMaxSegments];
+  bool turned_only[kMaxSegments];
+  const int count = count_;
+  const CalibrationFit<S> fit = fit_;
+  save();   // ties of other partitions give landmarks other values
+  count_ = 0;
+  for (int i = 0; i < count; ++i) {
+    all[i] = segment_[i];
+    turned_only[i] = all[i]->turned_only;
+    if (use[i]) segment_[count_++] = all[i];
+  }
+  link_up();
+  linearise(eliminator, S(0), &candidates, false);
+  const S dof = count_ > 0 ? fit_.dof + S(theta_.columns()) : S(0);
+  for (int i = 0; i < count; ++i) {
+    segment_[i] = all[i];
+    all[i]->turned_only = turned_only[i];
+  }
+  count_ = count;
+  restore();
+  link_up();
+  restore();
+  fit_ = fit;
+  return dof;
 }
 
 template <class S>

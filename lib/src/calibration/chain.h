@@ -12,9 +12,9 @@
 
 namespace SEGCAL_NS {
 
-constexpr int kMaxGlobal = kTieColumns + kMaxTheta;
+constexpr int kMaxGlobal = kTieColumns + kMaxWideTheta;
 constexpr int kLinkColumns = 2 * kStateColumns + kMaxGlobal + 1;
-constexpr int kLeftColumns = kStateColumns + kMaxGlobal + 1;
+constexpr int kLeftColumns = kStateColumns + kTieColumns + kMaxTheta + 1;
 
 /// What the segments on the left say about the guest: 15 rows over [guest | ties | theta | rhs], row i without its zeros.
 template <class S>
@@ -25,20 +25,21 @@ struct LeftRows {
 template <class S>
 class Chain {
  public:
-  /// Starts a new chain; `n_global`: ties and theta.
+  /// Starts a new chain; `n_global`: ties and theta, with candidates.
   void begin(int n_global) {
     n_global_ = n_global;
     place_ = 0;
     link().clear();
   }
 
-  /// Takes segment i, just eliminated. `passes_on`: a later segment hangs on its last keyframe.
+  /// Takes segment i, just eliminated. `passes_on`: a later segment hangs on its last keyframe. `left`: what
+  /// solve_guest_step() will need; null: nobody will ask (with candidates it would not fit).
   /// `global` gathers all rows that touch ties and theta only. In slices; true when it is taken.
   bool add_step(SegmentEliminator<S>* segment, bool has_guest, bool passes_on, LeftRows<S>* left, PackedTriangle<S>* global) {
     SEGCAL_SLICES(place_) {
       // What came from the left stands in the rows of "last" of the segment before: its separator is our guest.
       take_from_left();
-      if (has_guest) keep(left);
+      if (has_guest && left) keep(left);
       if (passes_on) fold_segment_rows(segment, segment->layout().last(), kStateColumns);
       SEGCAL_PAUSE(place_);
       if (has_guest) fold_segment_rows(segment, segment->layout().guest(), 0);

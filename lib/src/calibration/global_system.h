@@ -12,7 +12,7 @@ namespace SEGCAL_NS {
 template <class S>
 class GlobalSystem {
  public:
-  /// Sets the size: `ties` of them, `n_theta` entries of theta.
+  /// Sets the size: `ties` of them, `n_theta` entries of theta, candidates included.
   void begin(int ties, int n_theta) {
     ties_ = ties;
     n_theta_ = n_theta;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "math/qr.h"
+#include "sensors/effect_catalogue.h"
 #include "sensors/calibration.h"
 
 namespace SEGCAL_NS {
@@ -34,9 +35,10 @@ void default_prior_sigmas(const Calibration<S>& mean, S* sigma) {
   put(6, S(0.03));
   put(6, S(0.05));
   put(3, S(0.05));
+  for (int i = 0; i < mean.effects.count(); ++i) put(1, S(term_prior_sigma(mean.effects.term[i])));
 }
 
-/// Puts the prior's rows into a triangle over [theta | rhs], linearised at theta.
+/// Puts the prior's rows into a triangle over [theta | rhs], with or without candidates between, linearised at theta.
 template <class S>
 void write_prior(const ThetaPrior<S>& prior, const Calibration<S>& theta, PackedTriangle<S>* triangle) {
   const int n = theta.columns();
@@ -45,7 +47,7 @@ void write_prior(const ThetaPrior<S>& prior, const Calibration<S>& theta, Packed
   triangle->clear();
   for (int i = 0; i < n; ++i) {
     triangle->row(i)[i] = S(1) / prior.sigma[i];
-    triangle->row(i)[n] = -offset[i] / prior.sigma[i];
+    triangle->row(i)[triangle->columns() - 1] = -offset[i] / prior.sigma[i];
   }
 }
 

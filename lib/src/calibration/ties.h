@@ -27,10 +27,9 @@ void fold_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta
   S block[2 * kLandmarkColumns];
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
-    const State<S>& x = segment.states.x[z.keyframe];
     ReprojectionRows<S> rows;
-    if (z.rejected || !reprojection_rows(theta.camera[z.camera], x.R_GI, x.p_GI, x.R_GI, x.p_GI, segment.states.landmark[j],
-                                         Vec2<S>(S(z.u), S(z.v)), &rows)) {
+    if (z.rejected || !point_rows<S>(z, theta, exposure_of(segment, z, theta, model.g, false), segment.states.landmark[j], nullptr,
+                                     &rows)) {
       continue;
     }
     const S scale = square_root(robust_term(model, rows.r.squaredNorm() * inverse_sigma * inverse_sigma).weight) * inverse_sigma;

@@ -47,7 +47,9 @@ class SegmentBuilder {
   }
 
   /// Adds a keyframe. False if it does not fit any more (keyframes or IMU samples): close the segment, begin the next.
-  bool add_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
+  /// `shift_ns`: how far t_ns is from the camera's stamp, the same for all keyframes of a segment.
+  bool add_keyframe(std::int64_t t_ns, std::int32_t shift_ns, const State<S>& state, const TrackPoint<S>* points, int n,
+                    const ImuHistory<S>& imu);
 
   /// Drops every second keyframe with its image points: the segment can grow to twice its length. All IMU samples stay.
   void thin();
@@ -88,12 +90,13 @@ bool SegmentBuilder<S>::copy_imu(std::int64_t from_ns, std::int64_t to_ns, const
 }
 
 template <class S>
-bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n,
-                                     const ImuHistory<S>& imu) {
+bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, std::int32_t shift_ns, const State<S>& state, const TrackPoint<S>* points,
+                                     int n, const ImuHistory<S>& imu) {
   Segment<S>& s = *segment_;
   if (s.n_keyframes == kMaxKeyframes) return false;
   if (empty()) {
     s.t0_ns = t_ns;
+    s.stamp_shift_ns = shift_ns;
     const bool leads = last_keyframe_ns_ != kNever && imu.covers(last_keyframe_ns_, t_ns);
     s.lead_us = leads ? static_cast<std::int32_t>((t_ns - last_keyframe_ns_ + 500) / 1000) : 0;
     last_keyframe_ns_ = leads ? last_keyframe_ns_ : t_ns;
@@ -104,6 +107,7 @@ bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, const State<S>& state, c
   }
   const int k = s.n_keyframes++;
   s.t_us[k] = static_cast<std::int32_t>((t_ns - s.t0_ns + 500) / 1000);
+  s.warmth[k] = static_cast<float>(imu.warmth());
   s.states.x[k] = state;
   last_keyframe_ns_ = t_ns;
   // The cameras take turns, so that the first does not fill the places of the others.
@@ -155,6 +159,7 @@ void SegmentBuilder<S>::thin() {
   s.n_keyframes = (s.n_keyframes + 1) / 2;
   for (int k = 0; k < s.n_keyframes; ++k) {
     s.t_us[k] = s.t_us[2 * k];
+    s.warmth[k] = s.warmth[2 * k];
     s.states.x[k] = s.states.x[2 * k];
   }
   // The next segment hangs on the last keyframe that is still there.

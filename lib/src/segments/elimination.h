@@ -40,15 +40,15 @@ template <class S>
 class SegmentEliminator {
  public:
   /// Linearises `segment` at its states and at theta. `damping` (square root of the Levenberg-Marquardt lambda) keeps
-  /// the step of states and landmarks small; 0 for none.
+  /// the step of states and landmarks small; 0 for none. `candidates`: terms that get columns behind theta's.
   void eliminate(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                 const MeasurementModel<S>& model, S damping) {
-    while (!eliminate_step(segment, guest, theta, model, damping)) {
+                 const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates = nullptr) {
+    while (!eliminate_step(segment, guest, theta, model, damping, candidates)) {
     }
   }
   /// The same in slices (math/resumable.h): with the same arguments until it is done.
   bool eliminate_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                      const MeasurementModel<S>& model, S damping);
+                      const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates = nullptr);
   /// Forgets work that is under way.
   void restart() { place_ = inner_place_ = 0; }
 
@@ -58,14 +58,19 @@ class SegmentEliminator {
   const EliminationCounts& counts() const { return counts_; }
   S prior_share() const { return prior_share_; }
 
-  /// Copies the rows of theta; for a segment without ties.
+  /// Copies the rows of theta; for a segment without ties. Candidates are held at zero.
   void extract(SegmentInformation<S>* out);
+  /// Row i of [theta | candidates | rhs] for a segment without ties, 0 <= i <= wide_theta(): all that it says about them.
+  const S* wide_row(int i) {
+    reduced_.global_row(i, step_);
+    return step_;
+  }
 
   // A step: [keyframes 15 K | guest 15, where joined | theta | the segment's ties].
   int last_column() const { return kStateColumns * (layout().keyframes - 1); }
   int guest_column() const { return kStateColumns * layout().keyframes; }
   int theta_column() const { return guest_column() + layout().guest_columns; }
-  int tie_column() const { return theta_column() + layout().n_theta; }
+  int tie_column() const { return theta_column() + layout().wide_theta(); }
 
   /// Back-substitution after eliminate() with the same arguments: entries of `step` from `known` on (last_column(),
   /// guest_column() or theta_column()) are given, the others are filled in.
@@ -84,7 +89,8 @@ class SegmentEliminator {
   bool move_step(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping, const S* step);
 
  private:
-  void lay_out(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta);
+  void lay_out(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta, const CandidateTerms* candidates);
+  void add_term(const Term& t, ReducedLayout* layout);
   bool fold_landmarks_step(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping);
   bool fold_ties_step(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model);
   void hold_gauge(const State<S>& x, const MeasurementModel<S>& model);
@@ -103,6 +109,9 @@ class SegmentEliminator {
   LandmarkBlock<S> landmark_;
   VelocityBiasChain<S> chain_;
   ReducedSystem<S> reduced_;
+  ImuTermColumns<S> imu_terms_;
+  Term camera_term_[kMaxEffectColumns + 1];
+  int n_theta_ = 0;          // without candidates
   S step_[kReducedColumns];  // in the reduced layout
   Place place_ = 0, inner_place_ = 0;
   std::int32_t k_ = 0, j_ = 0;
@@ -121,9 +130,9 @@ constexpr S kTypicalLandmarkStep = S(0.02);
 
 template <class S>
 bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                                          const MeasurementModel<S>& model, S damping) {
+                                          const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates) {
   SEGCAL_SLICES(place_) {
-    lay_out(segment, guest, theta);
+    lay_out(segment, guest, theta, candidates);
     counts_ = EliminationCounts{};
     prior_share_ = S(0);
     SEGCAL_AWAIT(place_, fold_landmarks_step(segment, theta, model, damping));
@@ -133,7 +142,7 @@ bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const Guest
       damp_pose(k_, damping);
       SEGCAL_PAUSE(place_);
     }
-    chain_.begin(nullptr);
+    chain_.begin(nullptr, layout());
     SEGCAL_AWAIT(place_, run_chain_step(segment, guest, theta, model, damping));
     chain_.finish(&reduced_);
     SEGCAL_AWAIT(place_, reduced_.fold_step());
@@ -147,13 +156,30 @@ bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const Guest
 }
 
 template <class S>
-void SegmentEliminator<S>::lay_out(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta) {
+void SegmentEliminator<S>::lay_out(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                                   const CandidateTerms* candidates) {
   ReducedLayout layout;
   layout.keyframes = segment.n_keyframes;
   layout.guest_columns = guest.join == Join::none ? 0 : kStateColumns;
-  layout.n_theta = theta.columns();
+  layout.sensor_cameras = theta.imu_column();
   layout.tied = guest.tied;
+  imu_terms_.n = 0;
+  n_theta_ = theta.columns();
+  for (int i = 0; i < theta.effects.count(); ++i) add_term(theta.effects.term[i], &layout);
+  for (int i = 0; candidates && i < candidates->count(); ++i) add_term(candidates->term[i], &layout);
   reduced_.begin(layout);
+}
+
+/// What does not fit any more has no column.
+template <class S>
+void SegmentEliminator<S>::add_term(const Term& t, ReducedLayout* layout) {
+  if (layout->terms >= kMaxEffectColumns) return;
+  if (t.of_imu()) {
+    imu_terms_.term[imu_terms_.n++] = t;
+  } else {
+    camera_term_[layout->camera_terms] = t;
+  }
+  layout->add_term(t);
 }
 
 template <class S>
@@ -165,7 +191,7 @@ bool SegmentEliminator<S>::fold_landmarks_step(const Segment<S>& segment, const 
     for (k_ = 0; k_ < segment.n_keyframes; ++k_) {
       for (j_ = 0; j_ < segment.n_landmarks; ++j_) {
         if (segment.last_keyframe(j_) != k_ || layout().tied.place_of(j_) >= 0) continue;
-        fit_ = landmark_.build(segment, j_, theta, model, layout(), landmark_damping);
+        fit_ = landmark_.build(segment, j_, theta, model, layout(), camera_term_, landmark_damping);
         if (fit_.used < 2) continue;
         landmark_.eliminate(&fit_);
         reduced_.begin_visual(landmark_.rest(), fit_.rows - kLandmarkColumns, landmark_.stride(), fit_.first_keyframe,
@@ -188,7 +214,7 @@ bool SegmentEliminator<S>::fold_ties_step(const Segment<S>& segment, const Calib
                                           const MeasurementModel<S>& model) {
   SEGCAL_SLICES(inner_place_) {
     for (j_ = 0; j_ < layout().tied.n; ++j_) {
-      fit_ = landmark_.build_tied(segment, j_, theta, model, layout());
+      fit_ = landmark_.build_tied(segment, j_, theta, model, layout(), camera_term_);
       if (fit_.used == 0) continue;
       reduced_.begin_visual(landmark_.tied_rows(), fit_.rows, landmark_.stride(), fit_.first_keyframe, fit_.last_keyframe, true);
       SEGCAL_AWAIT(inner_place_, reduced_.fold_step());
@@ -244,11 +270,12 @@ template <class S>
 void SegmentEliminator<S>::link_keyframes(const Segment<S>& segment, int k, const Calibration<S>& theta,
                                           const MeasurementModel<S>& model) {
   const State<S>* x = segment.states.x;
-  const ImuIntegral<S> I = segment.integrate(k + 1, theta.imu, x[k].b_a, x[k].b_g, model.imu);
+  const ImuIntegral<S> I = segment.integrate(k + 1, theta, x[k].b_a, x[k].b_g, model.imu, &imu_terms_);
   ImuRows<S> rows;
   link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model.g, &rows);
-  whiten(I, model.imu, &rows);
-  chain_.add_link(rows, &reduced_);
+  link_term_columns(rows, &imu_terms_);
+  whiten(I, model.imu, &rows, &imu_terms_);
+  chain_.add_link(rows, imu_terms_, &reduced_);
 }
 
 /// The link or the walk from the guest to the first keyframe.
@@ -257,10 +284,11 @@ void SegmentEliminator<S>::link_guest(const Segment<S>& segment, const GuestLink
                                       const MeasurementModel<S>& model) {
   const State<S>& x = segment.states.x[0];
   if (guest.join == Join::imu) {
-    const ImuIntegral<S> I = segment.integrate(0, theta.imu, guest.state.b_a, guest.state.b_g, model.imu);
+    const ImuIntegral<S> I = segment.integrate(0, theta, guest.state.b_a, guest.state.b_g, model.imu, &imu_terms_);
     ImuRows<S> rows;
     link_rows(I, guest.state, x, guest.state, x, model.g, &rows);
-    if (whiten(I, model.imu, &rows)) chain_.add_guest_link(rows, &reduced_);
+    link_term_columns(rows, &imu_terms_);
+    if (whiten(I, model.imu, &rows, &imu_terms_)) chain_.add_guest_link(rows, imu_terms_, &reduced_);
   } else {
     const S root = square_root(guest.gap_s);
     chain_.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g, S(1) / (model.imu.accel_walk * root),
@@ -282,13 +310,14 @@ void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLin
 
 template <class S>
 void SegmentEliminator<S>::extract(SegmentInformation<S>* out) {
-  const int n = layout().n_theta;
+  const int n = n_theta_, wide = layout().wide_theta();
   out->n_theta = n;
   out->dof = counts_.residuals - counts_.unknowns;
   PackedTriangle<S> info = out->triangle();
   info.clear();
-  for (int i = 0; i <= n; ++i) {
+  for (int i = 0; i <= wide; ++i) {
     reduced_.global_row(i, step_);
+    step_[n] = step_[wide];
     fold_rows(info, step_, 1, n + 1, 0, n + 1);
   }
 }
@@ -307,8 +336,7 @@ void SegmentEliminator<S>::spread_linked(const S* step) {
   const ReducedLayout& at = layout();
   for (int c = at.last(); c < at.theta(); ++c) step_[c] = step[last_column() + c - at.last()];
   const S* theta = step + theta_column();
-  for (int c = 0; c < at.camera_columns(); ++c) step_[at.cameras() + c] = theta[c];
-  for (int c = 0; c < kImuColumns; ++c) step_[at.imu() + c] = theta[at.camera_columns() + c];
+  for (int c = 0; c < at.wide_theta(); ++c) step_[at.column_of(c)] = theta[c];
   for (int c = 0; c < kLandmarkColumns * at.tied.n; ++c) step_[at.tie(0) + c] = step[tie_column() + c];
 }
 
@@ -321,7 +349,7 @@ bool SegmentEliminator<S>::back_substitute_step(const Segment<S>& segment, const
     reduced_.back_substitute(step_, at.last() + known - last_column());
     for (int c = 0; c < at.last(); ++c) step[kStateColumns * (c / kPoseColumns) + c % kPoseColumns] = step_[c];
     for (int c = 0; c < kStateColumns; ++c) step[last_column() + c] = step_[at.last() + c];
-    chain_.begin(step_);
+    chain_.begin(step_, at);
     SEGCAL_AWAIT(place_, run_chain_step(segment, guest, theta, model, damping));
     chain_.back_substitute(step + kPoseColumns, kStateColumns);
   }
@@ -351,7 +379,7 @@ void SegmentEliminator<S>::move_landmark(Segment<S>* segment, int j, const Calib
     add_step(&segment->states.landmark[j], step + tie_column() + kLandmarkColumns * tie);
     return;
   }
-  LandmarkFit<S> fit = landmark_.build(*segment, j, theta, model, layout(), damping / kTypicalLandmarkStep<S>);
+  LandmarkFit<S> fit = landmark_.build(*segment, j, theta, model, layout(), camera_term_, damping / kTypicalLandmarkStep<S>);
   if (fit.used < 2) return;
   landmark_.eliminate(&fit);
   S landmark_step[kLandmarkColumns];

@@ -47,6 +47,7 @@ struct ReprojectionRows {
   Mat<S, 2, kLandmarkColumns> J_l;
   Mat<S, 2, 6> J_pose;                    ///< by (theta, p) of the keyframe
   Mat<S, 2, kMaxCameraColumns> J_camera;  ///< by (r_CI, p_CI, fx fy cx cy, distortion)
+  Vec2<S> d;                              ///< distorted point, before focal length and image terms
 };
 
 /// The point in C times rho.
@@ -60,9 +61,9 @@ Vec3<S> homogeneous_in_camera(const CameraCalibration<S>& camera, const Mat3<S>&
 /// Predicted pixel minus `uv`. False where the landmark has no image in this pose.
 template <class S>
 bool reprojection_residual(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI,
-                           const Landmark<S>& l, const Vec2<S>& uv, Vec2<S>* r) {
+                           const Landmark<S>& l, const Vec2<S>& uv, Vec2<S>* r, const ImageTerms<S>& terms = {}) {
   Vec2<S> predicted;
-  if (!project(camera, homogeneous_in_camera(camera, R_GI, p_GI, l), &predicted)) return false;
+  if (!project<S>(camera, homogeneous_in_camera(camera, R_GI, p_GI, l), &predicted, nullptr, nullptr, terms)) return false;
   *r = predicted - uv;
   return true;
 }
@@ -70,14 +71,15 @@ bool reprojection_residual(const CameraCalibration<S>& camera, const Mat3<S>& R_
 /// Predicted pixel and its Jacobians at (R_GI, p_GI).
 template <class S>
 bool reprojection_jacobians(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI,
-                            const Landmark<S>& l, Vec2<S>* predicted, ReprojectionRows<S>* rows) {
+                            const Landmark<S>& l, Vec2<S>* predicted, ReprojectionRows<S>* rows,
+                            const ImageTerms<S>& terms = {}) {
   const Vec3<S> from_I = l.o - p_GI;
   const Vec3<S> h_I = R_GI.transpose() * (l.m + l.rho * from_I);
   const Vec3<S> rotated = camera.R_CI * h_I;
   const Vec3<S> h = rotated + l.rho * camera.p_CI;
   Mat<S, 2, 3> J_h;
   Mat<S, 2, kIntrinsicColumns> J_i;
-  if (!project(camera, h, predicted, &J_h, &J_i)) return false;
+  if (!project(camera, h, predicted, &J_h, &J_i, terms, &rows->d)) return false;
   const Mat<S, 2, 3> J_I = J_h * camera.R_CI;              // by h_I
   const Mat<S, 2, 3> J_G = J_I * R_GI.transpose();         // by the bracket in G
   Vec3<S> e1, e2;
@@ -96,9 +98,9 @@ bool reprojection_jacobians(const CameraCalibration<S>& camera, const Mat3<S>& R
 /// Residual and Jacobians at the same pose.
 template <class S>
 bool reprojection_rows(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI, const Landmark<S>& l,
-                       const Vec2<S>& uv, ReprojectionRows<S>* rows) {
+                       const Vec2<S>& uv, ReprojectionRows<S>* rows, const ImageTerms<S>& terms = {}) {
   Vec2<S> predicted;
-  if (!reprojection_jacobians(camera, R_GI, p_GI, l, &predicted, rows)) return false;
+  if (!reprojection_jacobians(camera, R_GI, p_GI, l, &predicted, rows, terms)) return false;
   rows->r = predicted - uv;
   return true;
 }
@@ -106,10 +108,11 @@ bool reprojection_rows(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, 
 /// Residual at (R_GI, p_GI); Jacobians at (R_j, p_j), which differ from them only in a filter that keeps first estimates.
 template <class S>
 bool reprojection_rows(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI, const Mat3<S>& R_j,
-                       const Vec3<S>& p_j, const Landmark<S>& l, const Vec2<S>& uv, ReprojectionRows<S>* rows) {
-  if (!reprojection_residual(camera, R_GI, p_GI, l, uv, &rows->r)) return false;
+                       const Vec3<S>& p_j, const Landmark<S>& l, const Vec2<S>& uv, ReprojectionRows<S>* rows,
+                       const ImageTerms<S>& terms = {}) {
+  if (!reprojection_residual(camera, R_GI, p_GI, l, uv, &rows->r, terms)) return false;
   Vec2<S> unused;
-  return reprojection_jacobians(camera, R_j, p_j, l, &unused, rows);
+  return reprojection_jacobians(camera, R_j, p_j, l, &unused, rows, terms);
 }
 
 }  // namespace SEGCAL_NS

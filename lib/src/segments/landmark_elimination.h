@@ -8,6 +8,7 @@
 // A tied landmark (calibration/ties.h) stays: its rows are the image points' alone, and stand in the tie's columns.
 #pragma once
 
+#include "segments/exposure.h"
 #include "segments/reduced_system.h"
 #include "segments/weights.h"
 
@@ -29,13 +30,14 @@ struct LandmarkFit {
 template <class S>
 class LandmarkBlock {
  public:
-  /// Writes the whitened rows of landmark j at the segment's current states. `damping`: 0 for none, else the square root
+  /// Writes the whitened rows of landmark j at the segment's current states. `camera_terms`: those that the layout has
+  /// columns for. `damping`: 0 for none, else the square root
   /// of lambda times one over the landmark's typical step.
   LandmarkFit<S> build(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                       const ReducedLayout& layout, S damping);
+                       const ReducedLayout& layout, const Term* camera_terms, S damping);
   /// The rows of the landmark that is tie t of this segment: image points only, in the tie's columns.
   LandmarkFit<S> build_tied(const Segment<S>& segment, int t, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                            const ReducedLayout& layout);
+                            const ReducedLayout& layout, const Term* camera_terms);
   /// The three reflections; afterwards rows [3, rows) are free of the landmark.
   void eliminate(LandmarkFit<S>* fit);
   /// Rows after elimination, beginning at the first pose column.
@@ -55,10 +57,11 @@ class LandmarkBlock {
     for (int c = first_; c < stride_; ++c) row(i)[c] = S(0);
   }
   bool add_observation(const Segment<S>& segment, int j, const Observation& o, const Calibration<S>& theta,
-                       const MeasurementModel<S>& model, const ReducedLayout& layout, LandmarkFit<S>* fit);
+                       const MeasurementModel<S>& model, const ReducedLayout& layout, const Term* camera_terms,
+                       LandmarkFit<S>* fit);
   void find_keyframes(const Segment<S>& segment, int j, LandmarkFit<S>* fit) const;
   void add_observations(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                        const ReducedLayout& layout, LandmarkFit<S>* fit);
+                        const ReducedLayout& layout, const Term* camera_terms, LandmarkFit<S>* fit);
   int stride_ = 0, rows_ = 0;
   int first_ = 0;    // column from which on rows are in use
   int column_ = 0;   // of the landmark itself
@@ -69,16 +72,15 @@ class LandmarkBlock {
 
 template <class S>
 bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const Observation& o, const Calibration<S>& theta,
-                                       const MeasurementModel<S>& model, const ReducedLayout& layout, LandmarkFit<S>* fit) {
-  const State<S>& x = segment.states.x[o.keyframe];
+                                       const MeasurementModel<S>& model, const ReducedLayout& layout,
+                                       const Term* camera_terms, LandmarkFit<S>* fit) {
   const Landmark<S>& l = segment.states.landmark[j];
-  const CameraCalibration<S>& device_camera = theta.camera[o.camera];
-  const Vec2<S> uv(S(o.u), S(o.v));
+  bool time_columns = false;
+  for (int t = 0; t < layout.camera_terms; ++t) time_columns |= camera_terms[t].of_time();
+  const Exposure<S> exposure = exposure_of(segment, o, theta, model.g, time_columns);
   const Vec3<S>& p_first = segment.states.x[segment.observation[segment.first_observation[j]].keyframe].p_GI;
   ReprojectionRows<S> rows;
-  const bool seen = segment.turned_only ? reprojection_rows(device_camera, x.R_GI, x.p_GI, x.R_GI, p_first, l, uv, &rows)
-                                        : reprojection_rows(device_camera, x.R_GI, x.p_GI, l, uv, &rows);
-  if (!seen) {
+  if (!point_rows(o, theta, exposure, l, segment.turned_only ? &p_first : nullptr, &rows)) {
     fit->robust_cost += model.huber * model.huber;
     return false;
   }
@@ -97,6 +99,11 @@ bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const O
     for (int c = 0; c < n_camera; ++c) r[camera + c] = scale * rows.J_camera(i, c);
     r[stride_ - 1] = -scale * rows.r(i);
   }
+  const int first_term = kLandmarkColumns + layout.cameras() + layout.sensor_cameras;
+  for (int t = 0; t < layout.camera_terms; ++t) {
+    const Vec2<S> column = camera_term_column(camera_terms[t], o, theta, exposure, segment.turned_only, rows);
+    for (int i = 0; i < 2; ++i) row(rows_ + i)[first_term + t] = scale * column(i);
+  }
   rows_ += 2;
   return true;
 }
@@ -114,7 +121,8 @@ void LandmarkBlock<S>::find_keyframes(const Segment<S>& segment, int j, Landmark
 
 template <class S>
 LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const Calibration<S>& theta,
-                                       const MeasurementModel<S>& model, const ReducedLayout& layout, S damping) {
+                                       const MeasurementModel<S>& model, const ReducedLayout& layout,
+                                       const Term* camera_terms, S damping) {
   LandmarkFit<S> fit;
   find_keyframes(segment, j, &fit);
   stride_ = kLandmarkColumns + layout.width();
@@ -128,13 +136,14 @@ LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const C
   row(0)[stride_ - 1] = -segment.states.landmark[j].rho / depth_sigma_;
   for (int i = 1; i < priors; ++i) own(i)[i - 1] = damping;
   rows_ = priors;
-  add_observations(segment, j, theta, model, layout, &fit);
+  add_observations(segment, j, theta, model, layout, camera_terms, &fit);
   return fit;
 }
 
 template <class S>
 LandmarkFit<S> LandmarkBlock<S>::build_tied(const Segment<S>& segment, int t, const Calibration<S>& theta,
-                                            const MeasurementModel<S>& model, const ReducedLayout& layout) {
+                                            const MeasurementModel<S>& model, const ReducedLayout& layout,
+                                            const Term* camera_terms) {
   LandmarkFit<S> fit;
   const int j = layout.tied.landmark[t];
   find_keyframes(segment, j, &fit);
@@ -142,16 +151,17 @@ LandmarkFit<S> LandmarkBlock<S>::build_tied(const Segment<S>& segment, int t, co
   first_ = kLandmarkColumns + layout.pose(fit.first_keyframe);
   column_ = kLandmarkColumns + layout.tie(t);
   rows_ = 0;
-  add_observations(segment, j, theta, model, layout, &fit);
+  add_observations(segment, j, theta, model, layout, camera_terms, &fit);
   return fit;
 }
 
 template <class S>
 void LandmarkBlock<S>::add_observations(const Segment<S>& segment, int j, const Calibration<S>& theta,
-                                        const MeasurementModel<S>& model, const ReducedLayout& layout, LandmarkFit<S>* fit) {
+                                        const MeasurementModel<S>& model, const ReducedLayout& layout,
+                                        const Term* camera_terms, LandmarkFit<S>* fit) {
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     if (segment.observation[o].rejected) continue;
-    if (add_observation(segment, j, segment.observation[o], theta, model, layout, fit)) ++fit->used;
+    if (add_observation(segment, j, segment.observation[o], theta, model, layout, camera_terms, fit)) ++fit->used;
   }
   fit->rows = rows_;
 }

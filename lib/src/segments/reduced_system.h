@@ -1,5 +1,10 @@
 // The triangle that a segment is reduced to:
-// [poses 6 (K - 1) | last keyframe 15 | guest 15, where joined | IMU part of theta | ties 3 each | cameras | rhs].
+// [poses 6 (K - 1) | last keyframe 15 | guest 15, where joined | IMU part of theta, IMU terms | ties 3 each | cameras, camera
+// terms | rhs].
+//
+// Terms (sensors/effect_terms.h) are those of theta and, behind them, candidates that are only tested. What all segments
+// have in common is [ties | cameras | IMU 15 | terms | rhs]: candidates stand last, so that the triangle's leading part is
+// theta's alone.
 //
 // Cameras stand last in theta, beside the right-hand side, so that the landmarks' rows leave one gap in the middle. A tie
 // is a landmark that other segments use too (calibration/ties.h): it stays, beside theta.
@@ -16,7 +21,7 @@ namespace SEGCAL_NS {
 constexpr int kVelocityBiasColumns = kStateColumns - kPoseColumns;
 constexpr int kMaxTies = SEGCAL_MAX_TIES;
 constexpr int kTieColumns = kLandmarkColumns * kMaxTies;
-constexpr int kReducedColumns = kPoseColumns * (kMaxKeyframes - 1) + 2 * kStateColumns + kMaxTheta + kTieColumns + 1;
+constexpr int kReducedColumns = kPoseColumns * (kMaxKeyframes - 1) + 2 * kStateColumns + kMaxWideTheta + kTieColumns + 1;
 
 /// The ties that a segment sees, among all that there are.
 struct TiedLandmarks {
@@ -34,19 +39,45 @@ struct TiedLandmarks {
 
 /// Where things stand. The last keyframe's pose follows the other poses, so pose k is always at 6 k.
 struct ReducedLayout {
-  int keyframes = 0, guest_columns = 0, n_theta = 0;
+  int keyframes = 0, guest_columns = 0;
+  int sensor_cameras = 0;   ///< theta's columns of all cameras
+  int terms = 0;            ///< of theta and candidates
+  int imu_terms = 0, camera_terms = 0;
+  std::uint8_t imu_term[kMaxEffectColumns + 1], camera_term[kMaxEffectColumns + 1];  ///< number among all terms
   TiedLandmarks tied;
+
+  void add_term(const Term& t) {
+    if (t.of_imu()) {
+      imu_term[imu_terms++] = static_cast<std::uint8_t>(terms++);
+    } else {
+      camera_term[camera_terms++] = static_cast<std::uint8_t>(terms++);
+    }
+  }
 
   int pose(int k) const { return kPoseColumns * k; }
   int last() const { return pose(keyframes - 1); }
   int guest() const { return last() + kStateColumns; }
   int theta() const { return guest() + guest_columns; }
   int imu() const { return theta(); }
-  int tie(int t) const { return theta() + kImuColumns + kLandmarkColumns * t; }
+  int imu_columns() const { return kImuColumns + imu_terms; }
+  int tie(int t) const { return theta() + imu_columns() + kLandmarkColumns * t; }
   int cameras() const { return tie(tied.n); }
-  int camera_columns() const { return n_theta - kImuColumns; }
-  /// Columns that stay: theta and ties.
-  int global_columns() const { return n_theta + kLandmarkColumns * tied.n; }
+  /// Theta with candidates.
+  int wide_theta() const { return sensor_cameras + kImuColumns + terms; }
+  /// Columns that stay: theta, candidates and ties.
+  int global_columns() const { return wide_theta() + kLandmarkColumns * tied.n; }
+  /// Column of entry c of the wide theta.
+  int column_of(int c) const {
+    if (c < sensor_cameras) return cameras() + c;
+    if (c < sensor_cameras + kImuColumns) return imu() + c - sensor_cameras;
+    const int term = c - sensor_cameras - kImuColumns;
+    for (int i = 0; i < imu_terms; ++i) {
+      if (imu_term[i] == term) return imu() + kImuColumns + i;
+    }
+    int i = 0;
+    while (camera_term[i] != term) ++i;
+    return cameras() + sensor_cameras + i;
+  }
   int rhs() const { return theta() + global_columns(); }
   int width() const { return rhs() + 1; }
 };
@@ -85,7 +116,7 @@ class ReducedSystem {
     return until == width;
   }
 
-  /// The global part of row theta() + i, in the order that all segments share: [all ties | cameras | IMU | rhs].
+  /// The global part of row theta() + i, in the order that all segments share: [all ties | cameras | IMU | terms | rhs].
   void global_row(int i, S* out) { to_global_order(R().row(layout_.theta() + i), i, out); }
 
   /// The same for any row: entries before the i-th from theta() on are taken as zero.
@@ -95,13 +126,13 @@ class ReducedSystem {
     for (int c = 0; c < theta; ++c) out[c] = S(0);
     for (int c = 0; c < kLandmarkColumns * at.tied.n; ++c) {
       const int to = kLandmarkColumns * at.tied.number[c / kLandmarkColumns] + c % kLandmarkColumns;
-      out[to] = kImuColumns + c < i ? S(0) : row[at.tie(0) + c];
+      out[to] = at.imu_columns() + c < i ? S(0) : row[at.tie(0) + c];
     }
-    for (int c = 0; c < at.n_theta; ++c) {
-      const int from = c < at.camera_columns() ? at.cameras() - at.theta() + c : c - at.camera_columns();
-      out[theta + c] = from < i ? S(0) : row[at.theta() + from];
+    for (int c = 0; c < at.wide_theta(); ++c) {
+      const int from = at.column_of(c);
+      out[theta + c] = from - at.theta() < i ? S(0) : row[from];
     }
-    out[theta + at.n_theta] = row[at.rhs()];
+    out[theta + at.wide_theta()] = row[at.rhs()];
   }
 
   /// Folds rows that stand in this layout; columns before `first` are zero. Destroys them.

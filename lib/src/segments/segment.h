@@ -61,7 +61,10 @@ struct Segment {
   bool turned_only = false;
   /// The weak prior on inverse distances is the wide one (weights.h); fixed while a fit iterates.
   bool wide_depth_prior = false;
+  /// Keyframe times are camera stamps moved by this much: the time offset that was known when the segment was built.
+  std::int32_t stamp_shift_ns = 0;
   std::int32_t t_us[kMaxKeyframes];              ///< keyframe times after t0
+  float warmth[kMaxKeyframes];                   ///< degC above 25; 0 where the IMU does not tell
   std::uint32_t track_id[kMaxLandmarks];
   std::uint16_t first_observation[kMaxLandmarks + 1];  ///< observations of landmark j: [first[j], first[j + 1])
   Observation observation[kMaxObservations];     ///< sorted by landmark once the segment is closed
@@ -80,11 +83,17 @@ struct Segment {
   }
 
   /// Integrates link k: keyframe k - 1 (or the previous segment's last one, k = 0) to keyframe k.
-  ImuIntegral<S> integrate(int k, const ImuCalibration<S>& imu_calibration, const Vec3<S>& b_a, const Vec3<S>& b_g,
-                           const ImuNoise<S>& noise) const {
-    ImuIntegrator<S> integrator(imu_calibration, b_a, b_g, noise);
+  /// `columns`: derivatives by terms that are wanted beside those by biases and theta's 15.
+  ImuIntegral<S> integrate(int k, const Calibration<S>& theta, const Vec3<S>& b_a, const Vec3<S>& b_g,
+                           const ImuNoise<S>& noise, ImuTermColumns<S>* columns = nullptr) const {
+    ImuIntegrator<S> integrator(theta.imu, b_a, b_g, noise, &theta.effects, columns);
     const std::int32_t from = k == 0 ? -lead_us : t_us[k - 1];
-    integrate_samples<S>(imu, from, t_us[k], S(1e-6), &integrator);
+    Stretch<S> stretch;
+    if (integrator.wants_surroundings()) {
+      const S start = S(t0_ns - theta.effects.time_zero_ns) * S(1e-9);
+      stretch = {S(warmth[k > 0 ? k - 1 : 0]), S(warmth[k]), start + S(from) * S(1e-6), start + S(t_us[k]) * S(1e-6)};
+    }
+    integrate_samples<S>(imu, from, t_us[k], S(1e-6), &integrator, stretch);
     return integrator.result();
   }
 };

@@ -32,9 +32,8 @@ S image_cost(const Segment<S>& segment, const TiedLandmarks& tied, const Calibra
     for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
       const Observation& z = segment.observation[o];
       if (z.rejected) continue;
-      const State<S>& x = segment.states.x[z.keyframe];
       Vec2<S> r;
-      const bool seen = reprojection_residual(theta.camera[z.camera], x.R_GI, x.p_GI, l, Vec2<S>(S(z.u), S(z.v)), &r);
+      const bool seen = point_residual(segment, z, theta, model.g, l, &r);
       sum += seen ? robust_term(model, r.squaredNorm() * inverse_variance).cost : model.huber * model.huber;
     }
     total += sum;
@@ -48,10 +47,8 @@ int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model,
   int marked = 0;
   for (int o = 0; o < segment->n_observations; ++o) {
     Observation& z = segment->observation[o];
-    const State<S>& x = segment->states.x[z.keyframe];
     Vec2<S> r;
-    const bool seen = reprojection_residual(theta.camera[z.camera], x.R_GI, x.p_GI, segment->states.landmark[z.landmark],
-                                            Vec2<S>(S(z.u), S(z.v)), &r);
+    const bool seen = point_residual(*segment, z, theta, model.g, segment->states.landmark[z.landmark], &r);
     const S longest = limit * model.pixel_sigma;
     z.rejected = !seen || r.squaredNorm() > longest * longest ? 1 : 0;
     marked += z.rejected;
@@ -65,7 +62,7 @@ S start_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Calibra
   const State<S>* x = segment.states.x;
   S total = (x[0].v_GI / model.velocity_sigma).squaredNorm();
   if (guest.join == Join::imu) {
-    const ImuIntegral<S> I = segment.integrate(0, theta.imu, guest.state.b_a, guest.state.b_g, model.imu);
+    const ImuIntegral<S> I = segment.integrate(0, theta, guest.state.b_a, guest.state.b_g, model.imu);
     total += link_cost(I, guest.state, x[0], model);
   } else if (guest.join == Join::bias) {
     total += (x[0].b_a - guest.state.b_a).squaredNorm() / (model.imu.accel_walk * model.imu.accel_walk * guest.gap_s);
@@ -107,7 +104,7 @@ class CostSteps {
  private:
   void add_link(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model) {
     const State<S>* x = segment.states.x;
-    const ImuIntegral<S> I = segment.integrate(k_ + 1, theta.imu, x[k_].b_a, x[k_].b_g, model.imu);
+    const ImuIntegral<S> I = segment.integrate(k_ + 1, theta, x[k_].b_a, x[k_].b_g, model.imu);
     inertial_ += link_cost(I, x[k_], x[k_ + 1], model);
   }
 

@@ -2,7 +2,7 @@
 // inverse distance that keeps a track without parallax a direction.
 #pragma once
 
-#include "segments/segment.h"
+#include "segments/exposure.h"
 #include "segments/weights.h"
 
 namespace SEGCAL_NS {
@@ -10,10 +10,10 @@ namespace SEGCAL_NS {
 /// First guess: the ray of the first image point, and the inverse distance that brings the others' rays together in the
 /// least-squares sense: u x (A m + rho b) = 0 for each of them.
 template <class S>
-bool start_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta, Landmark<S>* l) {
+bool start_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta, const Vec3<S>& g, Landmark<S>* l) {
   const Observation& first = segment.observation[segment.first_observation[j]];
   const CameraCalibration<S>& c0 = theta.camera[first.camera];
-  const State<S>& x0 = segment.states.x[first.keyframe];
+  const Exposure<S> x0 = exposure_of(segment, first, theta, g, false);
   Vec2<S> xy;
   if (!unproject(c0, Vec2<S>(S(first.u), S(first.v)), &xy)) return false;
   const Vec3<S> ray = c0.R_CI.transpose() * Vec3<S>(xy.x(), xy.y(), S(1));
@@ -23,7 +23,7 @@ bool start_landmark(const Segment<S>& segment, int j, const Calibration<S>& thet
   for (int o = segment.first_observation[j] + 1; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
     const CameraCalibration<S>& c = theta.camera[z.camera];
-    const State<S>& x = segment.states.x[z.keyframe];
+    const Exposure<S> x = exposure_of(segment, z, theta, g, false);
     if (!unproject(c, Vec2<S>(S(z.u), S(z.v)), &xy)) continue;
     const Vec3<S> u(xy.x(), xy.y(), S(1));
     const Vec3<S> a = cross<S>(u, c.R_CI * (x.R_GI.transpose() * l->m));
@@ -77,14 +77,14 @@ S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, c
     const Observation& z = segment.observation[o];
     if (z.rejected) continue;
     const CameraCalibration<S>& camera = theta.camera[z.camera];
-    const State<S>& x = segment.states.x[z.keyframe];
+    const Exposure<S> x = exposure_of(segment, z, theta, model.g, false);
     // h = R_CG m + rho t moves by R_CG e1, R_CG e2 and t.
     const Vec3<S> t_I = x.R_GI.transpose() * (l.o - x.p_GI);
     const Vec3<S> t = camera.R_CI * t_I + camera.p_CI;
     const Mat3<S> R_CG = camera.R_CI * x.R_GI.transpose();
     Vec2<S> predicted;
     Mat<S, 2, 3> J_h;
-    const bool seen = project<S>(camera, R_CG * l.m + l.rho * t, &predicted, &J_h);
+    const bool seen = project<S>(camera, R_CG * l.m + l.rho * t, &predicted, &J_h, nullptr, image_terms_at(z, theta));
     const Vec2<S> r = seen ? Vec2<S>(predicted - Vec2<S>(S(z.u), S(z.v))) : Vec2<S>::Zero();
     const RobustTerm<S> robust = robust_term(model, seen ? r.squaredNorm() * inverse_sigma * inverse_sigma : S(1e4));
     cost += robust.cost;
@@ -139,7 +139,7 @@ S refine_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta,
 template <class S>
 bool triangulate(Segment<S>* segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model, S limit) {
   Landmark<S> l;
-  if (!start_landmark(*segment, j, theta, &l)) return false;
+  if (!start_landmark(*segment, j, theta, model.g, &l)) return false;
   const S cost = refine_landmark(*segment, j, theta, model, 8, &l);
   segment->states.landmark[j] = l;
   const int points = segment->first_observation[j + 1] - segment->first_observation[j];

@@ -3,7 +3,7 @@
 // An IMU link ties keyframe k to k + 1. Its 15 rows meet the nine rows that earlier links left on keyframe k's velocity
 // and biases; nine reflections finish keyframe k, nine more leave the rows of keyframe k + 1, and the six that remain
 // touch poses, guest and theta only and go to the reduced system. Columns of a row:
-// [vb k 9 | vb k + 1 9 | rhs | guest 15 | IMU part of theta 15 | poses 6 K]; poses last, so that only those seen so far cost.
+// [vb k 9 | vb k + 1 9 | rhs | guest 15 | IMU part of theta 15 and terms | poses 6 K]; poses last, so that only those seen so far cost.
 //
 // Back-substitution runs the chain a second time with everything but velocities and biases known: rows are then 19 wide,
 // which costs an integration of the samples and saves the memory that the full rows would take.
@@ -22,12 +22,12 @@ class VelocityBiasChain {
   static constexpr int kSolved = kRhs + 1;  ///< width when all else is known
   static constexpr int kGuest = kSolved;
   static constexpr int kImu = kGuest + kStateColumns;
-  static constexpr int kPoses = kImu + kImuColumns;
-  static constexpr int kWidth = kPoses + kPoseColumns * kMaxKeyframes;
+  static constexpr int kWidth = kImu + kImuColumns + kMaxEffectColumns + kPoseColumns * kMaxKeyframes;
 
   /// `known`: null to eliminate; else a step in the reduced layout, for back-substitution.
-  void begin(const S* known) {
+  void begin(const S* known, const ReducedLayout& layout) {
     known_ = known;
+    poses_ = kImu + layout.imu_columns();
     current_ = 0;
     links_ = 0;
     handed_ = hand_until_ = 0;
@@ -62,25 +62,25 @@ class VelocityBiasChain {
   }
 
   /// Link from the guest (the segment before) to the first keyframe.
-  void add_guest_link(const ImuRows<S>& rows, ReducedSystem<S>* rest) {
+  void add_guest_link(const ImuRows<S>& rows, const ImuTermColumns<S>& terms, ReducedSystem<S>* rest) {
     clear(15);
     for (int i = 0; i < 15; ++i) {
       S* r = block_ + i * kWidth;
       for (int c = 0; c < kStateColumns; ++c) r[kGuest + c] = rows.J(i, c);
       put_state(rows, i, kStateColumns, 0, 0);
-      put_theta(rows, i);
+      put_theta(rows, terms, i);
     }
     ++links_;
     fold_into_current(15, rest->layout());
   }
 
   /// Link from the current keyframe to the next one, which becomes the current one.
-  void add_link(const ImuRows<S>& rows, ReducedSystem<S>* rest) {
+  void add_link(const ImuRows<S>& rows, const ImuTermColumns<S>& terms, ReducedSystem<S>* rest) {
     clear(15);
     for (int i = 0; i < 15; ++i) {
       put_state(rows, i, 0, 0, current_);
       put_state(rows, i, kStateColumns, kNext, current_ + 1);
-      put_theta(rows, i);
+      put_theta(rows, terms, i);
     }
     ++links_;
     ++current_;
@@ -137,7 +137,7 @@ class VelocityBiasChain {
 
  private:
   /// Columns in use: poses up to the current keyframe, unless they are known.
-  int active_width() const { return known_ ? kSolved : kPoses + kPoseColumns * (current_ + 1); }
+  int active_width() const { return known_ ? kSolved : poses_ + kPoseColumns * (current_ + 1); }
   /// Takes what is known to the right-hand side.
   void substitute(int m, const ReducedLayout& at) {
     if (!known_) return;
@@ -145,8 +145,8 @@ class VelocityBiasChain {
       S* r = block_ + i * kWidth;
       S sum = S(0);
       for (int c = 0; c < at.guest_columns; ++c) sum += r[kGuest + c] * known_[at.guest() + c];
-      for (int c = 0; c < kImuColumns; ++c) sum += r[kImu + c] * known_[at.imu() + c];
-      for (int c = 0; c < kPoseColumns * at.keyframes; ++c) sum += r[kPoses + c] * known_[c];
+      for (int c = 0; c < at.imu_columns(); ++c) sum += r[kImu + c] * known_[at.imu() + c];
+      for (int c = 0; c < kPoseColumns * at.keyframes; ++c) sum += r[poses_ + c] * known_[c];
       r[kRhs] -= sum;
     }
   }
@@ -155,12 +155,13 @@ class VelocityBiasChain {
   }
   void put_state(const ImuRows<S>& rows, int i, int from, int to, int keyframe) {
     S* r = block_ + i * kWidth;
-    for (int c = 0; c < kPoseColumns; ++c) r[kPoses + kPoseColumns * keyframe + c] = rows.J(i, from + c);
+    for (int c = 0; c < kPoseColumns; ++c) r[poses_ + kPoseColumns * keyframe + c] = rows.J(i, from + c);
     for (int c = 0; c < kVelocityBiasColumns; ++c) r[to + c] = rows.J(i, from + kPoseColumns + c);
   }
-  void put_theta(const ImuRows<S>& rows, int i) {
+  void put_theta(const ImuRows<S>& rows, const ImuTermColumns<S>& terms, int i) {
     S* r = block_ + i * kWidth;
     for (int c = 0; c < kImuColumns; ++c) r[kImu + c] = rows.J(i, 2 * kStateColumns + c);
+    for (int t = 0; t < terms.count(); ++t) r[kImu + kImuColumns + t] = terms.link[t][i];
     r[kRhs] = -rows.r(i);
   }
   /// Nine reflections against the rows of the current keyframe's velocity and biases.
@@ -190,11 +191,11 @@ class VelocityBiasChain {
     }
   }
   /// A row's guest, theta, rhs and poses in the reduced layout.
-  static void spread(const S* r, const ReducedLayout& at, S* out) {
+  void spread(const S* r, const ReducedLayout& at, S* out) const {
     for (int c = 0; c < at.width(); ++c) out[c] = S(0);
-    for (int c = 0; c < kPoseColumns * at.keyframes; ++c) out[c] = r[kPoses + c];
+    for (int c = 0; c < kPoseColumns * at.keyframes; ++c) out[c] = r[poses_ + c];
     for (int c = 0; c < at.guest_columns; ++c) out[at.guest() + c] = r[kGuest + c];
-    for (int c = 0; c < kImuColumns; ++c) out[at.imu() + c] = r[kImu + c];
+    for (int c = 0; c < at.imu_columns(); ++c) out[at.imu() + c] = r[kImu + c];
     out[at.rhs()] = r[kRhs];
   }
   /// The next rows of the block that are on their way to the reduced system, in its layout; returns their number.
@@ -207,7 +208,7 @@ class VelocityBiasChain {
   static constexpr int kBlockRows = 15;
   static constexpr int kBlockSize = kBlockRows * kWidth > 9 * kReducedColumns ? kBlockRows * kWidth : 9 * kReducedColumns;
   const S* known_ = nullptr;
-  int current_ = 0, links_ = 0, handed_ = 0, hand_until_ = 0;
+  int current_ = 0, links_ = 0, poses_ = 0, handed_ = 0, hand_until_ = 0;
   Place place_ = 0;
   S now_[kVelocityBiasColumns * kWidth];
   S block_[kBlockSize];

@@ -7,8 +7,7 @@
 // landmarks' inverse distances must be linearised as if the device had only turned.
 #pragma once
 
-#include "segments/landmark.h"
-#include "segments/segment.h"
+#include "segments/exposure.h"
 #include "segments/weights.h"
 
 namespace SEGCAL_NS {
@@ -22,7 +21,7 @@ S visible_shift(const Segment<S>& segment, int j, const Calibration<S>& theta, c
   S total = S(0);
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
-    const State<S>& x = segment.states.x[z.keyframe];
+    const Exposure<S> x = exposure_of(segment, z, theta, model.g, false);
     const CameraCalibration<S>& camera = theta.camera[z.camera];
     Vec2<S> moved, turned;
     if (!project(camera, homogeneous_in_camera(camera, x.R_GI, x.p_GI, l), &moved)) continue;

@@ -1,11 +1,12 @@
 // The calibration vector theta (DESIGN, section 3): values, their order in columns, and how a step is applied.
 //
 // Columns: per camera [r_CI 3 | p_CI 3 | fx fy cx cy | distortion 1 or 4], then
-// [gyro s 3 | gyro m 3 | accel s 3 | accel m 3 | r_AI 3].
+// [gyro s 3 | gyro m 3 | accel s 3 | accel m 3 | r_AI 3], then the estimated terms of effects (effect_terms.h).
 #pragma once
 
 #include "math/so3.h"
 #include "math/types.h"
+#include "sensors/effect_terms.h"
 
 namespace SEGCAL_NS {
 
@@ -16,7 +17,9 @@ constexpr int kExtrinsicColumns = 6;
 constexpr int kIntrinsicColumns = 8;   // fx fy cx cy and up to four distortion coefficients
 constexpr int kMaxCameraColumns = kExtrinsicColumns + kIntrinsicColumns;
 constexpr int kImuColumns = 15;        // gyro s m, accel s m, r_AI
-constexpr int kMaxTheta = kMaxCameras * kMaxCameraColumns + kImuColumns;
+constexpr int kMaxSensorColumns = kMaxCameras * kMaxCameraColumns + kImuColumns;
+constexpr int kMaxTheta = kMaxSensorColumns + kMaxEffectEstimates;
+constexpr int kMaxWideTheta = kMaxSensorColumns + kMaxEffectColumns;  ///< with candidates
 
 template <class S>
 struct CameraCalibration {
@@ -25,6 +28,7 @@ struct CameraCalibration {
   Vec3<S> p_CI = Vec3<S>::Zero();      ///< p_C = R_CI p_I + p_CI; m
   Vec<S, 4> intrinsics{S(1), S(1), S(0), S(0)};  ///< fx fy cx cy; px
   Vec<S, 4> distortion = Vec<S, 4>::Zero();      ///< fov: w. radtan: k1 k2 p1 p2. equidistant: k1..k4
+  S middle_row = S(240);               ///< px; known, no part of theta: terms count rows from here
 
   int distortion_columns() const { return model == Distortion::fov ? 1 : 4; }
   int columns() const { return kExtrinsicColumns + 4 + distortion_columns(); }
@@ -45,6 +49,7 @@ struct Calibration {
   int n_cameras = 1;
   CameraCalibration<S> camera[kMaxCameras];
   ImuCalibration<S> imu;
+  EffectTerms<S> effects;
 
   /// First column of camera c.
   int camera_column(int c) const {
@@ -54,8 +59,9 @@ struct Calibration {
   }
   /// Columns of all cameras together; also the first IMU column.
   int imu_column() const { return camera_column(n_cameras); }
+  int effect_column() const { return imu_column() + kImuColumns; }
   /// n_theta.
-  int columns() const { return imu_column() + kImuColumns; }
+  int columns() const { return effect_column() + effects.count(); }
 };
 
 /// T = [[sx, mx, my], [0, sy, mz], [0, 0, sz]].
@@ -84,9 +90,10 @@ void add_step(Calibration<S>* theta, const S* delta) {
   imu.accel_scale += three(delta + 6);
   imu.accel_misalignment += three(delta + 9);
   imu.R_AI = renormalised<S>(so3_exp<S>(three(delta + 12)) * imu.R_AI);
+  for (int i = 0; i < theta->effects.count(); ++i) theta->effects.value[i] += delta[kImuColumns + i];
 }
 
-/// delta = b [-] a, so that add_step(a, delta) = b. Both have the same cameras and models.
+/// delta = b [-] a, so that add_step(a, delta) = b. Both have the same cameras, models and terms.
 template <class S>
 void difference(const Calibration<S>& a, const Calibration<S>& b, S* delta) {
   const auto put = [](S* d, const Vec3<S>& v) { for (int i = 0; i < 3; ++i) d[i] = v(i); };
@@ -103,6 +110,7 @@ void difference(const Calibration<S>& a, const Calibration<S>& b, S* delta) {
   put(delta + 6, b.imu.accel_scale - a.imu.accel_scale);
   put(delta + 9, b.imu.accel_misalignment - a.imu.accel_misalignment);
   put(delta + 12, so3_log<S>(b.imu.R_AI * a.imu.R_AI.transpose()));
+  for (int i = 0; i < a.effects.count(); ++i) delta[kImuColumns + i] = b.effects.value[i] - a.effects.value[i];
 }
 
 }  // namespace SEGCAL_NS

@@ -6,6 +6,7 @@
 
 #include "math/elementary.h"
 #include "sensors/calibration.h"
+#include "sensors/image_terms.h"
 
 namespace SEGCAL_NS {
 
@@ -132,11 +133,13 @@ bool distort(const CameraCalibration<S>& camera, const Vec2<S>& xy, Vec2<S>* out
 }
 
 /// Projects a homogeneous direction h in C (any positive scale) to pixels; paper, Eq. (landmark_proj).
-/// Optional: J_h (2x3) by h, J_intrinsics (2x8) by fx fy cx cy and the coefficients.
+/// Optional: J_h (2x3) by h, J_intrinsics (2x8) by fx fy cx cy and the coefficients. `terms` move the distorted point;
+/// `distorted` takes it as it was before.
 /// False if the point is behind the camera, closer than 80 degrees to the image plane's horizon, or has no image.
 template <class S>
 bool project(const CameraCalibration<S>& camera, const Vec3<S>& h, Vec2<S>* uv, Mat<S, 2, 3>* J_h = nullptr,
-             Mat<S, 2, kIntrinsicColumns>* J_intrinsics = nullptr) {
+             Mat<S, 2, kIntrinsicColumns>* J_intrinsics = nullptr, const ImageTerms<S>& terms = {},
+             Vec2<S>* distorted = nullptr) {
   if (!(h.z() > S(0.17) * h.norm())) return false;
   const S iz = S(1) / h.z();
   const Vec2<S> xy(h.x() * iz, h.y() * iz);
@@ -144,6 +147,13 @@ bool project(const CameraCalibration<S>& camera, const Vec3<S>& h, Vec2<S>* uv, 
   Mat<S, 2, 2> J_xy;
   Mat<S, 2, 4> J_d;
   if (!distort(camera, xy, &d, J_h ? &J_xy : nullptr, J_intrinsics ? &J_d : nullptr)) return false;
+  if (distorted) *distorted = d;
+  if (terms.effects) {
+    Mat<S, 2, 2> J_move;
+    move_image_point(terms, &d, &J_move);
+    if (J_h) J_xy = (J_move * J_xy).eval();
+    if (J_intrinsics) J_d = (J_move * J_d).eval();
+  }
   const S fx = camera.intrinsics(0), fy = camera.intrinsics(1);
   *uv = Vec2<S>(fx * d.x() + camera.intrinsics(2), fy * d.y() + camera.intrinsics(3));
   if (J_h) {

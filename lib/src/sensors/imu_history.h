@@ -40,12 +40,19 @@ class ImuHistory {
 
   /// Integrates from t0 to t1 > t0, which must be covered.
   void integrate(std::int64_t t0, std::int64_t t1, ImuIntegrator<S>* integrator) const {
-    integrate_samples<S>(*this, t0, t1, S(1e-9), integrator);
+    const std::int64_t zero = integrator->time_zero_ns();
+    const Stretch<S> stretch{warmth_, warmth_, S(t0 - zero) * S(1e-9), S(t1 - zero) * S(1e-9)};
+    integrate_samples<S>(*this, t0, t1, S(1e-9), integrator, stretch);
   }
+
+  /// degC above 25 of the newest samples: it changes slowly.
+  void set_warmth(S warmth) { warmth_ = warmth; }
+  S warmth() const { return warmth_; }
 
  private:
   int index(int i) const { return (head_ - count_ + i + kImuHistory) % kImuHistory; }
   int count_ = 0, head_ = 0;
+  S warmth_ = S(0);
   std::int64_t t_[kImuHistory];
   InertialReading<S> reading_[kImuHistory];
 };

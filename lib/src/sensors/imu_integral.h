@@ -4,9 +4,15 @@
 // The integral over a link is taken in the frame of its first keyframe (dR, dv, dp), with the first-order change of each
 // by the biases and the IMU part of theta, and with the noise propagated. Nothing is linearised once and kept: the raw
 // samples are integrated again whenever biases or theta have moved.
+//
+// Terms (effect_terms.h) are taken off the readings: w_I = T_g^-1 (w_m - b_g - e_g), f_A = T_a^-1 (a_m - b_a - e_a), with
+// e = sum of c phi at the corrected reading itself: a fixed point. It is iterated twice from e = 0; with q = |d e / d(w, f)|,
+// 2 k |w| for a nonlinearity k, 0.02 for a bad sensor at 5 rad/s, what is left is q^2 e, 4e-4 of the term. Derivatives leave
+// d phi / d(bias, scale, c) out, a share q of the term's own size: the model is exact, the columns nearly so.
 #pragma once
 
 #include "sensors/calibration.h"
+#include "sensors/imu_terms.h"
 #include "sensors/inertial_state.h"
 
 namespace SEGCAL_NS {
@@ -54,7 +60,9 @@ void sensor_input_columns(const Mat3<S>& M, const Vec3<S>& x, Out&& out) {
 template <class S>
 class ImuIntegrator {
  public:
-  ImuIntegrator(const ImuCalibration<S>& imu, const Vec3<S>& b_a, const Vec3<S>& b_g, const ImuNoise<S>& noise)
+  /// `terms`: taken off the readings; null: none. `columns`: derivatives wanted, with their memory; null: none.
+  ImuIntegrator(const ImuCalibration<S>& imu, const Vec3<S>& b_a, const Vec3<S>& b_g, const ImuNoise<S>& noise,
+                const EffectTerms<S>* terms = nullptr, ImuTermColumns<S>* columns = nullptr)
       : T_g_inv_(inverse_scale_misalignment(imu.gyro_scale, imu.gyro_misalignment)),
         T_a_inv_(inverse_scale_misalignment(imu.accel_scale, imu.accel_misalignment)),
         R_IA_(imu.R_AI.transpose()),
@@ -62,7 +70,9 @@ class ImuIntegrator {
         b_a_(b_a),
         b_g_(b_g),
         noise_(noise),
-        N_g_(noise.gyro * noise.gyro * (T_g_inv_ * T_g_inv_.transpose())) {
+        N_g_(noise.gyro * noise.gyro * (T_g_inv_ * T_g_inv_.transpose())),
+        terms_(terms && terms->any_of_imu() ? terms : nullptr),
+        columns_(columns && columns->count() > 0 ? columns : nullptr) {
     I_.dt = S(0);
     I_.dR.setIdentity();
     I_.dv.setZero();
@@ -74,11 +84,18 @@ class ImuIntegrator {
     I_.P_b.setZero();
   }
 
+  /// True if terms need to know what is beside each reading: surroundings() is to be set before start() and step().
+  bool wants_surroundings() const { return kMaxEffectColumns > 0 && (terms_ || columns_); }
+  Surroundings<S>* surroundings() { return &surroundings_; }
+  /// Of Signal::time.
+  std::int64_t time_zero_ns() const { return terms_ ? terms_->time_zero_ns : 0; }
+
   /// The reading at the first keyframe's time.
   void start(const InertialReading<S>& reading) {
     current_ = corrected(reading);
     sensor_input_columns(T_g_inv_, current_.w_I, W_);
     force_derivative(&D_);
+    if (columns_) start_columns();
   }
 
   /// The next reading, dt seconds later (dt > 0).
@@ -95,8 +112,19 @@ class ImuIntegrator {
     c.w_I = T_g_inv_ * (r.gyro - b_g_);
     c.f_A = T_a_inv_ * (r.accel - b_a_);
     c.f_I = R_IA_ * c.f_A;
+    if (terms_) take_off_terms(r, &c);
     return c;
   }
+  void take_off_terms(const InertialReading<S>& r, Corrected* c) const;
+  SignalValues<S> signals(const Corrected& c) const { return {c.w_I, c.f_I, c.f_A, T_g_inv_, surroundings_}; }
+  Vec3<S> term_input(const Term& t, const SignalValues<S>& at) const;
+  void start_columns();
+  /// What one step has at its middle and at its end, for the columns of terms.
+  struct StepFrames {
+    Mat3<S> Et_m, Jr_m, R_m, F_m, Et, Jr;  ///< F = -dR [f]x
+    Vec3<S> w0, w1;
+  };
+  void step_columns(const StepFrames& at, S dt);
   void force_derivative(Mat<S, 3, kInputs>* D) const;
   Mat3<S> turn(const Mat3<S>& dR0, const Mat<S, 3, kGyroInputs>& J_R0, const Vec3<S>& phi, const Mat3<S>& Jr,
                const Mat<S, 3, kGyroInputs>& J_phi);
@@ -109,8 +137,72 @@ class ImuIntegrator {
   Corrected current_;
   Mat<S, 3, kGyroInputs> W_;  // d w_I / d inputs at the current reading
   Mat<S, 3, kInputs> D_;  // d (dR f_I) / d inputs at the current reading
+  const EffectTerms<S>* terms_;
+  ImuTermColumns<S>* columns_;
+  Surroundings<S> surroundings_;
   ImuIntegral<S> I_;
 };
+
+template <class S>
+void ImuIntegrator<S>::take_off_terms(const InertialReading<S>& r, Corrected* c) const {
+  for (int pass = 0; pass < 2; ++pass) {
+    const SignalValues<S> at = signals(*c);
+    Vec3<S> gyro = r.gyro - b_g_, accel = r.accel - b_a_;
+    for (int i = 0; i < terms_->count(); ++i) {
+      if (terms_->term[i].of_imu()) at.add(terms_->term[i], -terms_->value[i], &gyro, &accel);
+    }
+    c->w_I = T_g_inv_ * gyro;
+    c->f_A = T_a_inv_ * accel;
+    c->f_I = R_IA_ * c->f_A;
+  }
+}
+
+/// d w_I / d c of a term of the gyroscope, d f_I / d c of one of the accelerometer.
+template <class S>
+Vec3<S> ImuIntegrator<S>::term_input(const Term& t, const SignalValues<S>& at) const {
+  Vec3<S> gyro = Vec3<S>::Zero(), accel = Vec3<S>::Zero();
+  at.add(t, S(-1), &gyro, &accel);
+  return t.of_gyro() ? Vec3<S>(T_g_inv_ * gyro) : Vec3<S>(B_ * accel);
+}
+
+template <class S>
+void ImuIntegrator<S>::start_columns() {
+  const SignalValues<S> at = signals(current_);
+  for (int i = 0; i < columns_->count(); ++i) {
+    columns_->J_R[i].setZero();
+    columns_->J_v[i].setZero();
+    columns_->J_p[i].setZero();
+    columns_->input[i] = term_input(columns_->term[i], at);
+    columns_->D[i] = columns_->term[i].of_gyro() ? Vec3<S>::Zero() : columns_->input[i];
+  }
+}
+
+/// As step() for the other inputs; the integral stands at the step's end already.
+template <class S>
+void ImuIntegrator<S>::step_columns(const StepFrames& at, S dt) {
+  const SignalValues<S> now = signals(current_);
+  const Mat3<S> F1 = -(I_.dR * skew(current_.f_I));
+  const S half = dt / S(2), eighth = dt / S(8), c = dt * dt / S(12), c_half = dt * dt / S(96);
+  const S sixth = dt / S(6), square = dt * dt / S(6);
+  for (int i = 0; i < columns_->count(); ++i) {
+    const Vec3<S> before = columns_->input[i], D0 = columns_->D[i];
+    const Vec3<S> after = columns_->input[i] = term_input(columns_->term[i], now);
+    Vec3<S> Dm, D1;
+    if (columns_->term[i].of_gyro()) {
+      const Vec3<S> J_coning = cross<S>(at.w0, after) - cross<S>(at.w1, before);
+      const Vec3<S> J_m = at.Et_m * columns_->J_R[i] + at.Jr_m * (eighth * (S(3) * before + after) + c_half * J_coning);
+      columns_->J_R[i] = at.Et * columns_->J_R[i] + at.Jr * (half * (before + after) + c * J_coning);
+      Dm = at.F_m * J_m;
+      D1 = F1 * columns_->J_R[i];
+    } else {
+      Dm = at.R_m * (S(0.5) * (before + after));
+      D1 = I_.dR * after;
+    }
+    columns_->D[i] = D1;
+    columns_->J_p[i] += dt * columns_->J_v[i] + square * (D0 + S(2) * Dm);
+    columns_->J_v[i] += sixth * (D0 + S(4) * Dm + D1);
+  }
+}
 
 template <class S>
 void ImuIntegrator<S>::force_derivative(Mat<S, 3, kInputs>* D) const {
@@ -145,12 +237,18 @@ void ImuIntegrator<S>::step(const InertialReading<S>& reading, S dt) {
   const S half = dt / S(2), eighth = dt / S(8), c = dt * dt / S(12), c_half = dt * dt / S(96);
 
   const Vec3<S> phi_m = eighth * (S(3) * first.w_I + next.w_I) + c_half * coning;
-  turn(dR0, J_R0, phi_m, so3_right_jacobian<S>(phi_m), eighth * (S(3) * W0 + W_) + c_half * J_coning);
+  StepFrames frames;
+  frames.Jr_m = so3_right_jacobian<S>(phi_m);
+  frames.Et_m = turn(dR0, J_R0, phi_m, frames.Jr_m, eighth * (S(3) * W0 + W_) + c_half * J_coning);
   current_.f_A = S(0.5) * (first.f_A + next.f_A);
   current_.f_I = S(0.5) * (first.f_I + next.f_I);
   const Vec3<S> a0 = dR0 * first.f_I, am = I_.dR * current_.f_I;
   Mat<S, 3, kInputs> Dm;
   force_derivative(&Dm);
+  if (columns_) {
+    frames.R_m = I_.dR;
+    frames.F_m = -(I_.dR * skew(current_.f_I));
+  }
 
   const Vec3<S> phi = half * (first.w_I + next.w_I) + c * coning;
   const Mat3<S> Jr = so3_right_jacobian<S>(phi);
@@ -164,6 +262,13 @@ void ImuIntegrator<S>::step(const InertialReading<S>& reading, S dt) {
   I_.J_p += dt * I_.J_v + square * (D0 + S(2) * Dm);
   I_.dv += sixth * (a0 + S(4) * am + a1);
   I_.J_v += sixth * (D0 + S(4) * Dm + D_);
+  if (columns_) {
+    frames.Et = Et;
+    frames.Jr = Jr;
+    frames.w0 = first.w_I;
+    frames.w1 = next.w_I;
+    step_columns(frames, dt);
+  }
   propagate_noise(Et, Jr, dR0 * skew(first.f_I), I_.dR * skew(next.f_I), dR0 * B_, dt);
   I_.dt += dt;
 }

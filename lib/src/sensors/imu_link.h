@@ -83,6 +83,21 @@ void link_rows(const ImuIntegral<S>& I, const State<S>& x0, const State<S>& x1, 
   }
 }
 
+/// The same columns for terms, after link_rows(): the rotation's at its residual, not whitened.
+template <class S>
+void link_term_columns(const ImuRows<S>& rows, ImuTermColumns<S>* columns) {
+  const Mat3<S> Jt = so3_right_jacobian_inverse<S>(Vec3<S>(-rows.r.template head<3>()));
+  for (int t = 0; t < columns->count(); ++t) {
+    const Vec3<S> r = -(Jt * columns->J_R[t]);
+    for (int i = 0; i < 3; ++i) {
+      columns->link[t][i] = r(i);
+      columns->link[t][3 + i] = -columns->J_v[t](i);
+      columns->link[t][6 + i] = -columns->J_p[t](i);
+    }
+    for (int i = 9; i < 15; ++i) columns->link[t][i] = S(0);
+  }
+}
+
 /// Square root of the link's information: a scale per row and a lower triangle, so that whitened = L^-1 (scale r).
 template <class S>
 struct LinkWhitening {
@@ -118,11 +133,24 @@ bool whiten_residual(const ImuIntegral<S>& I, const ImuNoise<S>& noise, const Ve
   return true;
 }
 
-/// Whitens residual and Jacobian rows in place.
 template <class S>
-bool whiten(const ImuIntegral<S>& I, const ImuNoise<S>& noise, ImuRows<S>* rows) {
+void whiten_terms(const LinkWhitening<S>& w, ImuTermColumns<S>* columns) {
+  for (int t = 0; t < columns->count(); ++t) {
+    S* x = columns->link[t];
+    for (int i = 0; i < 15; ++i) {
+      x[i] *= w.scale(i);
+      for (int k = 0; k < i; ++k) x[i] -= w.L(i, k) * x[k];
+      x[i] /= w.L(i, i);
+    }
+  }
+}
+
+/// Whitens residual and Jacobian rows in place, and the columns of terms, if there are any.
+template <class S>
+bool whiten(const ImuIntegral<S>& I, const ImuNoise<S>& noise, ImuRows<S>* rows, ImuTermColumns<S>* columns = nullptr) {
   LinkWhitening<S> w;
   if (!link_whitening(I, noise, &w)) return false;
+  if (columns) whiten_terms(w, columns);
   for (int i = 0; i < 15; ++i) {
     S r = rows->r(i) * w.scale(i);
     rows->J.row(i) *= w.scale(i);

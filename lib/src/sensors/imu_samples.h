@@ -47,15 +47,56 @@ InertialReading<S> reading_at(const Samples& samples, Time t) {
   return interpolate<S>(corrected_reading<S>(samples, i), corrected_reading<S>(samples, i + 1), u);
 }
 
+/// Slope of the gyroscope's reading at sample i, rad/s per tick: the parabola through it and its neighbours, at the ends
+/// through the three last.
+template <class S, class Samples>
+Vec3<S> gyro_slope(const Samples& samples, int i) {
+  const int last = samples.size() - 1;
+  if (last < 2) return Vec3<S>::Zero();
+  const int m = i < 1 ? 1 : i < last ? i : last - 1;
+  const S before = S(samples.time(m) - samples.time(m - 1)), after = S(samples.time(m + 1) - samples.time(m));
+  const Vec3<S> a = (samples.reading(m).gyro - samples.reading(m - 1).gyro) / before;
+  const Vec3<S> b = (samples.reading(m + 1).gyro - samples.reading(m).gyro) / after;
+  const Vec3<S> bend = (b - a) / (before + after);   // half the second derivative
+  return a + before * bend + S(2) * S(samples.time(i) - samples.time(m)) * bend;
+}
+
+/// The same at t, within the samples.
+template <class S, class Samples, class Time>
+Vec3<S> gyro_slope_at(const Samples& samples, Time t) {
+  const int i = at_or_before(samples, t);
+  const Vec3<S> a = gyro_slope<S>(samples, i);
+  if (samples.time(i) == t || i + 1 == samples.size()) return a;
+  const S u = S(t - samples.time(i)) / S(samples.time(i + 1) - samples.time(i));
+  return a + u * (gyro_slope<S>(samples, i + 1) - a);
+}
+
+/// Warmth and time at both ends of a stretch; linear in between.
+template <class S>
+struct Stretch {
+  S warmth0 = S(0), warmth1 = S(0);   ///< degC above 25
+  S time0 = S(0), time1 = S(0);       ///< s since the device's first sample
+};
+
 /// Integrates from t0 to t1 > t0; both must lie within the samples. `tick_s`: seconds per tick.
 template <class S, class Samples, class Time>
-void integrate_samples(const Samples& samples, Time t0, Time t1, S tick_s, ImuIntegrator<S>* integrator) {
+void integrate_samples(const Samples& samples, Time t0, Time t1, S tick_s, ImuIntegrator<S>* integrator,
+                       const Stretch<S>& stretch = {}) {
+  const bool beside = integrator->wants_surroundings();
+  const auto set = [&](const Vec3<S>& slope_per_tick, Time t) {
+    const S u = S(t - t0) / S(t1 - t0);
+    *integrator->surroundings() = {slope_per_tick / tick_s, stretch.warmth0 + u * (stretch.warmth1 - stretch.warmth0),
+                                   stretch.time0 + u * (stretch.time1 - stretch.time0)};
+  };
+  if (beside) set(gyro_slope_at<S>(samples, t0), t0);
   integrator->start(reading_at<S>(samples, t0));
   Time t = t0;
   for (int i = at_or_before(samples, t0) + 1; i < samples.size() && samples.time(i) < t1; ++i) {
+    if (beside) set(gyro_slope<S>(samples, i), samples.time(i));
     integrator->step(corrected_reading<S>(samples, i), S(samples.time(i) - t) * tick_s);
     t = samples.time(i);
   }
+  if (beside) set(gyro_slope_at<S>(samples, t1), t1);
   integrator->step(reading_at<S>(samples, t1), S(t1 - t) * tick_s);
 }
 

@@ -30,6 +30,8 @@ class Vio {
 
   /// A new calibration for the running filter. It replaces the filter's own, with a smaller prior.
   void set_calibration(const Calibration<S>& theta);
+  /// Of terms that follow the time.
+  void set_time_zero(std::int64_t t_ns) { window_.theta.effects.time_zero_ns = window_.given.effects.time_zero_ns = t_ns; }
 
   /// Forgets place and motion and waits for frames, but keeps what was learnt about the sensors, with its information.
   void next_session();

@@ -231,7 +231,8 @@ void state_covariance(Window<S>* w, Mat<S, kStateColumns, kStateColumns>* P) {
 }
 
 /// The sensors' marginal information as a triangle over theta's columns and a right-hand side of zero: the filter's estimates
-/// are its solution. Lenses with one coefficient leave places of the filter empty.
+/// are its solution. Lenses with one coefficient leave places of the filter empty. About terms of effects the filter learns
+/// nothing: their rows stay zero.
 template <class S>
 void sensor_triangle(Window<S>* w, PackedTriangle<S>* out) {
   std::int32_t from[kMaxTheta];

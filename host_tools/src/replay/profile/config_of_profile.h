@@ -52,7 +52,25 @@ inline segcal_camera_t camera_to_c(const CameraCalibration& camera) {
   for (int i = 0; i < 3; ++i) out.p_CI[i] = camera.p_CI(i);
   for (int i = 0; i < 4; ++i) out.intrinsics[i] = camera.intrinsics(i);
   for (int i = 0; i < 4; ++i) out.distortion[i] = camera.distortion(i);
+  out.height = camera.height;
   return out;
+}
+
+inline segcal_term_t term_to_c(const CoreTerm& t) {
+  return {static_cast<std::uint8_t>(t.kind), static_cast<std::uint8_t>(t.a), static_cast<std::uint8_t>(t.b), static_cast<std::uint8_t>(t.c)};
+}
+
+inline void configure_effects(const CoreOptions& options, segcal_config_t* c) {
+  constexpr std::size_t room = SEGCAL_MAX_EFFECT_ESTIMATES;
+  if (options.terms.size() > room || options.term_values.size() > room) {
+    throw InputError("effects: this profile estimates at most " + std::to_string(room) + " terms, found " +
+                     std::to_string(std::max(options.terms.size(), options.term_values.size())));
+  }
+  c->estimate_effects = options.effects;
+  c->n_terms = static_cast<int>(options.terms.size());
+  for (std::size_t i = 0; i < options.terms.size(); ++i) c->term[i] = term_to_c(options.terms[i]);
+  for (std::size_t i = 0; i < options.term_values.size(); ++i) c->term_value[i] = options.term_values[i];
+  c->has_temperature = options.has_temperature ? 1 : 0;
 }
 
 inline segcal_config_t config_of(const CoreOptions& options) {
@@ -95,6 +113,7 @@ inline segcal_config_t config_of(const CoreOptions& options) {
   c.filter_share = options.hold_calibration ? 1e-3 : 1;
   for (std::size_t i = 0; i < options.sigma_ref.size() && i < SEGCAL_MAX_PARAMETERS; ++i) c.sigma_ref[i] = options.sigma_ref[i];
   c.joint_filter = options.joint_ekf ? 1 : 0;
+  configure_effects(options, &c);
   return c;
 }
 
@@ -105,6 +124,7 @@ inline segcal_imu_t sample_to_c(const ImuSample& sample) {
     s.gyro[i] = static_cast<float>(sample.gyro[i]);
     s.accel[i] = static_cast<float>(sample.accel[i]);
   }
+  s.temperature = static_cast<float>(sample.temperature_degC);
   return s;
 }
 

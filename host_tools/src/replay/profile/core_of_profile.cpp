@@ -168,6 +168,28 @@ class ProfileCore final : public Core {
             m.huber, m.bias_a_sigma, m.bias_g_sigma, m.velocity_sigma, m.inverse_depth_sigma, m.turned_inverse_depth_sigma};
   }
 
+  CoreRows linearise(const std::vector<std::uint32_t>& serials, const std::vector<CoreTerm>& candidates) override {
+    std::uint8_t use[SEGCAL_MAX_SEGMENTS + 1] = {};
+    for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
+      segcal_segment_t s;
+      if (segcal_get_segment(device_, slot, &s) != SEGCAL_OK || !s.kept) continue;
+      use[slot] = std::find(serials.begin(), serials.end(), s.serial) != serials.end() ? 1 : 0;
+    }
+    std::vector<segcal_term_t> terms;
+    for (const CoreTerm& t : candidates) terms.push_back(term_to_c(t));
+    constexpr std::size_t columns = SEGCAL_MAX_CAMERAS * 14 + 15 + SEGCAL_MAX_EFFECT_COLUMNS + 1;
+    CoreRows out;
+    out.triangle.resize(columns * (columns + 1) / 2);
+    std::int32_t n_theta = 0, n_terms = 0, dof = 0;
+    const int error = segcal_linearise(device_, use, terms.data(), static_cast<int>(terms.size()), out.triangle.data(),
+                                       static_cast<int>(out.triangle.size()), &n_theta, &n_terms, &dof);
+    if (error != SEGCAL_OK) throw InputError("the core does not linearise these segments and effects (error " + std::to_string(error) + ")");
+    out.n_theta = n_theta;
+    out.n_candidates = n_terms;
+    out.dof = dof;
+    return out;
+  }
+
   std::vector<std::uint32_t> outdated() const override {
     std::vector<std::uint32_t> out;
     for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
@@ -221,7 +243,11 @@ class ProfileCore final : public Core {
   int parameters() const {
     int n = 15;
     for (const CameraCalibration& c : options_.calibration.cameras) n += c.model == DistortionModel::fov ? 11 : 14;
-    return n;
+    for (int e = 0; e < SEGCAL_EFFECTS; ++e) {
+      segcal_effect_t effect;
+      if ((options_.effects >> e & 1u) != 0 && segcal_get_effect(e, &effect) == SEGCAL_OK) n += effect.n_parameters;
+    }
+    return n + static_cast<int>(options_.terms.size());
   }
 
   static CoreDirection direction(const segcal_direction_t& d, int n) {

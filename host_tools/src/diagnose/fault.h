@@ -1,0 +1,37 @@
+// Faults of the data that no model explains: found by direct checks before any fit, so that they are not taken for effects.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "calibration_file.h"
+#include "recording.h"
+
+namespace host {
+
+/// One finding. `kind` is one of: saturation, dropped_samples, stamp_jitter, stamps_back, not_finite, frozen, unit, axes,
+/// gravity_norm, rate, no_overlap, clock_offset, clock_drift.
+struct Fault {
+  std::string kind;
+  std::string sensor;          ///< gyro, accel, imu, cam0, ...; with an axis: gyro.x
+  std::int64_t first_ns = 0;   ///< stamp of the first place
+  std::int64_t last_ns = 0;    ///< and of the last
+  std::size_t count = 0;       ///< samples, gaps or frames concerned
+  double value = 0;            ///< the size that was compared with the limit
+  double limit = 0;
+  std::string unit;            ///< of value and limit
+  std::string words;           ///< what it is, and what to do: one sentence each
+};
+
+/// All checks; empty for a sound recording. `start` need not be precise: a few degrees, a few percent. Never throws on data:
+/// what cannot be judged (too short, too still, no tracks) is passed over.
+std::vector<Fault> find_faults(const Recording& recording, const Calibration& start);
+
+// The groups of checks, one file each.
+std::vector<Fault> stamp_faults(const Recording& recording);                            ///< order, gaps, jitter, rate, overlap
+std::vector<Fault> value_faults(const Recording& recording);                            ///< saturation, repeats, not a number
+std::vector<Fault> magnitude_faults(const Recording& recording);                        ///< gravity norm, g, deg/s
+std::vector<Fault> rotation_faults(const Recording& recording, const Calibration& start);  ///< axes, deg/s, clocks: gyroscope and image
+
+}  // namespace host

@@ -1,0 +1,90 @@
+// Magnitudes: the accelerometer must show gravity, the gyroscope's noise tells its unit where no image turns.
+#include <Eigen/Core>
+#include <cmath>
+#include <cstdio>
+
+#include "diagnose/fault.h"
+#include "diagnose/imu_noise.h"
+#include "diagnose/spectrum.h"
+
+namespace host {
+namespace {
+
+constexpr double gravity = 9.80665;  // m/s^2
+// Uncalibrated sensors are within 1.2 % in scale and 0.05 m/s^2 in bias, one sigma each; gravity on Earth within 0.3 %.
+constexpr double most_off_at_rest = 0.06;
+constexpr double most_off_moving = 0.2;   // acceleration adds to the norm: 6 m/s^2 rms makes it 17 %
+constexpr double most_off_unit = 0.25;    // a norm of 1 within this is g
+constexpr double deg_per_rad = 57.29577951308232;
+
+/// Mean of the norm of half-second means: shaking cancels within the mean, attitude does not change much.
+struct Norms {
+  double median = 0, at_rest = 0;   ///< at_rest: 0 where the device does not rest
+  std::size_t n = 0;
+};
+
+Norms force_norms(const Recording& recording) {
+  const std::vector<ImuSample>& samples = recording.imu.samples;
+  const auto n = static_cast<std::size_t>(std::max(1.0, recording.imu.noise.rate_hz / 2));
+  std::vector<double> all, rest;
+  for (std::size_t begin = 0; begin + n <= samples.size(); begin += n) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero(), squares = Eigen::Vector3d::Zero();
+    for (std::size_t k = begin; k < begin + n; ++k) {
+      const Eigen::Vector3d f(samples[k].accel[0], samples[k].accel[1], samples[k].accel[2]);
+      sum += f / static_cast<double>(n);
+      squares += f.cwiseAbs2() / static_cast<double>(n);
+    }
+    const double scatter = std::sqrt(std::max(0.0, squares.sum() - sum.squaredNorm()));
+    if (!std::isfinite(sum.norm())) continue;
+    all.push_back(sum.norm());
+    if (scatter < 0.02 * sum.norm()) rest.push_back(sum.norm());
+  }
+  return {quantile(all, 0.5), rest.size() >= 4 ? quantile(rest, 0.5) : 0, all.size()};
+}
+
+std::string text(const char* format, double a, double b = 0) {
+  char buffer[320];
+  std::snprintf(buffer, sizeof buffer, format, a, b);
+  return buffer;
+}
+
+void check_gravity(const Recording& recording, std::vector<Fault>& out) {
+  const Norms norms = force_norms(recording);
+  if (norms.n < 4) return;
+  const bool resting = norms.at_rest > 0;
+  const double norm = resting ? norms.at_rest : norms.median, limit = resting ? most_off_at_rest : most_off_moving;
+  if (std::abs(norm / gravity - 1) <= limit) return;
+  Fault fault{"gravity_norm", "accel", recording.imu.samples.front().t_ns, recording.imu.samples.back().t_ns,
+              recording.imu.samples.size(), norm, limit * gravity, "m/s^2", ""};
+  if (std::abs(norm - 1) < most_off_unit) {
+    fault.kind = "unit";
+    fault.words = text("accelerometer: readings have the size %.3f, which is g. Multiply by 9.80665: the log is in m/s^2.", norm);
+  } else {
+    fault.words = text("accelerometer: the specific force is %.2f m/s^2 ", norm) + (resting ? "at rest" : "in the middle") +
+                  text(", expected %.2f. Check the range setting and the scale factor of the driver.", gravity);
+  }
+  out.push_back(fault);
+}
+
+/// Noise of a gyroscope in deg/s is 57 times the stated one while the accelerometer's is as it should be. The image says
+/// the same more surely where the device turns (rotation_faults), so this is for rest.
+void check_gyro_unit(const Recording& recording, std::vector<Fault>& out) {
+  const RawNoise noise = raw_imu_noise(recording);
+  if (!noise.gyro.steady || noise.gyro.factor < deg_per_rad / 3 || noise.accel.factor > 3) return;
+  out.push_back({"unit", "gyro", recording.imu.samples.front().t_ns, recording.imu.samples.back().t_ns, recording.imu.samples.size(),
+                 noise.gyro.factor, deg_per_rad / 3, "-",
+                 text("gyroscope: its noise is %.0f times the stated one, as of readings in deg/s. Multiply by pi / 180: the log is in rad/s.",
+                      noise.gyro.factor)});
+}
+
+}  // namespace
+
+std::vector<Fault> magnitude_faults(const Recording& recording) {
+  std::vector<Fault> out;
+  if (recording.imu.samples.size() < 100) return out;
+  check_gravity(recording, out);
+  check_gyro_unit(recording, out);
+  return out;
+}
+
+}  // namespace host

@@ -1,0 +1,32 @@
+#include <algorithm>
+
+#include "diagnose/fault.h"
+
+namespace host {
+namespace {
+
+bool holds(const std::vector<Fault>& faults, const char* kind) {
+  for (const Fault& f : faults)
+    if (f.kind == kind) return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<Fault> find_faults(const Recording& recording, const Calibration& start) {
+  std::vector<Fault> all;
+  const auto add = [&all](std::vector<Fault> faults) {
+    for (Fault& f : faults) {
+      const bool known = std::any_of(all.begin(), all.end(), [&f](const Fault& g) { return g.kind == f.kind && g.sensor == f.sensor; });
+      if (!known) all.push_back(std::move(f));
+    }
+  };
+  add(stamp_faults(recording));
+  add(value_faults(recording));
+  add(magnitude_faults(recording));
+  // Where stamps or values cannot be used at all there is nothing to compare the images with.
+  if (!holds(all, "no_overlap") && !holds(all, "not_finite")) add(rotation_faults(recording, start));
+  return all;
+}
+
+}  // namespace host

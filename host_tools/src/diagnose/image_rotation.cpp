@@ -1,0 +1,85 @@
+#include "diagnose/image_rotation.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <unordered_map>
+
+#include "camera_geometry.h"
+
+namespace host {
+namespace {
+
+constexpr double shortest_s = 0.04, longest_s = 0.25;
+constexpr std::size_t least_rays = 12;
+constexpr double tolerated = 0.01;  // rad, above this a ray counts less: parallax and wrong matches
+
+using Rays = std::unordered_map<std::uint32_t, Eigen::Vector3d>;
+
+Rays rays_of(const Frame& frame, const CameraCalibration& camera) {
+  Rays out;
+  for (const TrackPoint& point : frame.points) {
+    if (!std::isfinite(point.u) || !std::isfinite(point.v)) continue;
+    if (const auto x = undistort(camera, {point.u, point.v})) out[point.track_id] = Eigen::Vector3d(x->x(), x->y(), 1).normalized();
+  }
+  return out;
+}
+
+/// Rotation that turns the second set into the first, weighted.
+Eigen::Matrix3d wahba(const FramePair& pair, const std::vector<double>& weights) {
+  Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < weights.size(); ++i) B += weights[i] * pair.rays1[i] * pair.rays2[i].transpose();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector3d signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
+  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+}
+
+}  // namespace
+
+std::vector<FramePair> frame_pairs(const Recording& recording, const CameraCalibration& camera) {
+  std::vector<FramePair> out;
+  if (recording.cameras.empty() || recording.imu.samples.empty()) return out;
+  const std::int64_t zero_ns = recording.imu.samples.front().t_ns;
+  Rays before;
+  std::int64_t before_ns = 0;
+  for (const Frame& frame : recording.cameras[0].frames) {
+    const double dt = static_cast<double>(frame.t_ns - before_ns) * 1e-9;
+    if (!before.empty() && dt > 0 && dt < shortest_s) continue;
+    const Rays now = rays_of(frame, camera);
+    FramePair pair{static_cast<double>(before_ns - zero_ns) * 1e-9, static_cast<double>(frame.t_ns - zero_ns) * 1e-9, {}, {}};
+    for (const auto& [id, ray] : now) {
+      const auto match = before.find(id);
+      if (match == before.end()) continue;
+      pair.rays1.push_back(match->second);
+      pair.rays2.push_back(ray);
+    }
+    if (dt >= shortest_s && dt <= longest_s && pair.rays1.size() >= least_rays) out.push_back(std::move(pair));
+    before = now;
+    before_ns = frame.t_ns;
+  }
+  return out;
+}
+
+Eigen::Vector3d rate_by_rotation_alone(const FramePair& pair) {
+  std::vector<double> weights(pair.rays1.size(), 1);
+  Eigen::Matrix3d R = wahba(pair, weights);
+  for (int round = 0; round < 4; ++round) {
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      const double off = (pair.rays1[i] - R * pair.rays2[i]).norm() / tolerated;
+      weights[i] = 1 / (1 + off * off);
+    }
+    R = wahba(pair, weights);
+  }
+  const Eigen::AngleAxisd turn(R);
+  return turn.angle() * turn.axis() / (pair.t2 - pair.t1);
+}
+
+double misfit(const FramePair& pair, const Eigen::Matrix3d& R_12) {
+  Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < pair.rays1.size(); ++i) {
+    const Eigen::Vector3d n = pair.rays1[i].cross(R_12 * pair.rays2[i]);
+    M.noalias() += n * n.transpose();
+  }
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>().computeDirect(M, Eigen::EigenvaluesOnly).eigenvalues()[0];
+}
+
+}  // namespace host

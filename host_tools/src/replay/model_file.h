@@ -1,0 +1,38 @@
+// model.yaml: the effects that a calibration has beside theta, with values, sigmas and units (docs/formats.md).
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "replay/replay.h"
+
+namespace host {
+
+/// Effects to estimate, and where they start.
+class EffectChoice {
+ public:
+  /// An effect of the catalogue. Throws InputError with all names for another one. Twice is once.
+  void enable(const std::string& effect);
+  /// A term by its name, "gyro_x:fy*wz"; `value` is its start. Throws InputError for a term that there is not.
+  void add_term(const std::string& name, double value);
+  /// Start of a parameter, "time_offset.t_d". Throws InputError if the effect has none of that name.
+  void set(const std::string& parameter, double value);
+  /// Puts the choice into the core's options.
+  void apply(CoreOptions* options) const;
+
+ private:
+  std::uint32_t effects_ = 0;
+  std::map<std::string, double> value_;   ///< of parameters
+  std::vector<CoreTerm> terms_;
+  std::vector<double> term_values_;
+};
+
+/// Throws InputError with file and line where it is no model of format 1.
+EffectChoice read_model(const std::filesystem::path& file);
+std::string model_yaml(const ReplayResult& result);
+/// The catalogue as a paragraph of help: name, parameters and unit, what it looks like.
+std::string effects_help();
+
+}  // namespace host

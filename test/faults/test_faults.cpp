@@ -1,0 +1,181 @@
+// Faults of the data: each is found with its kind and sensor, and a sound recording has none.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "../support/cases.h"
+#include "diagnose/fault.h"
+#include "simulate/disturb.h"
+#include "simulate/effect_names.h"
+#include "simulate/simulate.h"
+#include "unity.h"
+
+namespace {
+
+host::SimulationResult simulated(const std::string& scenario, std::uint64_t seed, const std::vector<std::string>& effects = {},
+                                 double seconds = 60) {
+  host::SimulationOptions options;
+  options.scenario = scenario;
+  options.seconds = seconds;
+  options.seed = seed;
+  for (const std::string& text : effects) options.effects.push_back(host::sim::parse_effect(text));
+  return host::simulate(options);
+}
+
+std::string listed(const std::vector<host::Fault>& faults) {
+  std::string text;
+  for (const host::Fault& f : faults) text += f.kind + "/" + f.sensor + ": " + f.words + " ";
+  return text.empty() ? "none" : text;
+}
+
+void check_none(const test::Id& id, const host::Recording& recording, const host::Calibration& start) {
+  const auto faults = host::find_faults(recording, start);
+  if (!faults.empty() && test::selected(id.text())) test::fail_case(id, "a false alarm: " + listed(faults));
+}
+
+/// Exactly one fault, or several of the same kind on different axes.
+const host::Fault only(const test::Id& id, const std::vector<host::Fault>& faults, const std::string& kind, const std::string& sensor) {
+  if (faults.empty()) test::fail_case(id, "nothing was found");
+  for (const host::Fault& f : faults)
+    if (f.kind != kind || f.sensor.rfind(sensor, 0) != 0) test::fail_case(id, "found something else: " + listed(faults));
+  test::check_true(id, "says what to do", faults[0].words.find('.') != std::string::npos && faults[0].count > 0);
+  test::check_true(id, "says where", faults[0].first_ns > 0 && faults[0].last_ns >= faults[0].first_ns);
+  return faults[0];
+}
+
+void sound_recordings_have_no_fault() {
+  const auto id = test::Id();
+  for (const char* scenario : {"rich", "arvr", "nav", "still", "rotation", "line", "planar"})
+    for (std::uint64_t seed : {21, 22, 23}) {
+      const auto here = id.add("scenario", scenario).add("seed", seed);
+      if (!test::selected(here.text())) continue;
+      const auto session = simulated(scenario, seed);
+      check_none(here, session.recording, session.nominal);
+    }
+}
+
+/// An effect of the catalogue, or one that it does not hold, is no fault of the data.
+void effects_are_no_faults() {
+  for (const auto& entry : host::sim::effect_entries()) {
+    const std::string name = entry.name;
+    const bool fault = entry.kind == host::sim::EffectKind::fault || name == "saturation" || name == "dropped_samples" || name == "stamp_jitter";
+    const auto id = test::Id().add("effect", name);
+    if (fault || !test::selected(id.text())) continue;
+    const auto session = simulated("rich", 31, {name + "=" + entry.example});
+    check_none(id, session.recording, session.nominal);
+  }
+}
+
+struct Case {
+  const char *scenario, *fault, *kind, *sensor;
+};
+
+void each_fault_is_found_alone() {
+  const Case cases[] = {
+      {"rich", "saturation=4,0", "saturation", "gyro"},           // a tenth of a percent of the samples of one axis
+      {"rich", "saturation=0,16", "saturation", "accel"},
+      {"arvr", "saturation=1,0", "saturation", "gyro"},
+      {"rich", "dropped_samples=50", "dropped_samples", "imu"},
+      {"still", "dropped_samples=300", "dropped_samples", "imu"},
+      {"rich", "stamp_jitter=0.0003", "stamp_jitter", "imu"},
+      {"rich", "stamp_jitter=0.001", "stamp_jitter", "imu"},
+      {"rich", "stamp_jitter=0,0.001", "stamp_jitter", "cam0"},
+      {"rich", "frozen=gyro,20,0.2", "frozen", "gyro"},
+      {"still", "frozen=accel,20,2", "frozen", "accel"},
+      {"rich", "unit=gyro", "unit", "gyro"},
+      {"still", "unit=gyro", "unit", "gyro"},
+      {"arvr", "unit=gyro", "unit", "gyro"},
+      {"rich", "unit=accel", "unit", "accel"},
+      {"still", "unit=accel", "unit", "accel"},
+      {"rich", "axes=gyro,yxz", "axes", "gyro"},
+      {"arvr", "axes=gyro,x-yz", "axes", "gyro"},
+      {"nav", "axes=gyro,-x-yz", "axes", "gyro"},
+      {"nav", "axes=gyro,zxy", "axes", "gyro"},
+      {"rich", "axes=accel,yxz", "axes", "accel"},
+      {"rich", "axes=accel,x-yz", "axes", "accel"},
+      {"arvr", "axes=accel,zxy", "axes", "accel"},
+      {"rich", "clock_drift=0,0.3", "clock_offset", "cam0"},
+      {"nav", "clock_drift=0,-0.5", "clock_offset", "cam0"},
+      {"rich", "clock_drift=1e-4", "clock_drift", "cam0"},
+      {"arvr", "clock_drift=-1e-3", "clock_drift", "cam0"},
+  };
+  for (const Case& c : cases) {
+    const auto id = test::Id().add("scenario", c.scenario).add("fault", c.fault);
+    if (!test::selected(id.text())) continue;
+    const auto session = simulated(c.scenario, 41, {c.fault});
+    only(id, host::find_faults(session.recording, session.nominal), c.kind, c.sensor);
+  }
+}
+
+void counts_and_places_are_right() {
+  auto session = simulated("rich", 51);
+  const auto clean = session.recording;
+  host::disturb::drop_imu_samples(session.recording, 50);
+  const auto id = test::Id().add("check", "dropped");
+  const auto dropped = only(id, host::find_faults(session.recording, session.nominal), "dropped_samples", "imu");
+  TEST_ASSERT_EQUAL_size_t(clean.imu.samples.size() / 50, dropped.count);
+  TEST_ASSERT_EQUAL_INT64(clean.imu.samples[48].t_ns, dropped.first_ns);  // the sample before the first hole
+
+  session.recording = clean;
+  host::disturb::freeze(session.recording, host::disturb::Sensor::gyro, clean.imu.samples[2000].t_ns, 1);
+  const auto frozen = only(id, host::find_faults(session.recording, session.nominal), "frozen", "gyro");
+  TEST_ASSERT_EQUAL_INT64(clean.imu.samples[2000].t_ns, frozen.first_ns);
+  TEST_ASSERT_INT64_WITHIN(1, 200, static_cast<std::int64_t>(frozen.count));
+
+  session.recording = clean;
+  host::disturb::clip(session.recording, 0, 15);
+  std::size_t clipped[3] = {0, 0, 0};
+  for (const auto& s : clean.imu.samples)
+    for (std::size_t i = 0; i < 3; ++i) clipped[i] += std::abs(s.accel[i]) >= 15 ? 1 : 0;
+  for (const auto& f : host::find_faults(session.recording, session.nominal))
+    TEST_ASSERT_EQUAL_size_t(clipped[f.sensor.back() - 'x'], f.count);
+}
+
+void other_faults_of_the_log_are_found() {
+  const auto clean = simulated("rich", 61, {}, 30);
+  const auto id = test::Id().add("check", "log");
+  auto recording = clean.recording;
+  for (auto& frame : recording.cameras[0].frames) frame.t_ns += 3600000000000;
+  only(id.add("case", "overlap"), host::find_faults(recording, clean.nominal), "no_overlap", "cam0");
+  recording = clean.recording;
+  recording.imu.noise.rate_hz = 100;
+  only(id.add("case", "rate"), host::find_faults(recording, clean.nominal), "rate", "imu");
+  recording = clean.recording;
+  for (std::size_t k = 0; k + 1 < recording.imu.samples.size(); k += 50) std::swap(recording.imu.samples[k].t_ns, recording.imu.samples[k + 1].t_ns);
+  bool back = false;
+  for (const auto& f : host::find_faults(recording, clean.nominal)) back = back || f.kind == "stamps_back";
+  TEST_ASSERT_TRUE(back);
+  recording = clean.recording;
+  for (std::size_t k = 100; k < 200; ++k) recording.imu.samples[k].gyro[1] = std::nan("");
+  only(id.add("case", "nan"), host::find_faults(recording, clean.nominal), "not_finite", "gyro");
+  recording = clean.recording;
+  host::disturb::scale(recording, host::disturb::Sensor::accel, Eigen::Vector3d::Constant(0.5));
+  only(id.add("case", "half"), host::find_faults(recording, clean.nominal), "gravity_norm", "accel");
+}
+
+/// Whatever is missing or too short is passed over, not crashed on.
+void little_data_is_no_trouble() {
+  TEST_ASSERT_TRUE(host::find_faults({}, {}).empty());
+  const auto session = simulated("rich", 71, {}, 1);
+  check_none(test::Id().add("seconds", 1), session.recording, session.nominal);
+  auto recording = session.recording;
+  recording.cameras.clear();
+  check_none(test::Id().add("cameras", 0), recording, session.nominal);
+}
+
+}  // namespace
+
+void setUp() {}
+void tearDown() {}
+
+int main(int argc, char** argv) {
+  test::select_cases(argc - 1, argv + 1);
+  UNITY_BEGIN();
+  RUN_TEST(sound_recordings_have_no_fault);
+  RUN_TEST(effects_are_no_faults);
+  RUN_TEST(each_fault_is_found_alone);
+  RUN_TEST(counts_and_places_are_right);
+  RUN_TEST(other_faults_of_the_log_are_found);
+  RUN_TEST(little_data_is_no_trouble);
+  return UNITY_END();
+}
