@@ -10,6 +10,8 @@ packages=(
   libopencv-dev libceres-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev   # the host program
   libbenchmark-dev libopenblas0 liblapack3     # benchmarks, and LAPACK's QR beside the core's
   python3-venv                                 # the report's plots, evo for a test
+  gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-dev qemu-system-arm   # firmware images, and where they run
+  g++-aarch64-linux-gnu qemu-user pkg-config   # the same for 64-bit Arm; the installed library's test
 )
 
 is_installed() {
@@ -54,4 +56,4 @@ prepare_unity() {
 install_packages
 make_python_environment
 prepare_unity
-echo "Ready. Next: cmake --workflow --preset demo, or --preset test"
+echo "Ready. Next: cmake --workflow --preset demo, --preset test or --preset firmware"

@@ -1,4 +1,4 @@
-"""Writes DIR/report.html from the files that `segcal replay` left in DIR.
+"""Writes DIR/report.html from the files that `segcal replay` or `segcal diagnose` left in DIR.
 
 Usage: report.py DIR. Exit code 0 when the page is written, 2 with one line on stderr when the input cannot be used.
 """
@@ -44,6 +44,28 @@ def check_result(result, file):
         raise InputError(f"{file}: expected a member \"parameters\" with a list of {{name, value, sigma, ...}}")
 
 
+def check_diagnosis(diagnosis, file):
+    if diagnosis.get("format", 1) != 1:
+        raise InputError(f"{file}: expected format 1, found {diagnosis['format']}")
+    if not isinstance(diagnosis.get("verdict"), str):
+        raise InputError(f"{file}: expected a member \"verdict\" with a text")
+
+
+def rendered(folder):
+    """The gap page where there is a diagnosis, else the page of a calibration."""
+    file = folder / "diagnosis.json"
+    if file.exists():
+        diagnosis = read_json(file, required=True)
+        check_diagnosis(diagnosis, file)
+        import gap
+        return gap.render(folder.resolve().name, diagnosis, read_json(folder / "diagnosis_data.json", required=False))
+    result = read_json(folder / "result.json", required=True)
+    check_result(result, folder / "result.json")
+    data = read_json(folder / "report_data.json", required=False)
+    import page
+    return page.render(folder.resolve().name, result, data)
+
+
 def write_whole(file, text):
     """The old file or the new one is there, never a part."""
     temporary = file.with_name(file.name + ".tmp")
@@ -57,16 +79,13 @@ def write_whole(file, text):
 
 def main(arguments):
     if len(arguments) != 1:
-        raise InputError("expected one argument, the folder that `segcal replay` wrote")
+        raise InputError("expected one argument, the folder that `segcal replay` or `segcal diagnose` wrote")
     folder = Path(arguments[0])
-    result = read_json(folder / "result.json", required=True)
-    check_result(result, folder / "result.json")
-    data = read_json(folder / "report_data.json", required=False)
     try:
-        import page
+        text = rendered(folder)
     except ImportError as error:
         raise InputError(f"the Python package '{error.name}' is missing; host_tools/setup.sh installs it") from None
-    write_whole(folder / "report.html", page.render(folder.resolve().name, result, data))
+    write_whole(folder / "report.html", text)
     print(f"wrote {folder / 'report.html'}", file=sys.stderr)
 
 

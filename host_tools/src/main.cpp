@@ -52,6 +52,7 @@ int run(int argc, char** argv) {
   host::add_report_command(app, exit_code);
   host::add_compare_command(app, exit_code);
   host::add_convert_command(app, exit_code);
+  host::add_diagnose_command(app, exit_code);
   host::add_experiments_command(app, exit_code);
   app.footer(walk_through);  // last: a subcommand would inherit it
 

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* explanation =
-    "Writes DIR/report.html from what `segcal replay` left in DIR: one file that needs no network, readable on a phone.\n"
+    "Writes DIR/report.html from what `segcal replay` or `segcal diagnose` left in DIR: one file that needs no network, readable on a phone.\n"
     "Calibration table with verdicts, the path with the kept segments, metric over time, residuals, biases, timing.";
 
 constexpr const char* footer = R"(Example:
@@ -34,13 +34,15 @@ std::size_t line_of(const std::string& text, std::size_t byte) {
 /// Found here rather than in Python, so that a wrong path is told even where Python is missing.
 void check_result(const fs::path& folder) {
   if (!fs::is_directory(folder))
-    throw InputError(folder.string() + ": expected the folder that `segcal replay --out` wrote");
-  const fs::path file = folder / "result.json";
+    throw InputError(folder.string() + ": expected the folder that `segcal replay --out` or `segcal diagnose --out` wrote");
+  const bool diagnosed = fs::exists(folder / "diagnosis.json");
+  const fs::path file = folder / (diagnosed ? "diagnosis.json" : "result.json");
   const std::string text = read_file(file);
   try {
     const nlohmann::json result = nlohmann::json::parse(text);
+    if (diagnosed && result.is_object() && result.contains("verdict")) return;
     if (!result.is_object() || !result.contains("status") || !result.contains("parameters"))
-      throw InputError(file.string() + ":1: expected an object with status and parameters");
+      throw InputError(file.string() + ":1: expected an object with " + (diagnosed ? "verdict" : "status and parameters"));
   } catch (const nlohmann::json::parse_error& error) {
     throw InputError(file.string() + ":" + std::to_string(line_of(text, error.byte)) + ": expected JSON");
   }

@@ -22,8 +22,8 @@ struct Case {
 };
 
 const Case kCases[] = {
-    {"time_offset", "time_offset=0.004"},
-    {"time_offset", "time_offset=-0.025"},
+    {"time_offset", "time_offset=0.002"},
+    {"time_offset", "time_offset=-0.0015"},
     {"rolling_shutter", "rolling_shutter=3e-5"},
     {"tangential_residual", "tangential_residual=1e-3,-2e-3"},
     {"gyro_g_sensitivity", "gyro_g_sensitivity=4e-4,-2e-4,3e-4,1e-4,-5e-4,2e-4,3e-4,-1e-4,4e-4"},

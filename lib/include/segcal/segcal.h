@@ -161,7 +161,7 @@ typedef struct {
   uint64_t seed;                   /* of the random metric */
   /* When the device begins a calibration of its own. All 0: when keep_segments are kept. Else as soon as the kept segments
      together predict all of these sigmas (before scaling by what the fit shows); once the database is full, parameters
-     that it hardly shows (sigma above 0.8 of the prior's) are not waited for. Checked at each segment that is kept, once
+     that it hardly shows (sigma above 0.5 of the prior's) are not waited for. Checked at each segment that is kept, once
      per session. It is done in the background and takes effect at the fourth end of a segment after it, or at
      segcal_flush, segcal_new_session or segcal_calibrate; segments that end until then are counted as missed. */
   double trigger_sigma[SEGCAL_MAX_PARAMETERS]; /* of theta's entries, units as prior_sigma; 0: trigger_fraction's */
@@ -179,7 +179,8 @@ typedef struct {
   segcal_term_t term[SEGCAL_MAX_EFFECT_ESTIMATES + 1];
   double term_value[SEGCAL_MAX_EFFECT_ESTIMATES + 1];  /* start, and mean of the prior, of each estimated term */
   /* Effects that each scored segment is asked about, see segcal_get_effect_scores. Those that find no column any more
-     (SEGCAL_MAX_EFFECT_COLUMNS) are refused. */
+     (SEGCAL_MAX_EFFECT_COLUMNS) are refused. With any effect estimated or watched, segments whose states break their IMU
+     links are kept up to ten times further: it may be the effect that breaks them. */
   uint32_t watch_effects;
   int32_t has_temperature;         /* 1: segcal_imu_t.temperature is set; 0: it is not looked at */
 } segcal_config_t;

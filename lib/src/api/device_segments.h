@@ -114,7 +114,7 @@ template <class S>
 void Device<S>::offer() {
   const Segment<S>& segment = database_.building();
   last_ = summary_of(segment);
-  const bool settled = follows_its_imu(segment, cost_.inertial());
+  const bool settled = follows_its_imu(segment, cost_.inertial(), score_theta_.effects.count() > 0 || monitor_.active());
   if (!settled) ++faults_.segments_unsettled;
   if (settled) monitor_.add(&eliminator_, score_theta_);
   JointInformation<S> joint = joint_information();

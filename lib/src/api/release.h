@@ -13,10 +13,11 @@ namespace SEGCAL_NS {
 enum class Verdict : std::int32_t { fixed = 0, weak = 1, observed = 2 };
 enum class Status : std::int32_t { insufficient = 0, calibrated = 1, failed = 2 };
 
-/// Thresholds on sigma / prior sigma, and on chi2/dof.
+/// Thresholds on sigma / prior sigma, and on chi2/dof. Below half the prior's sigma three quarters of what is known come
+/// from the data: the same line that decides which directions count as excited (information/metrics.h).
 template <class S>
 struct ReleaseRules {
-  S observed = S(0.3), weak = S(0.8);
+  S observed = S(0.3), weak = S(0.5);
   S least_chi2_per_dof = S(0.2), most_chi2_per_dof = S(6);
 };
 
@@ -30,52 +31,137 @@ struct Release {
   S noise_scale = S(1);
 };
 
-/// Sigmas of a rotation's three printed numbers, the rotation vector's components. Theta's columns are the small rotation
-/// Exp(d) R; Log(Exp(d) R) moves by J_l^-1(Log R) d.
+/// A printed value's change as a sum over theta's columns: the column itself, or, for a component of a rotation vector,
+/// row i of J_l^-1(Log R): theta's columns are the small rotation Exp(d) R, and Log(Exp(d) R) moves by J_l^-1(Log R) d.
 template <class S>
-void rotation_vector_sigmas(const PackedTriangle<S>& R, int n, int first, const Mat3<S>& rotation, S* out, S* work) {
-  const Mat3<S> J = so3_right_jacobian_inverse<S>(Vec3<S>(-so3_log<S>(rotation)));  // left is right of the negative
-  for (int i = 0; i < 3; ++i) {
-    const S row[3] = {J(i, 0), J(i, 1), J(i, 2)};
-    out[i] = marginal_sigma(R, n, first, row, 3, work);
+struct PrintedValue {
+  int first = 0, count = 1;
+  S weight[3] = {S(1), S(0), S(0)};
+};
+
+/// The rotation that column i of theta belongs to, and its first column; null if it is no rotation's.
+template <class Theta>
+auto rotation_of(Theta* theta, int i, int* first) -> decltype(&theta->imu.R_AI) {
+  for (int c = 0; c < theta->n_cameras; ++c) {
+    *first = theta->camera_column(c);
+    if (i >= *first && i < *first + 3) return &theta->camera[c].R_CI;
+  }
+  *first = theta->imu_column() + kImuColumns - 3;
+  return i >= *first && i < *first + 3 ? &theta->imu.R_AI : nullptr;
+}
+
+template <class S>
+PrintedValue<S> printed_value(const Calibration<S>& theta, int i) {
+  PrintedValue<S> value;
+  const Mat3<S>* R = rotation_of(&theta, i, &value.first);
+  if (!R) {
+    value.first = i;
+    return value;
+  }
+  const Mat3<S> J = so3_right_jacobian_inverse<S>(Vec3<S>(-so3_log<S>(*R)));  // left is right of the negative
+  value.count = 3;
+  for (int k = 0; k < 3; ++k) value.weight[k] = J(i - value.first, k);
+  return value;
+}
+
+/// Its sigma before anything was measured.
+template <class S>
+S sigma_before(const PrintedValue<S>& value, const S* prior_sigma) {
+  S sum = S(0);
+  for (int k = 0; k < value.count; ++k) {
+    const S s = value.weight[k] * prior_sigma[value.first + k];
+    sum += s * s;
+  }
+  return square_root(sum);
+}
+
+/// Puts the fixed components of all rotation vectors to the prior's, exactly: a step does so to first order only.
+template <class S>
+void restore_fixed_components(const Calibration<S>& mean, const Verdict* verdict, Calibration<S>* theta) {
+  for (int i = 0; i < theta->columns(); ++i) {
+    int first;
+    Mat3<S>* R = rotation_of(theta, i, &first);
+    if (!R || i != first) continue;
+    if (verdict[i] != Verdict::fixed && verdict[i + 1] != Verdict::fixed && verdict[i + 2] != Verdict::fixed) continue;
+    const Mat3<S>& R_mean = *rotation_of(&mean, i, &first);
+    const Vec3<S> v_mean = so3_log<S>(R_mean);
+    Vec3<S> v = so3_log<S>(*R);
+    int fixed = 0;
+    for (int k = 0; k < 3; ++k) {
+      if (verdict[i + k] != Verdict::fixed) continue;
+      v(k) = v_mean(k);
+      ++fixed;
+    }
+    *R = fixed == 3 ? R_mean : so3_exp<S>(v);
   }
 }
 
-/// Sigmas as printed beside the values: those of theta's columns, and of the rotation vectors where a value is one.
+/// Index of the fixed value that is least known, of those not yet `done`; -1 if none is left.
 template <class S>
-void printed_sigmas(const PackedTriangle<S>& R, const Calibration<S>& theta, S scale, const S* column_sigma, S* out, S* work) {
-  const int n = theta.columns();
-  for (int i = 0; i < n; ++i) out[i] = column_sigma[i];
-  const auto rotation = [&](int first, const Mat3<S>& matrix) {
-    rotation_vector_sigmas(R, n, first, matrix, out + first, work);
-    for (int i = 0; i < 3; ++i) out[first + i] *= scale;
-  };
-  for (int c = 0; c < theta.n_cameras; ++c) rotation(theta.camera_column(c), theta.camera[c].R_CI);
-  rotation(n - 3, theta.imu.R_AI);
+int least_known(const Release<S>& release, const S* prior_sigma, const bool* done) {
+  int least = -1;
+  S largest = S(0);
+  for (int i = 0; i < release.theta.columns(); ++i) {
+    if (done[i] || release.verdict[i] != Verdict::fixed) continue;
+    const S relative = release.printed_sigma[i] / sigma_before(printed_value(release.theta, i), prior_sigma);
+    if (least >= 0 && !(relative > largest)) continue;
+    least = i;
+    largest = relative;
+  }
+  return least;
 }
 
-/// Moves theta so that the fixed entries stand at the prior's mean and the rest is optimal given that.
+/// How far a printed value is from `offset` (both from theta), in its own sigmas, given all that is held already.
+template <class S>
+S distance_in_sigmas(const PackedTriangle<S>& R, int n, const PrintedValue<S>& value, S offset, S noise_scale) {
+  S x[kMaxTheta], work[kMaxTheta + 1];
+  for (int i = 0; i < n; ++i) x[i] = R(i, n);
+  back_substitute(R, n, x);
+  S at = S(0);
+  for (int k = 0; k < value.count; ++k) at += value.weight[k] * x[value.first + k];
+  return absolute(at - offset) / (marginal_sigma(R, n, value.first, value.weight, value.count, work) * noise_scale);
+}
+
+/// One row far above what the data say, well inside float.
+template <class S>
+void hold(PackedTriangle<S>* R, int n, const PrintedValue<S>& value, S offset, S prior_sigma) {
+  const S weight = S(1e4) / prior_sigma;
+  S row[kMaxTheta + 1];
+  for (int c = 0; c < n; ++c) row[c] = S(0);
+  for (int k = 0; k < value.count; ++k) row[value.first + k] = weight * value.weight[k];
+  row[n] = weight * offset;
+  fold_rows(*R, row, 1, n + 1, value.first, n + 1);
+}
+
+/// Moves theta so that the fixed values stand at the prior's mean and the rest is optimal given that. Values that nothing
+/// tells one by one may be well known together: the least known are held first, and one that then would contradict the data
+/// by more than three sigmas is let go as weak, since holding it would push the others away from where they belong.
 /// `R`: triangle over [theta | rhs] at `theta`, rhs near zero at the optimum; it is changed.
 template <class S>
-void hold_fixed(const ThetaPrior<S>& prior, const Verdict* verdict, PackedTriangle<S>* R, Calibration<S>* theta) {
-  const int n = theta->columns();
-  S offset[kMaxTheta], row[kMaxTheta + 1];
-  difference(prior.mean, *theta, offset);
-  for (int i = 0; i < n; ++i) {
-    if (verdict[i] != Verdict::fixed) continue;
-    const S weight = S(1e4) / prior.sigma[i];  // far above what the data say, well inside float
-    for (int c = 0; c <= n; ++c) row[c] = S(0);
-    row[i] = weight;
-    row[n] = -weight * offset[i];
-    fold_rows(*R, row, 1, n + 1, i, n + 1);
+void hold_fixed(const ThetaPrior<S>& prior, PackedTriangle<S>* R, Release<S>* out) {
+  const int n = out->theta.columns();
+  S offset[kMaxTheta];
+  bool done[kMaxTheta] = {};
+  difference(out->theta, prior.mean, offset);
+  for (int i = least_known(*out, prior.sigma, done); i >= 0; i = least_known(*out, prior.sigma, done)) {
+    const PrintedValue<S> value = printed_value(out->theta, i);
+    S to_mean = S(0);
+    for (int k = 0; k < value.count; ++k) to_mean += value.weight[k] * offset[value.first + k];
+    done[i] = true;
+    if (distance_in_sigmas(*R, n, value, to_mean, out->noise_scale) > S(3)) {
+      out->verdict[i] = Verdict::weak;
+    } else {
+      hold(R, n, value, to_mean, prior.sigma[i]);
+    }
   }
   S step[kMaxTheta];
   for (int i = 0; i < n; ++i) step[i] = (*R)(i, n);
   back_substitute(*R, n, step);
   for (int i = 0; i < n; ++i) {
-    if (verdict[i] == Verdict::fixed) step[i] = -offset[i];
+    if (out->verdict[i] == Verdict::fixed && printed_value(out->theta, i).count == 1) step[i] = offset[i];
   }
-  add_step(theta, step);
+  add_step(&out->theta, step);
+  restore_fixed_components(prior.mean, out->verdict, &out->theta);
 }
 
 /// Verdicts and sigmas from the triangle over [theta | rhs]; returns how many parameters are observed.
@@ -89,11 +175,14 @@ int judge_parameters(const PackedTriangle<S>& R, const Calibration<S>& theta, co
     const S one = S(1);
     const S sigma = marginal_sigma(R, n, i, &one, 1, work) * out->noise_scale;
     out->sigma[i] = sigma < prior.sigma[i] ? sigma : prior.sigma[i];
-    const S relative = out->sigma[i] / prior.sigma[i];
+    const PrintedValue<S> value = printed_value(theta, i);
+    const S before = sigma_before(value, prior.sigma);
+    const S after = marginal_sigma(R, n, value.first, value.weight, value.count, work) * out->noise_scale;
+    out->printed_sigma[i] = after < before ? after : before;
+    const S relative = out->printed_sigma[i] / before;
     out->verdict[i] = relative < rules.observed ? Verdict::observed : relative < rules.weak ? Verdict::weak : Verdict::fixed;
     observed += out->verdict[i] == Verdict::observed ? 1 : 0;
   }
-  printed_sigmas(R, theta, out->noise_scale, out->sigma, out->printed_sigma, work);
   return observed;
 }
 
@@ -120,7 +209,7 @@ void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseR
     out->theta = prior.mean;
     for (int i = 0; i < n; ++i) out->verdict[i] = Verdict::fixed;
   } else {
-    hold_fixed(prior, out->verdict, &R, &out->theta);
+    hold_fixed(prior, &R, out);
   }
 }
 
@@ -133,7 +222,7 @@ void judge_filter(const Calibration<S>& theta, const ThetaPrior<S>& prior, const
   out->noise_scale = S(1);
   const int observed = judge_parameters(*R, theta, prior, rules, out);
   out->status = 2 * observed >= theta.columns() ? Status::calibrated : Status::insufficient;
-  hold_fixed(prior, out->verdict, R, &out->theta);
+  hold_fixed(prior, R, out);
 }
 
 /// A filter that has not started knows the prior.

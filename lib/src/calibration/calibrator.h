@@ -17,7 +17,7 @@
 namespace SEGCAL_NS {
 
 struct CalibratorOptions {
-  int max_iterations = 20;
+  int max_iterations = 30;
   double converged = 4e-3;   ///< squared length of a step of theta, in sigmas: below 0.06 sigma the fit counts as converged,
   double settled = 4e-4;     ///< and goes on to 0.02 sigma as long as there are iterations left
 };
@@ -314,7 +314,9 @@ bool Calibrator<S>::step_back_step(SegmentEliminator<S>* eliminator, S damping) 
     for (i_ = count_ - 1; i_ >= 0; --i_) {
       // The step that the segment after this one found for our last keyframe; none hangs on it: none is known.
       for (int c = 0; c < kStateColumns; ++c) last_keyframe_step_[c] = link_[i_].passes_on ? guest_step_[c] : S(0);
-      SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping));
+      if (i_ < count_ - 1) {  // linearise_step() ended with the last one
+        SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping));
+      }
       if (link_[i_].join != Join::none) {
         SEGCAL_AWAIT(inner_place_, chain_.solve_guest_step(eliminator, link_[i_].passes_on, memory_.left[i_ - 1], last_keyframe_step_,
                                                            global_step_, guest_step_));

@@ -54,40 +54,26 @@ struct ColumnGap {
   int first = 0, last = 0;
 };
 
+// Vector registers of 16 bytes, or strips of single numbers: the bits are the same, each column has its own order of
+// summation. Without such registers the compiler's vector type would live in memory.
+#if !defined(SEGCAL_SCALAR_KERNELS) && !defined(__SSE2__) && !defined(__ARM_NEON) && \
+    !(defined(__ARM_FEATURE_MVE) && (__ARM_FEATURE_MVE & 2))
+#define SEGCAL_SCALAR_KERNELS
+#endif
+
 /// Vectors of 16 bytes: a type of the compiler, so that the strips below are not left to its guesses.
 template <class S>
 struct Lanes {
   static constexpr int kCount = 16 / static_cast<int>(sizeof(S));
 #ifndef SEGCAL_SCALAR_KERNELS
   typedef S Vector __attribute__((vector_size(16)));
-#else
-  /// The same number by number, for compilers without the type above.
-  struct Vector {
-    S lane[kCount];
-    S& operator[](int i) { return lane[i]; }
-    friend Vector operator*(S a, Vector v) {
-      for (S& x : v.lane) x = a * x;
-      return v;
-    }
-    friend Vector operator-(Vector v, const Vector& w) {
-      for (int i = 0; i < kCount; ++i) v.lane[i] -= w.lane[i];
-      return v;
-    }
-    void operator+=(const Vector& w) {
-      for (int i = 0; i < kCount; ++i) lane[i] += w.lane[i];
-    }
-    void operator*=(S a) {
-      for (S& x : lane) x *= a;
-    }
-  };
-#endif
-
   static Vector load(const S* p) {
     Vector v;
     __builtin_memcpy(&v, p, sizeof v);
     return v;
   }
   static void store(S* p, const Vector& v) { __builtin_memcpy(p, &v, sizeof v); }
+#endif
 };
 
 /// A Householder reflection I - v v' / (alpha v0) of a row r and m rows of a block: v = (v0, column j of the block).
@@ -101,6 +87,7 @@ struct Reflection {
   const S* column() const { return block + j; }
 };
 
+#ifndef SEGCAL_SCALAR_KERNELS
 /// Applies it to N vectors of columns from c on, but for the first `done` columns: those stay as they are.
 template <int N, class S>
 inline void reflect_strip(const Reflection<S>& h, int c, int done = 0) {
@@ -122,6 +109,41 @@ inline void reflect_strip(const Reflection<S>& h, int c, int done = 0) {
     for (int k = 0; k < N; ++k) L::store(x + k * L::kCount, L::load(x + k * L::kCount) - v * w[k]);
   }
 }
+#else
+/// Applies it to W columns from c on, with W sums in registers, but for the first `done` columns.
+template <int W, class S>
+inline void reflect_columns(const Reflection<S>& h, int c, int done) {
+  const S v0 = h.v0;
+  const int stride = h.stride, column = h.j - c;
+  S *const r = h.r + c, *const first = h.block + c, *const last = first + h.m * stride;
+  S w[W];
+#pragma GCC unroll 16
+  for (int k = 0; k < W; ++k) w[k] = v0 * r[k];
+  for (const S* x = first; x != last; x += stride) {
+    const S v = x[column];
+#pragma GCC unroll 16
+    for (int k = 0; k < W; ++k) w[k] += v * x[k];
+  }
+#pragma GCC unroll 16
+  for (int k = 0; k < W; ++k) w[k] = k < done ? S(0) : w[k] * h.scale;
+#pragma GCC unroll 16
+  for (int k = 0; k < W; ++k) r[k] -= v0 * w[k];
+  for (S* x = first; x != last; x += stride) {
+    const S v = x[column];
+#pragma GCC unroll 16
+    for (int k = 0; k < W; ++k) x[k] -= v * w[k];
+  }
+}
+
+/// The same for N times the columns of a vector.
+template <int N, class S>
+inline void reflect_strip(const Reflection<S>& h, int c, int done = 0) {
+  constexpr int kVector = Lanes<S>::kCount, kWide = 3 * kVector;
+  int k = 0;
+  for (; k + kWide <= N * kVector; k += kWide) reflect_columns<kWide>(h, c + k, k == 0 ? done : 0);
+  for (; k < N * kVector; k += kVector) reflect_columns<kVector>(h, c + k, k == 0 ? done : 0);
+}
+#endif
 
 /// The same for one column: where fewer columns are left than a vector has.
 template <class S>

@@ -23,7 +23,13 @@ using Mat3 = Mat<S, 3, 3>;
 template <class S>
 Mat3<S> skew(const Vec3<S>& v) {
   Mat3<S> m;
-  m << S(0), -v.z(), v.y(), v.z(), S(0), -v.x(), -v.y(), v.x(), S(0);
+  m(0, 0) = m(1, 1) = m(2, 2) = S(0);
+  m(0, 1) = -v.z();
+  m(0, 2) = v.y();
+  m(1, 0) = v.z();
+  m(1, 2) = -v.x();
+  m(2, 0) = -v.y();
+  m(2, 1) = v.x();
   return m;
 }
 

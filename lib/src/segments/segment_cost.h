@@ -123,10 +123,12 @@ S segment_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Calib
 }
 
 /// False if the states break the segment's own IMU links by a hundred sigmas (`cost`: their inertial cost, alone): the
-/// odometry that gave them had not settled, and a linearisation at them would mean nothing. False for NaN too.
+/// odometry that gave them had not settled, and a linearisation at them would mean nothing. `effects`: the model may lack one,
+/// which breaks links as well (4 ms between camera and gyroscope, shaken by hand, by five hundred): then it is a thousand
+/// sigmas, from where a fit still finds home.
 template <class S>
-bool follows_its_imu(const Segment<S>& segment, S cost) {
-  return cost < S(1e4) * S(kStateColumns * segment.n_keyframes);
+bool follows_its_imu(const Segment<S>& segment, S cost, bool effects) {
+  return cost < (effects ? S(1e6) : S(1e4)) * S(kStateColumns * segment.n_keyframes);  // false for NaN too
 }
 
 }  // namespace SEGCAL_NS

@@ -11,6 +11,7 @@
 // d phi / d(bias, scale, c) out, a share q of the term's own size: the model is exact, the columns nearly so.
 #pragma once
 
+#include "math/block3.h"
 #include "sensors/calibration.h"
 #include "sensors/imu_terms.h"
 #include "sensors/inertial_state.h"
@@ -101,7 +102,7 @@ class ImuIntegrator {
   /// The next reading, dt seconds later (dt > 0).
   void step(const InertialReading<S>& reading, S dt);
 
-  const ImuIntegral<S>& result() const { return I_; }
+  const ImuIntegral<S>& result() { return complete(); }
 
  private:
   struct Corrected {
@@ -129,6 +130,10 @@ class ImuIntegrator {
   Mat3<S> turn(const Mat3<S>& dR0, const Mat<S, 3, kGyroInputs>& J_R0, const Vec3<S>& phi, const Mat3<S>& Jr,
                const Mat<S, 3, kGyroInputs>& J_phi);
   void propagate_noise(const Mat3<S>& Et, const Mat3<S>& Jr, const Mat3<S>& V0, const Mat3<S>& V1, const Mat3<S>& RB, S dt);
+  void add_walk(const Mat3<S>& Jr, const Mat3<S>& RB, S dt);
+  Block3<S> P(int i, int j) { return {I_.P.data() + 27 * j + 3 * i, 1, 9}; }
+  Block3<S> P_b(int i, int j) { return {I_.P_b.data() + 27 * j + 3 * i, 1, 9}; }
+  const ImuIntegral<S>& complete();
 
   Mat3<S> T_g_inv_, T_a_inv_, R_IA_, B_;
   Vec3<S> b_a_, b_g_;
@@ -273,48 +278,86 @@ void ImuIntegrator<S>::step(const InertialReading<S>& reading, S dt) {
   I_.dt += dt;
 }
 
-/// P <- F P F' + Q with F = [Et 0 0; Fv I 0; Fp dt I], and the bias walk carried along in P_b:
-/// after t seconds the walk has variance sigma^2 t, and G is what a bias moves in this step.
+/// P <- F P F' + Q with F = [Et 0 0; Fv I 0; Fp dt I], and the bias walk carried along in P_b. P is symmetric and only its
+/// blocks on and above the diagonal are kept; complete() makes the others. In place, one row of F after the other, the last
+/// first: it needs the old ones above.
 template <class S>
 void ImuIntegrator<S>::propagate_noise(const Mat3<S>& Et, const Mat3<S>& Jr, const Mat3<S>& V0, const Mat3<S>& V1,
                                        const Mat3<S>& RB, S dt) {
-  const Mat3<S> Fv = -(dt / S(2)) * (V0 + V1 * Et);
-  const Mat3<S> Fp = -(dt * dt / S(3)) * V0 - (dt * dt / S(6)) * (V1 * Et);
-  const Mat3<S> G_R = -dt * (Jr * T_g_inv_);                 // rotation by b_g
-  const Mat3<S> G_v = -dt * RB, G_p = -(dt * dt / S(2)) * RB;  // velocity, position by b_a
-  const S va = noise_.accel_walk * noise_.accel_walk * I_.dt, vg = noise_.gyro_walk * noise_.gyro_walk * I_.dt;
+  const Mat3<S> V1Et = product(V1, Et);
+  const Mat3<S> Fv = -(dt / S(2)) * (V0 + V1Et);
+  const Mat3<S> Fp = -(dt * dt / S(3)) * V0 - (dt * dt / S(6)) * V1Et;
+  const Block3<S> RR = P(0, 0), RV = P(0, 1), RP = P(0, 2), VV = P(1, 1), VP = P(1, 2), PP = P(2, 2), Fpt = Block3<S>(Fp).transpose(),
+                  Fvt = Block3<S>(Fv).transpose();
+  PP.add_product(Fp, RP);  // p <- p + Fp r + dt v
+  PP.add_scaled(dt, VP);
+  RP.add_product(RR, Fpt);
+  RP.add_scaled(dt, RV);
+  VP.add_product(RV.transpose(), Fpt);
+  VP.add_scaled(dt, VV);
+  PP.add_product(RP.transpose(), Fpt);
+  PP.add_scaled(dt, VP.transpose());
+  VV.add_product(Fv, RV);  // v <- v + Fv r
+  RV.add_product(RR, Fvt);
+  VP.add_product(Fv, RP);
+  VV.add_product(RV.transpose(), Fvt);
+  for (const Block3<S>& block : {RR, RR.transpose(), RV, RP}) block.multiply_left(Et);  // r <- Et r
+  P_b(2, 1).add_product(Fp, P_b(0, 1));
+  P_b(2, 1).add_scaled(dt, P_b(1, 1));
+  P_b(2, 0).add_scaled(dt, P_b(1, 0));
+  P_b(1, 1).add_product(Fv, P_b(0, 1));
+  P_b(0, 1).multiply_left(Et);
+  add_walk(Jr, RB, dt);
+}
 
-  Mat<S, 9, 9>& P = I_.P;
-  Mat<S, 9, 6>& C = I_.P_b;
-  const auto left = [&](auto& M) {  // M <- F M, bottom rows first: they read the old ones above
-    M.template middleRows<3>(6) += (Fp * M.template topRows<3>() + dt * M.template middleRows<3>(3)).eval();
-    M.template middleRows<3>(3) += (Fv * M.template topRows<3>()).eval();
-    M.template topRows<3>() = (Et * M.template topRows<3>()).eval();
+/// What the step's own noise adds, and the walk of the biases: after t seconds it has variance sigma^2 t. A bias moves the
+/// rotation by G_R (b_g), the velocity by G_v and the position by dt / 2 G_v (b_a); no rotation follows from b_a.
+template <class S>
+void ImuIntegrator<S>::add_walk(const Mat3<S>& Jr, const Mat3<S>& RB, S dt) {
+  const Mat3<S> G_R = -dt * product(Jr, T_g_inv_), G_v = -dt * RB;
+  const Block3<S> G_Rt = Block3<S>(G_R).transpose(), G_vt = Block3<S>(G_v).transpose();
+  const S va = noise_.accel_walk * noise_.accel_walk * I_.dt, vg = noise_.gyro_walk * noise_.gyro_walk * I_.dt, half = dt / S(2);
+  Mat3<S> storage;
+  const Block3<S> X(storage);
+  const auto set_product = [&](const Block3<S>& A, const Block3<S>& B) {
+    storage.setZero();
+    X.add_product(A, B);
   };
-  left(P);
-  Mat<S, 9, 9> Pt = P.transpose();
-  left(Pt);
-  P = Pt;
-  left(C);
-  // Cross terms of the walk so far with this step, and its own contribution.
-  Mat<S, 9, 6> G = Mat<S, 9, 6>::Zero();
-  G.template block<3, 3>(0, 3) = G_R;
-  G.template block<3, 3>(3, 0) = G_v;
-  G.template block<3, 3>(6, 0) = G_p;
-  Mat<S, 9, 6> GB = G;
-  GB.template leftCols<3>() *= va;
-  GB.template rightCols<3>() *= vg;
-  // lazyProduct: beyond 8 rows Eigen would take its blocked product, which allocates.
-  const Mat<S, 9, 9> X = C.lazyProduct(G.transpose());
-  P += X + X.transpose() + GB.lazyProduct(G.transpose());
-  C += GB;
+  // What the walk so far and this step have in common: P += C G' + G C', C = P_b.
+  set_product(P_b(0, 1), G_Rt);
+  P(0, 0).add_scaled(S(1), X);
+  P(0, 0).add_scaled(S(1), X.transpose());
+  P(0, 1).add_product(G_R, P_b(1, 1).transpose());
+  P(0, 2).add_product(G_R, P_b(2, 1).transpose());
+  set_product(P_b(1, 0), G_vt);
+  P(1, 1).add_scaled(S(1), X);
+  P(1, 1).add_scaled(S(1), X.transpose());
+  P(1, 2).add_scaled(half, X);
+  set_product(P_b(2, 0), G_vt);
+  P(1, 2).add_scaled(S(1), X.transpose());
+  P(2, 2).add_scaled(half, X);
+  P(2, 2).add_scaled(half, X.transpose());
+  // The walk so far moves this step, and the white noise does: the accelerometer's moves what its bias moves.
+  set_product(G_R, G_Rt);
+  P(0, 0).add_scaled(vg, X);
+  P(0, 0).add_scaled(dt, N_g_);
+  set_product(G_v, G_vt);
+  const S na = noise_.accel * noise_.accel / dt;
+  P(1, 1).add_scaled(va + na, X);
+  P(1, 2).add_scaled(half * (va + na), X);
+  P(2, 2).add_scaled(dt * dt * (va / S(4) + na / S(3)), X);
+  P_b(0, 1).add_scaled(vg, G_R);
+  P_b(1, 0).add_scaled(va, G_v);
+  P_b(2, 0).add_scaled(va * half, G_v);
+}
 
-  const Mat3<S> N_a = (noise_.accel * noise_.accel * dt) * (RB * RB.transpose());
-  P.template block<3, 3>(0, 0) += dt * N_g_;
-  P.template block<3, 3>(3, 3) += N_a;
-  P.template block<3, 3>(6, 6) += (dt * dt / S(3)) * N_a;
-  P.template block<3, 3>(3, 6) += (dt / S(2)) * N_a;
-  P.template block<3, 3>(6, 3) += (dt / S(2)) * N_a;
+/// The blocks below the diagonal, once for the link.
+template <class S>
+const ImuIntegral<S>& ImuIntegrator<S>::complete() {
+  for (int j = 0; j < 9; ++j) {
+    for (int i = j + 1; i < 9; ++i) I_.P(i, j) = I_.P(j, i);
+  }
+  return I_;
 }
 
 }  // namespace SEGCAL_NS

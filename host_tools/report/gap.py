@@ -1,0 +1,181 @@
+"""The gap page: what `segcal diagnose` found, and how the disagreement of model and measurements shrinks."""
+
+from html import escape
+
+import figures
+import plotly.graph_objects as go
+import words
+from plotly.subplots import make_subplots
+
+BEFORE, AFTER, FLOOR = "#d9480f", "#1864ab", "#adb5bd"
+VERDICTS = {"consistent": ("calibrated", "Model and measurements agree"), "explained": ("calibrated", "Explained"),
+            "partly_explained": ("insufficient", "Partly explained"), "unexplained": ("failed", "Unexplained"),
+            "bad_data": ("failed", "Bad data")}
+
+
+def headline(diagnosis):
+    css, title = VERDICTS.get(diagnosis["verdict"], ("failed", diagnosis["verdict"]))
+    if not diagnosis.get("judged", True):
+        css, title = "insufficient", "Cannot tell"
+    return f'<p class="headline {css}">{escape(title)}: {escape(diagnosis.get("sentence", ""))}.</p>'
+
+
+def effects(diagnosis, page):
+    rows = []
+    for e in diagnosis.get("effects") or []:
+        for k, p in enumerate(e.get("parameters") or []):
+            value = f'{words.with_digits_of(p["value"], p["sigma"])} ± {words.with_digits_of(p["sigma"], p["sigma"])}'
+            last = (words.plain(e["statistic"]), f'{e["log10_p"]:.1f}', f'{100 * e["gap_closed"]:.1f} %') if k == 0 else ("", "", "")
+            rows.append((escape(p["name"]), value, escape(p["unit"]), *last))
+        for other in e.get("or") or []:
+            rows.append((f'or {escape(other)}', escape("told apart by " + e.get("separated_by", "")), "", "", "", ""))
+    if not rows:
+        return page.section("Effects", page.note("None was named."))
+    header = ("parameter", "value ± sigma", "unit", "statistic", "log10 p", "gap closed")
+    return page.section("Effects", page.table(header, rows),
+                        page.note("Statistic: what chi² falls by, over its dispersion. Gap closed: on segments that the value was not fitted to."))
+
+
+def gap_figure(diagnosis):
+    gap = figures.member(diagnosis, "gap")
+    sensors = ["total", "camera", "gyro", "accel"]
+    figure = go.Figure()
+    for name, color, label in (("before", BEFORE, "before"), ("after", AFTER, "after")):
+        values = [gap[name][s] for s in sensors]
+        figure.add_bar(x=sensors, y=values, name=label, marker_color=color, text=[f"{v:.2g}" for v in values], textposition="outside")
+    sigma = gap.get("after_sigma") or 0
+    if sigma > 0:
+        figure.add_hrect(y0=0, y1=2 * sigma, fillcolor=FLOOR, opacity=0.5, line_width=0)
+    figure.update_yaxes(title="excess of chi² / dof over the noise [-]", rangemode="tozero")
+    return figures.styled(figure, 340)
+
+
+def gap_table(diagnosis, page):
+    gap = diagnosis.get("gap") or {}
+    floor = gap.get("noise_floor") or {}
+    rows = []
+    for s in ("total", "camera", "gyro", "accel"):
+        base = floor.get(s) or 1
+        cells = [gap.get(k, {}).get(s, 0) for k in ("before", "after")]
+        rows.append((s, *(f"{base * (1 + v):.4f}" for v in cells), f"{base:.4f}", *(f"{v:.2g}" for v in cells)))
+    header = ("sensor", "chi²/dof before", "after", "noise floor", "excess before", "after")
+    closed = f'{100 * gap.get("closed", 0):.1f} % of the excess is gone; what lies within ± {2 * (gap.get("after_sigma") or 0):.2g} counts as none.'
+    return page.table(header, rows) + page.note(closed)
+
+
+def worst_windows(data):
+    windows = figures.member(data, "windows")[:3]
+    figure = make_subplots(rows=len(windows), cols=1, vertical_spacing=0.5 / (3 + len(windows)),
+                           subplot_titles=[f'{w["start_s"]:.0f} to {w["end_s"]:.0f} s' for w in windows])
+    for row, w in enumerate(windows, start=1):
+        for when, color in (("before", BEFORE), ("after", AFTER)):
+            if when not in w:
+                continue
+            for axis, dash in (("u_px", "solid"), ("v_px", "dot")):
+                figure.add_scatter(x=figures.rounded(w[when]["t"], 3), y=figures.rounded(w[when][axis], 4), mode="lines",
+                                   line=dict(color=color, dash=dash), name=f"{axis[0]}, {when}", showlegend=row == 1, row=row, col=1)
+        figure.update_yaxes(title="px", row=row, col=1)
+    figure.update_xaxes(title="time [s]", row=len(windows), col=1)
+    return figures.styled(figure, 130 + 190 * len(windows))
+
+
+def imu_windows(data):
+    window = figures.member(data, "windows")[0]
+    figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.12, subplot_titles=("gyro", "accel"))
+    for when, color in (("before", BEFORE), ("after", AFTER)):
+        for row, sensor in ((1, "gyro"), (2, "accel")):
+            if when not in window:
+                continue
+            table = figures.numbers(window[when][sensor], 3, sensor)
+            for k, dash in enumerate(("solid", "dash", "dot")):
+                figure.add_scatter(x=figures.rounded(window[when]["t_imu"], 3), y=figures.rounded(table[:, k], 4), mode="lines",
+                                   line=dict(color=color, dash=dash), name=f'{"xyz"[k]}, {when}', showlegend=row == 1, row=row, col=1)
+            figure.update_yaxes(title="sigma", row=row, col=1)
+    figure.update_xaxes(title="time [s]", row=2, col=1)
+    return figures.styled(figure, 420)
+
+
+def track(data):
+    """One corner's measured way through the image and the model's, with the error drawn ten times as large."""
+    window = figures.member(data, "windows")[0]
+    figure = go.Figure()
+    for when, color in (("before", BEFORE), ("after", AFTER)):
+        entry = window.get(f"track_{when}")
+        if not entry or not entry["measured"]:
+            continue
+        measured, simulated = (figures.numbers(entry[k], 2, k) for k in ("measured", "simulated"))
+        if when == "before":
+            figure.add_scatter(x=measured[:, 0], y=measured[:, 1], mode="markers", marker=dict(color="#212529", size=6), name="measured")
+        shown = measured + 10 * (simulated - measured)
+        figure.add_scatter(x=figures.rounded(shown[:, 0], 2), y=figures.rounded(shown[:, 1], 2), mode="lines+markers",
+                           line=dict(color=color, width=1), marker=dict(size=4), name=f"simulated, {when}")
+    if not figure.data:
+        raise figures.Missing("The data hold no track.")
+    figure.update_xaxes(title="image x [px]")
+    figure.update_yaxes(title="image y [px]", autorange="reversed")
+    return figures.styled(figure, 380)
+
+
+def cause_figure(before, after):
+    figure = go.Figure()
+    for entry, color, name in ((before, BEFORE, "before"), (after, AFTER, "after")):
+        if not entry or not entry.get("cause"):
+            continue
+        figure.add_scatter(x=figures.rounded(entry["cause"], 5), y=figures.rounded(entry["mean"], 5), mode="lines+markers",
+                           error_y=dict(type="data", array=entry["sigma"]), line=dict(color=color), name=name)
+    figure.update_xaxes(title=f'{before["against"]} [{before["unit"]}]')
+    figure.update_yaxes(title="mean residual [sigma]")
+    return figures.styled(figure, 300)
+
+
+def causes(data, page):
+    before, after = data.get("causes_before") or [], data.get("causes_after") or []
+    if not before:
+        return page.section("Residual against its cause", page.note("No residual follows anything beyond what noise does."))
+    parts = []
+    for k, entry in enumerate(before[:4]):
+        left = after[k] if k < len(after) else None
+        figure = cause_figure(entry, left)
+        parts.append(f'<p>{escape(entry["sensor"])} {escape(entry["axis"])} against {escape(entry["against"])}</p>')
+        parts.append(figure.to_html(full_html=False, include_plotlyjs=False, config=page.FIGURE_CONFIG))
+    return page.section("Residual against its cause", *parts, page.note("Means of eight bins of equal size, with their sigma."))
+
+
+def listed(title, entries, page):
+    rows = [(escape(e["name"]), escape(e["why"])) for e in entries or []]
+    return page.section(title, page.table(("effect", "why"), rows)) if rows else ""
+
+
+def faults(diagnosis, page):
+    rows = [(escape(f["kind"]), escape(f["sensor"]), words.plain(f["count"]), escape(f["words"])) for f in diagnosis.get("faults") or []]
+    return page.section("Faults of the data", page.table(("fault", "sensor", "count", "what it is"), rows)) if rows else ""
+
+
+def scores(diagnosis, page):
+    rows = [(escape(s["name"]), words.plain(s["statistic"]) if s["dof"] else "cannot tell", words.plain(s["dof"]), f'{s["log10_p"]:.1f}')
+            for s in diagnosis.get("scores") or []]
+    note = page.note("Each effect by itself, before any was added. A large value may be the likeness of another effect.")
+    return page.section("Score statistics", page.table(("effect", "statistic", "dof", "log10 p"), rows), note) if rows else ""
+
+
+def body(name, diagnosis, data):
+    import page
+    return "\n".join([
+        f"<h1>segcal diagnose: {escape(name)}</h1>",
+        headline(diagnosis),
+        faults(diagnosis, page),
+        effects(diagnosis, page),
+        page.drawn("The gap", gap_figure, diagnosis, gap_table(diagnosis, page)),
+        page.drawn("Worst windows: mean image residual, simulated minus measured", worst_windows, data),
+        page.drawn("Worst track, error ten times as large", track, data),
+        page.drawn("Worst window: whitened IMU residuals", imu_windows, data),
+        causes(data, page),
+        listed("Rejected", diagnosis.get("rejected"), page),
+        listed("Cannot tell from this motion", diagnosis.get("cannot_tell"), page),
+        scores(diagnosis, page),
+    ])
+
+
+def render(name, diagnosis, data):
+    import page
+    return page.document(name, body(name, diagnosis, data))

@@ -1,0 +1,97 @@
+#include "diagnose/beyond.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "segcal/config.h"
+
+namespace host::diagnosis {
+namespace {
+
+constexpr int kMostTerms = 3;
+constexpr std::size_t kBatch = 30;     ///< columns of one linearisation beside those that are estimated
+constexpr double kHandicap = 2;        ///< decades: a term without physics behind it needs more evidence than an effect
+constexpr double kLevel = -2.7;
+
+}  // namespace
+
+Beyond::Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<double>* start, Selection* selection, bool has_temperature)
+    : evidence_(evidence), terms_(terms), start_(start), selection_(selection), dictionary_(dictionary(has_temperature)) {}
+
+void Beyond::run(const Fit& fit) {
+  for (int i = 0; i < kMostTerms; ++i) {
+    const Best best = search(fit);
+    if (!best.found) return;
+    add(best.term, fit);
+    drop_superfluous(fit);
+  }
+}
+
+/// The most significant term that both halves tell of, at the last fit.
+Beyond::Best Beyond::search(const Fit&) {
+  Best best;
+  const double trials = std::log10(static_cast<double>(dictionary_.size())) + kHandicap;
+  for (std::size_t from = 0; from < dictionary_.size(); from += kBatch) {
+    const std::vector<TermInfo> batch(dictionary_.begin() + static_cast<std::ptrdiff_t>(from),
+                                      dictionary_.begin() + static_cast<std::ptrdiff_t>(std::min(from + kBatch, dictionary_.size())));
+    Problem problem = evidence_->at_last_fit(batch);
+    problem.noise = selection_->problem.noise;
+    const int taken = static_cast<int>(evidence_->taken().size());
+    const std::vector<TermGroup> free = taken > 0 ? std::vector<TermGroup>{{0, taken}} : std::vector<TermGroup>{};
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      const Candidate candidate{"unlisted", {taken + static_cast<int>(i), 1}, {batch[i].size}, 0};
+      EffectTest test = test_effect(problem, candidate, free);
+      if (test.seen == 0 || test.log10_p + trials >= std::min(kLevel, best.log10_p)) continue;
+      const HalvesTest halves = test_halves(problem, candidate, free);
+      if (halves.log10_p_disagree < SelectionOptions{}.log10_disagree || !(halves.gain > 0)) continue;
+      best = {batch[i], test.log10_p + trials, true};
+    }
+  }
+  return best;
+}
+
+void Beyond::add(const TermInfo& term, const Fit& fit) {
+  dictionary_.erase(std::find_if(dictionary_.begin(), dictionary_.end(), [&term](const TermInfo& t) {
+    return t.term.kind == term.term.kind && t.term.a == term.term.a && t.term.b == term.term.b && t.term.c == term.term.c;
+  }));
+  selection_->candidates.push_back({"unlisted", {static_cast<int>(terms_->size()), 1}, {term.size}, kHandicap});
+  terms_->push_back(term);
+  start_->push_back(0);
+  selection_->accepted.push_back({static_cast<int>(selection_->candidates.size()) - 1, {}});
+  refit(fit);
+}
+
+void Beyond::refit(const Fit& fit) {
+  std::vector<bool> estimated(terms_->size(), false);
+  for (const Accepted& a : selection_->accepted) {
+    const TermGroup& g = selection_->candidates[a.candidate].columns;
+    for (int i = 0; i < g.count; ++i) estimated[g.first + i] = true;
+  }
+  selection_->problem = fit(estimated);
+  for (std::size_t i = 0; i < selection_->accepted.size(); ++i) {
+    Accepted& a = selection_->accepted[i];
+    a.test = test_effect(selection_->problem, selection_->candidates[a.candidate], groups_but(i));
+  }
+}
+
+std::vector<TermGroup> Beyond::groups_but(std::size_t left_out) const {
+  std::vector<TermGroup> out;
+  for (std::size_t i = 0; i < selection_->accepted.size(); ++i) {
+    if (i != left_out) out.push_back(selection_->candidates[selection_->accepted[i].candidate].columns);
+  }
+  return out;
+}
+
+/// An effect of the catalogue that was only a likeness of the new term.
+void Beyond::drop_superfluous(const Fit& fit) {
+  for (std::size_t i = 0; i + 1 < selection_->accepted.size(); ++i) {
+    const Accepted a = selection_->accepted[i];
+    if (a.test.seen > 0 && a.test.log10_p + 1 < kLevel) continue;
+    selection_->rejected.push_back({a.candidate, "a term that the catalogue has not says more"});
+    selection_->accepted.erase(selection_->accepted.begin() + static_cast<std::ptrdiff_t>(i));
+    refit(fit);
+    return drop_superfluous(fit);
+  }
+}
+
+}  // namespace host::diagnosis

@@ -1,0 +1,12 @@
+// Tail probabilities in log10, so that a statistic of a million is still a number.
+#pragma once
+
+namespace host::diagnosis {
+
+/// log10 of the probability that a chi-square number with `dof` degrees of freedom exceeds `s`; 0 for dof 0 or s <= 0.
+double log10_upper_tail(double s, int dof);
+
+/// The statistic that is exceeded with probability 10^log10_p.
+double upper_quantile(double log10_p, int dof);
+
+}  // namespace host::diagnosis

@@ -1,0 +1,329 @@
+// The order of diagnosis: faults, noise of the raw samples, a fit, noise of the image points, selection with refits, terms
+// beyond the catalogue, the gap on held-out segments, the answer.
+#include "diagnose/diagnose.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "diagnose/answer.h"
+#include "diagnose/beyond.h"
+#include "diagnose/catalogue.h"
+#include "diagnose/evidence.h"
+
+namespace host {
+namespace {
+
+using namespace diagnosis;
+
+constexpr std::size_t kFewestSegments = 4;
+/// A pixel noise that differs from the stated one by less is not worth a name; and by how many sigmas it must differ.
+constexpr double kNoiseDiffers = 0.04, kNoiseSigmas = 6;
+/// log10 p from which on structure in residuals is reported; all of it.
+constexpr double kStructure = -3, kAll = 1e9;
+
+class Diagnoser {
+ public:
+  Diagnoser(const std::vector<Recording>& sessions, const DiagnoseOptions& options)
+      : sessions_(sessions), options_(options), has_temperature_(sessions.front().imu.has_temperature),
+        catalogue_(core_catalogue(has_temperature_)),
+        evidence_(sessions, with_temperature(options.core, has_temperature_), options.profile,
+                  [this](double fraction) { report(fraction); }) {}
+
+  Diagnosis run() {
+    out_.noise = options_.core.noise;
+    out_.pixel_sigma = options_.core.pixel_sigma;
+    if (!find_bad_data()) {
+      find_imu_noise();
+      fit_plain();
+      if (judgeable()) {
+        find_effects();
+        measure_gap();
+        find_where();
+      }
+    }
+    conclude(&out_);
+    return out_;
+  }
+
+ private:
+  static CoreOptions with_temperature(CoreOptions core, bool has) {
+    core.has_temperature = has;
+    return core;
+  }
+
+  void report(double fraction) {
+    if (options_.progress) options_.progress(step_, fraction);
+  }
+  void begin(const std::string& step) {
+    step_ = step;
+    report(0);
+  }
+
+  bool find_bad_data() {
+    begin("faults of the data");
+    for (const Recording& r : sessions_) {
+      const std::vector<Fault> found = find_faults(r, options_.core.calibration);
+      out_.faults.insert(out_.faults.end(), found.begin(), found.end());
+    }
+    return options_.check_faults && !out_.faults.empty();
+  }
+
+  /// Noise above the stated one is an effect of its own; the fits below are weighted with what was found.
+  void find_imu_noise() {
+    begin("noise of the raw samples");
+    out_.raw_noise = raw_imu_noise(sessions_.front());
+    std::vector<DiagnosedParameter> factors;
+    ImuNoise& noise = evidence_.options().noise;
+    const auto take = [&factors](const SensorNoise& s, const char* name, double* density) {
+      if (s.verdict != SensorNoise::Verdict::above) return;
+      factors.push_back({name, s.factor, s.sigma, "-"});
+      *density *= s.factor;
+    };
+    take(out_.raw_noise.gyro, "gyro_noise.factor", &noise.gyro_noise_density);
+    take(out_.raw_noise.accel, "accel_noise.factor", &noise.accel_noise_density);
+    out_.noise = noise;
+    if (!factors.empty()) noise_effects_.push_back(named_noise("imu_noise", factors));
+  }
+
+  Problem fit(const std::vector<bool>& estimated) {
+    begin("fit " + std::to_string(++fits_));
+    const Problem problem = evidence_.fit(terms_, estimated, start_);
+    pixels_ = pixel_noise(evidence_.result().kept);
+    return problem;
+  }
+
+  /// Without effects.
+  void fit_plain() {
+    terms_ = catalogue_.terms;
+    start_.assign(terms_.size(), 0);
+    plain_ = fit(std::vector<bool>(terms_.size(), false));
+  }
+
+  bool judgeable() {
+    const std::size_t n = evidence_.result().kept.size();
+    int seen = 0;
+    if (n >= kFewestSegments) {
+      for (const Candidate& c : catalogue_.candidates) seen += test_effect(plain_, c, {}).seen > 0 ? 1 : 0;
+    }
+    out_.judged = seen > 2;
+    if (n < kFewestSegments) {
+      out_.sentence = "too short or too still to judge: " + std::to_string(n) + " informative segments of 4 s, at least " +
+                      std::to_string(kFewestSegments) + " are needed; move the device about and along all axes for 20 s or more";
+    } else if (!out_.judged) {
+      out_.sentence = "too still to judge: " + std::to_string(seen) + " of " + std::to_string(catalogue_.candidates.size()) +
+                      " effects would have shown; needs " + needs("");
+    }
+    return out_.judged;
+  }
+
+  /// Image noise that is not as stated shows when the effects are in the model; then everything is weighed again.
+  void find_effects() {
+    out_.fit_before = evidence_.result();
+    search();
+    if (pixel_noise_differs()) {
+      fit_plain();
+      search();
+      name_pixel_noise();
+    }
+    if (!selection_.accepted.empty() || !noise_effects_.empty()) out_.fit_after = evidence_.result();
+    collect();
+  }
+
+  void search() {
+    Problem last = plain_;
+    const Refit refit = [this, &last](const std::vector<int>& accepted) {
+      if (accepted.empty()) return plain_;
+      std::vector<bool> estimated(terms_.size(), false);
+      std::vector<TermGroup> groups;
+      for (int c : accepted) {
+        mark(catalogue_.candidates[c], &estimated);
+        groups.push_back(catalogue_.candidates[c].columns);
+      }
+      begin_at(last, groups);
+      last = fit(estimated);
+      return last;
+    };
+    selection_ = select_effects(catalogue_.candidates, {}, refit);
+    look_beyond();
+  }
+
+  /// The next fit begins at what the rows of the last one say: its odometry knows the effects then.
+  void begin_at(const Problem& problem, const std::vector<TermGroup>& groups) {
+    const Solution s = solve(with_groups(with_prior(problem.all, problem.prior), problem.n_theta, groups));
+    int at = problem.n_theta;
+    for (const TermGroup& g : groups) {
+      for (int i = 0; i < g.count; ++i) {
+        const double most = 3 * terms_[g.first + i].size;
+        start_[g.first + i] = std::clamp(s.x(at++), -most, most);
+      }
+    }
+  }
+
+  bool pixel_noise_differs() {
+    find_pixel_factor();
+    if (std::abs(out_.pixels.factor - 1) <= std::max(kNoiseDiffers, kNoiseSigmas * out_.pixels.sigma)) return false;
+    evidence_.options().pixel_sigma = out_.pixels.factor * options_.core.pixel_sigma;
+    return true;
+  }
+
+  /// At the last fit, over the stated noise.
+  void find_pixel_factor() {
+    const double ratio = evidence_.result().model.pixel_sigma / options_.core.pixel_sigma;
+    out_.pixels = pixels_;
+    out_.pixels.factor *= ratio;
+    out_.pixels.sigma *= ratio;
+  }
+
+  void name_pixel_noise() {
+    find_pixel_factor();
+    out_.pixel_sigma = out_.pixels.factor * options_.core.pixel_sigma;
+    noise_effects_.push_back(named_noise("pixel_noise", {{"pixel_noise.factor", out_.pixels.factor, out_.pixels.sigma, "-"}}));
+  }
+
+  void mark(const Candidate& c, std::vector<bool>* estimated) {
+    for (int i = 0; i < c.columns.count; ++i) {
+      (*estimated)[c.columns.first + i] = true;
+    }
+  }
+
+  /// Terms that the catalogue has not, beside what it has; a catalogue's effect that they make superfluous goes.
+  void look_beyond() {
+    if (!options_.dictionary || selection_.shifted) return;
+    if (selection_.accepted.empty() && !something_open()) return;
+    begin("terms beyond the catalogue");
+    Beyond beyond(&evidence_, &terms_, &start_, &selection_, has_temperature_);
+    beyond.run([this](const std::vector<bool>& estimated) { return fit(estimated); });
+  }
+
+  Floor noise_floor() const { return {pixels_.factor * pixels_.factor, 2 * pixels_.factor * pixels_.sigma}; }
+  bool something_open() const {
+    const Gap gap = held_out_gap(selection_.problem, selection_.candidates, selection_.accepted, noise_floor(), selection_.leftover);
+    return gap.rest > 0;
+  }
+
+  void collect() {
+    for (const Rejected& r : selection_.rejected) out_.rejected.push_back({selection_.candidates[r.candidate].name, r.why});
+    for (int c : selection_.cannot_tell) {
+      out_.cannot_tell.push_back({selection_.candidates[c].name, "needs " + needs(selection_.candidates[c].name)});
+    }
+    if (!has_temperature_) {
+      for (const char* name : {"gyro_temperature", "accel_temperature"}) out_.cannot_tell.push_back({name, "needs " + needs(name)});
+    }
+    for (std::size_t i = 0; i < selection_.alone.size(); ++i) {
+      const EffectTest& t = selection_.alone[i];
+      out_.scores.push_back({selection_.candidates[i].name, t.statistic, t.log10_p, t.seen});
+    }
+  }
+
+  /// Names are given for what closes at least half of the gap together; less is a coincidence.
+  void measure_gap() {
+    const Problem& problem = selection_.problem;
+    const Gap gap = held_out_gap(problem, selection_.candidates, selection_.accepted, noise_floor(), selection_.leftover);
+    const double unit = gap.dof > 0 ? 1 / (gap.dof * gap.floor) : 0;
+    const bool named_ones = gap.before > 0 && gap.closed() >= 0.5;
+    out_.before.total = gap.before * unit;
+    out_.after.total = (named_ones ? gap.after : gap.before) * unit;
+    out_.after_sigma = gap.after_sigma * unit;
+    out_.noise_floor.total = gap.floor;
+    for (std::size_t i = 0; i < selection_.accepted.size(); ++i) add_effect(i, named_ones, gap);
+    share_among_sensors();
+    add_noise_gap();
+    out_.gap_closed = out_.before.total > 0 ? std::clamp(1 - out_.after.total / out_.before.total, 0.0, 1.0) : 0;
+  }
+
+  void add_effect(std::size_t i, bool names, const Gap& gap) {
+    const Accepted& a = selection_.accepted[i];
+    const Candidate& candidate = selection_.candidates[a.candidate];
+    const bool step = candidate.name == "calibration_shift";
+    DiagnosedEffect effect = step ? named(selection_.shift, a) : named(candidate, a, terms_);
+    effect.gap_closed = std::clamp(held_out_gap_of(selection_.problem, selection_.candidates, selection_.accepted, i).closed(), 0.0, 1.0);
+    if (!names) {
+      char why[80];
+      std::snprintf(why, sizeof why, "it removes only %.0f %% of the excess", 100 * std::max(0.0, gap.closed()));
+      out_.rejected.push_back({effect.name == "unlisted" ? effect.words : effect.name, why});
+      return;
+    }
+    for (const Pair& pair : selection_.pairs) {
+      if (pair.accepted != a.candidate) continue;
+      effect.or_else.push_back(selection_.candidates[pair.other].name);
+      effect.separates = separates(effect.name, effect.or_else.back());
+    }
+    for (int k = 0; !step && k < candidate.columns.count; ++k) {
+      const TermInfo& t = terms_[candidate.columns.first + k];
+      out_.model.push_back({t.effect, t.bit, t.term, effect.parameters[k]});
+    }
+    out_.effects.push_back(effect);
+  }
+
+  /// In proportion to what the squares of each sensor's residuals fell by.
+  void share_among_sensors() {
+    const SensorSquares before = sensor_squares(out_.fit_before.kept), after = sensor_squares(evidence_.result().kept);
+    const double ratio = out_.fit_before.model.pixel_sigma / evidence_.result().model.pixel_sigma;
+    double share[3] = {std::max(0.0, before.camera * ratio * ratio - after.camera), std::max(0.0, before.gyro - after.gyro),
+                       std::max(0.0, before.accel - after.accel)};
+    const double sum = share[0] + share[1] + share[2];
+    for (int i = 0; i < 3; ++i) share[i] = sum > 0 ? share[i] / sum : (i == 0 ? 1 : 0);
+    for (SensorShares* s : {&out_.before, &out_.after}) {
+      s->camera = s->total * share[0];
+      s->gyro = s->total * share[1];
+      s->accel = s->total * share[2];
+    }
+    out_.noise_floor.camera = out_.noise_floor.total;
+    out_.noise_floor.gyro = out_.noise_floor.accel = 1;
+  }
+
+  /// Variance components: what the mean square is above the stated one, without and with the factor.
+  void add_noise_gap() {
+    for (DiagnosedEffect& e : noise_effects_) {
+      e.gap_closed = 1;
+      for (const DiagnosedParameter& p : e.parameters) {
+        const double excess = std::abs(p.value * p.value - 1);
+        (p.name[0] == 'p' ? out_.before.camera : p.name[0] == 'g' ? out_.before.gyro : out_.before.accel) += excess;
+        out_.before.total += excess;
+      }
+      out_.effects.push_back(e);
+    }
+  }
+
+  void find_where() {
+    begin("structure of the residuals");
+    std::vector<ImuData> imu;
+    for (const Recording& r : sessions_) imu.push_back(r.imu);
+    out_.where = find_structure(residual_lists(out_.fit_before.kept, imu), kStructure, 2);
+    const std::vector<Structure> after = find_structure(residual_lists(evidence_.result().kept, imu), kAll, kCauses);
+    for (const Structure& s : out_.where) {
+      const auto same = std::find_if(after.begin(), after.end(), [&s](const Structure& a) {
+        return a.sensor == s.sensor && a.axis == s.axis && a.against == s.against;
+      });
+      out_.left.push_back(same == after.end() ? Structure{} : *same);
+      out_.where_after.push_back(out_.left.back().correlation);
+    }
+  }
+
+  const std::vector<Recording>& sessions_;
+  const DiagnoseOptions& options_;
+  bool has_temperature_;
+  Catalogue catalogue_;
+  Evidence evidence_;
+  std::string step_;
+  int fits_ = 0;
+  std::vector<TermInfo> terms_;
+  std::vector<double> start_;
+  Problem plain_;
+  PixelNoise pixels_;
+  Selection selection_;
+  std::vector<DiagnosedEffect> noise_effects_;
+  Diagnosis out_;
+};
+
+}  // namespace
+
+Diagnosis diagnose(const std::vector<Recording>& sessions, const DiagnoseOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  Diagnosis out = Diagnoser(sessions, options).run();
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return out;
+}
+
+}  // namespace host

@@ -1,0 +1,96 @@
+// Where do the model and the measurements disagree, what is missing in the model, and how much of the gap does it close?
+// `segcal diagnose`, and for experiments without files.
+#pragma once
+
+#include <functional>
+
+#include "diagnose/fault.h"
+#include "diagnose/gap.h"
+#include "diagnose/imu_noise.h"
+#include "diagnose/structure.h"
+#include "replay/replay.h"
+
+namespace host {
+
+struct DiagnoseOptions {
+  CoreOptions core;                  ///< starting calibration, stated noise, effects that are known already
+  std::string profile = "host";      ///< keeps up to 64 segments: four minutes; of longer recordings the most informative
+  bool check_faults = true;          ///< false: fits even where the data are bad
+  bool dictionary = true;            ///< look beyond the catalogue where a gap stays open
+  std::function<void(const std::string& step, double fraction)> progress;  ///< may be empty
+};
+
+struct DiagnosedParameter {
+  std::string name;                  ///< "time_offset.t_d"
+  double value = 0, sigma = 0;
+  std::string unit;
+};
+
+/// An effect with a name, or an unlisted one in words.
+struct DiagnosedEffect {
+  std::string name;                  ///< as in DESIGN, section 3; "unlisted" for a term that the catalogue has not
+  std::vector<DiagnosedParameter> parameters;
+  double statistic = 0;              ///< with the other effects free; over the dispersion
+  int dof = 0;
+  double log10_p = 0;                ///< not corrected for the number of candidates
+  double gap_closed = 0;             ///< of what this effect alone is about, on held-out segments
+  std::string words;                 ///< a sentence to read aloud
+  std::vector<std::string> or_else;  ///< effects that this motion does not tell from it
+  std::string separates;             ///< the motion that would
+};
+
+/// chi2 per degree of freedom, shared among the sensors.
+struct SensorShares {
+  double total = 0, camera = 0, gyro = 0, accel = 0;
+};
+
+struct NotNamed {
+  std::string name, why;
+};
+
+/// A term that is estimated from now on, with its value.
+struct ModelTerm {
+  std::string effect;                ///< "time_offset"; empty: a term of the dictionary
+  int bit = -1;                      ///< of the effect in SEGCAL_EFFECT_*
+  CoreTerm term;
+  DiagnosedParameter parameter;
+};
+
+/// One candidate by itself: what the report lists.
+struct CandidateScore {
+  std::string name;
+  double statistic = 0, log10_p = 0;
+  int dof = 0;                       ///< directions that would have shown; 0: cannot tell
+};
+
+struct Diagnosis {
+  std::string verdict = "consistent";  ///< consistent, explained, partly_explained, unexplained or bad_data
+  bool judged = true;                ///< false: too short or too still; the verdict then says nothing
+  std::string sentence;              ///< the answer, to read aloud
+  std::vector<DiagnosedEffect> effects;
+  SensorShares before, after, noise_floor;  ///< excess over the noise floor without and with the effects; chi2/dof of noise
+  double after_sigma = 0;            ///< of after.total
+  double gap_closed = 0;             ///< share of before.total
+  std::vector<diagnosis::Structure> where;
+  std::vector<diagnosis::Structure> left;  ///< the same with the effects, one per entry of `where`
+  std::vector<double> where_after;   ///< correlation that is left with the effects, one per entry of `where`
+  std::vector<NotNamed> rejected, cannot_tell;
+  std::vector<CandidateScore> scores;
+  std::vector<ModelTerm> model;      ///< effects by bit, then terms of the dictionary
+  ImuNoise noise;                    ///< with the factors that were found
+  double pixel_sigma = 0.5;          ///< px, with the factor that was found
+  std::vector<Fault> faults;
+  RawNoise raw_noise;
+  diagnosis::PixelNoise pixels;
+  ReplayResult fit_before, fit_after;  ///< without and with the effects; empty with bad_data
+  double seconds = 0;                ///< wall clock
+};
+
+/// Throws InputError where a recording cannot be used at all.
+Diagnosis diagnose(const std::vector<Recording>& sessions, const DiagnoseOptions& options);
+
+/// diagnosis.json, model.yaml, segcal_effects.h, diagnosis_data.json (what the report draws).
+void write_diagnosis(const std::filesystem::path& folder, const Diagnosis& diagnosis, const std::vector<Recording>& sessions);
+std::string diagnosis_json(const Diagnosis& diagnosis);
+
+}  // namespace host

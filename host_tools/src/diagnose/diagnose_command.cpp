@@ -1,0 +1,107 @@
+// segcal diagnose: what is missing in the model?
+#include <unistd.h>
+
+#include <cstdio>
+#include <iostream>
+
+#include "commands.h"
+#include "diagnose/diagnose.h"
+#include "replay/model_file.h"
+#include "replay/sessions.h"
+
+namespace host {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> recordings;
+  std::string calibration, model, out;
+  int cameras = 1;
+  bool json = false;
+  DiagnoseOptions diagnose;
+};
+
+void show_progress(const std::string& step, double fraction) {
+  static std::string last;
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  if (!terminal && step == last) return;
+  if (terminal && step != last && !last.empty()) std::cerr << "\n";
+  last = step;
+  std::cerr << (terminal ? "\r" : "") << "diagnose: " << step;
+  if (terminal) std::cerr << " " << static_cast<int>(100 * fraction) << " %   ";
+  std::cerr << (terminal ? "" : "\n") << std::flush;
+}
+
+void print_effects(const Diagnosis& d) {
+  if (d.effects.empty()) return;
+  std::printf("%-34s %14s %12s %-12s %10s %8s %7s\n", "effect", "value", "sigma", "unit", "statistic", "log10 p", "closed");
+  for (const DiagnosedEffect& e : d.effects) {
+    bool first = true;
+    for (const DiagnosedParameter& p : e.parameters) {
+      std::printf("%-34s %14.6g %12.2g %-12s", p.name.c_str(), p.value, p.sigma, p.unit.c_str());
+      if (first) std::printf(" %10.1f %8.1f %6.1f %%", e.statistic, e.log10_p, 100 * e.gap_closed);
+      std::printf("\n");
+      first = false;
+    }
+    for (const std::string& other : e.or_else) std::printf("  or %s; told apart by %s\n", other.c_str(), e.separates.c_str());
+  }
+}
+
+void print_table(const Diagnosis& d) {
+  for (const Fault& f : d.faults) std::printf("%s, %s: %zu times, %s\n", f.kind.c_str(), f.sensor.c_str(), f.count, f.words.c_str());
+  print_effects(d);
+  for (const NotNamed& n : d.rejected) std::printf("not %s: %s\n", n.name.c_str(), n.why.c_str());
+  for (const NotNamed& n : d.cannot_tell) std::printf("cannot tell %s: %s\n", n.name.c_str(), n.why.c_str());
+  std::size_t shown = 0;
+  for (const diagnosis::Structure& s : d.where) {
+    if (++shown > 5) break;
+    std::printf("%s %s follows %s, correlation %.3f\n", s.sensor.c_str(), s.axis.c_str(), s.against.c_str(), s.correlation);
+  }
+  std::printf("%s: %s\n", d.judged ? d.verdict.c_str() : "cannot tell", d.sentence.c_str());
+}
+
+int run(Arguments a) {
+  const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras);
+  a.diagnose.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
+  a.diagnose.core.noise = sessions.front().imu.noise;
+  if (!a.model.empty()) read_model(a.model).apply(&a.diagnose.core);
+  a.diagnose.progress = show_progress;
+  const Diagnosis d = diagnose(sessions, a.diagnose);
+  write_diagnosis(a.out, d, sessions);
+  if (isatty(STDERR_FILENO)) std::cerr << "\n";
+  if (a.json) {
+    std::cout << diagnosis_json(d) << std::endl;
+  } else {
+    print_table(d);
+  }
+  return d.judged && d.verdict != "unexplained" ? 0 : 1;
+}
+
+}  // namespace
+
+void add_diagnose_command(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* sub = app.add_subcommand("diagnose", "residuals are large: find what the model lacks, and show the gap it closes");
+  sub->add_option("recordings", a->recordings, "recordings in ASL layout (REC/mav0/...); several are sessions of one device")->required();
+  sub->add_option("--calib", a->calibration, "calibration to start from, Kalibr's camchain-imucam.yaml (default: the recording's own)");
+  sub->add_option("--model", a->model, "model.yaml with effects that are known already");
+  sub->add_option("--out", a->out, "folder for diagnosis.json, model.yaml, segcal_effects.h and what `segcal report` draws")->required();
+  sub->add_option("--profile", a->diagnose.profile, "capacities of the core; host keeps 64 segments, four minutes")->capture_default_str();
+  sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
+  sub->add_option("--pixel-sigma", a->diagnose.core.pixel_sigma, "stated noise of a tracked corner per axis, px")
+      ->capture_default_str()->check(CLI::PositiveNumber);
+  sub->add_flag("--json", a->json, "print diagnosis.json on standard output");
+  sub->footer(R"(Example:
+  segcal simulate --out late --scenario rich --seconds 60 --seed 1 --effect time_offset=0.003
+  segcal diagnose late --out d && segcal report d
+
+Verdicts: consistent, nothing is missing; explained, the named effects close the gap; partly_explained, some of it stays
+open; unexplained, something is missing that has no name here: `where` says in which sensor and what it follows; bad_data,
+the samples themselves are at fault.
+
+A name is given where the effect is significant after correction for the number of candidates, both halves of the recording
+tell the same value, and the value from one half removes the excess of the other. Exit code 1: too short or too still to
+judge, or unexplained.)");
+  sub->callback([a, &exit_code] { exit_code = run(*a); });
+}
+
+}  // namespace host

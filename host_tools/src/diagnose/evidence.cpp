@@ -1,0 +1,229 @@
+#include "diagnose/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sensors/effect_catalogue.h"
+
+namespace host::diagnosis {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// A fit with chi2/dof far above 1 is refused by the core, and segments whose states do not follow their IMU samples are
+/// dropped. With larger noise they are taken, and what is missing in the model can be asked for.
+constexpr double kInflatePixels = 2, kInflateImu = 4;
+constexpr int kMostInflations = 3;
+/// Of the segments that were closed; with fewer kept the fit is made with larger noise.
+constexpr double kKeptShare = 0.75;
+
+MatrixXd unpacked(const CoreRows& rows) {
+  const int n = rows.n_theta + rows.n_candidates + 1;
+  MatrixXd R = MatrixXd::Zero(n, n);
+  std::size_t at = 0;
+  for (int i = 0; i < n; ++i) {
+    for (int c = i; c < n; ++c) R(i, c) = rows.triangle[at++];
+  }
+  return R;
+}
+
+/// Both halves see the whole time: segments 0, 3, 4, 7, 8, ... against the rest.
+bool is_held_out(std::size_t i) { return (i + 1) / 2 % 2 == 1; }
+
+/// Steps of these blocks are looked for; sizes of a shock.
+std::vector<Block> blocks_of(const Calibration& calibration) {
+  std::vector<Block> out;
+  int at = 0;
+  const auto add = [&out, &at](const std::string& name, int count, double size) {
+    out.push_back({name, {at, count}, std::vector<double>(count, size)});
+    at += count;
+  };
+  for (std::size_t c = 0; c < calibration.cameras.size(); ++c) {
+    const std::string cam = "cam" + std::to_string(c) + ".";
+    add(cam + "r_CI", 3, 0.05);
+    add(cam + "p_CI", 3, 0.03);
+    add(cam + "f", 2, 10);
+    add(cam + "c", 2, 10);
+    add(cam + "distortion", calibration.cameras[c].model == DistortionModel::fov ? 1 : 4, 0.03);
+  }
+  add("gyro.s", 3, 0.02);
+  add("gyro.m", 3, 0.02);
+  add("accel.s", 3, 0.03);
+  add("accel.m", 3, 0.03);
+  add("accel.r_AI", 3, 0.03);
+  return out;
+}
+
+Prior prior_of(const CoreResult& result, int n) {
+  Prior out{VectorXd(n), VectorXd(n)};
+  for (int i = 0; i < n; ++i) {
+    const CoreParameter& p = result.parameters[i];
+    out.mean(i) = p.initial - p.value;
+    out.sigma(i) = p.prior_sigma;
+  }
+  return out;
+}
+
+/// Terms from their places among [taken | asked] to the caller's order.
+void reorder(const std::vector<int>& place, Rows* rows, int n_theta) {
+  MatrixXd out = rows->R;
+  for (std::size_t i = 0; i < place.size(); ++i) out.col(n_theta + static_cast<int>(i)) = rows->R.col(n_theta + place[i]);
+  rows->R = triangle_of(out);
+}
+void reorder(const std::vector<int>& place, Problem* problem) {
+  for (Rows* rows : {&problem->all, &problem->train, &problem->held_out}) {
+    if (!rows->empty()) reorder(place, rows, problem->n_theta);
+  }
+  for (Piece& p : problem->pieces) reorder(place, &p.rows, problem->n_theta);
+}
+
+void inflate(CoreOptions* core) {
+  core->pixel_sigma *= kInflatePixels;
+  core->noise.gyro_noise_density *= kInflateImu;
+  core->noise.accel_noise_density *= kInflateImu;
+}
+
+}  // namespace
+
+Catalogue core_catalogue(bool has_temperature) {
+  using namespace SEGCAL_NS;
+  Catalogue out;
+  for (int e = 0; e < kEffects; ++e) {
+    const EffectEntry& entry = effect_entry(e);
+    const bool of_temperature = effect_term(e, 0).of_imu() && effect_term(e, 0).a == static_cast<int>(Signal::warmth);
+    if (of_temperature && !has_temperature) continue;
+    out.candidates.push_back({entry.name, {static_cast<int>(out.terms.size()), entry.n}, std::vector<double>(entry.n, entry.prior_sigma), 0});
+    for (int i = 0; i < entry.n; ++i) {
+      const Term t = effect_term(e, i);
+      out.terms.push_back({{static_cast<int>(t.kind), t.a, t.b, t.c}, entry.name, e,
+                           std::string(entry.name) + "." + entry.parameter[i], entry.unit, entry.prior_sigma});
+    }
+  }
+  return out;
+}
+
+std::vector<TermInfo> dictionary(bool has_temperature) {
+  using namespace SEGCAL_NS;
+  std::vector<TermInfo> out;
+  const auto add = [&out](const Term& t) {
+    int effect, parameter;
+    if (find_effect(t, &effect, &parameter)) return;
+    out.push_back({{static_cast<int>(t.kind), t.a, t.b, t.c}, "", -1, "", "", term_prior_sigma(t)});
+  };
+  const auto byte = [](Signal s) { return static_cast<std::uint8_t>(s); };
+  for (int axis = 0; axis < 6; ++axis) {
+    const TermKind kind = static_cast<TermKind>(axis);
+    const bool gyro = axis < 3;
+    for (Signal s : {Signal::dwx, Signal::dwy, Signal::dwz, Signal::abs_w, Signal::time}) add({kind, byte(s), 0, 0});
+    for (int i = 0; i < 3; ++i) {
+      const Signal wi = static_cast<Signal>(byte(Signal::wx) + i), fi = static_cast<Signal>(byte(Signal::fx) + i);
+      if (!gyro) add({kind, byte(wi), 0, 0});  // for the gyroscope that is its scale, its misalignment or r_CI
+      for (int j = 0; j < 3; ++j) {
+        const Signal wj = static_cast<Signal>(byte(Signal::wx) + j), fj = static_cast<Signal>(byte(Signal::fx) + j);
+        if (j >= i) add({kind, byte(wi), byte(wj), 0});
+        if (j >= i) add({kind, byte(fi), byte(fj), 0});
+        add({kind, byte(wi), byte(fj), 0});
+      }
+      if (has_temperature) add({kind, byte(wi), byte(Signal::warmth), 0});
+    }
+  }
+  for (const TermKind kind : {TermKind::image_u, TermKind::image_v}) {
+    for (int total = 2; total <= 5; ++total) {
+      for (int x = total; x >= 0; --x) add({kind, static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(total - x), 0});
+    }
+  }
+  return out;
+}
+
+Evidence::Evidence(const std::vector<Recording>& sessions, const CoreOptions& options, const std::string& profile,
+                   std::function<void(double)> progress)
+    : sessions_(sessions), options_(options), profile_(profile), progress_(std::move(progress)) {
+  options_.outdated_level = -1;  // a step of the calibration is to be found, not forgotten
+  options_.segments = profile == "host" ? 64 : options_.segments;
+}
+
+Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated, const std::vector<double>& start) {
+  ReplayOptions replay_options;
+  replay_options.core = options_;
+  replay_options.profile = profile_;
+  replay_options.progress = progress_;
+  replay_options.keep_core = &core_;
+  std::vector<TermInfo> taken, asked;
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    (estimated[i] ? taken : asked).push_back(terms[i]);
+    if (!estimated[i]) continue;
+    if (terms[i].bit >= 0) {
+      replay_options.core.effects |= 1u << terms[i].bit;
+    } else {
+      replay_options.core.terms.push_back(terms[i].term);
+    }
+    replay_options.core.term_values.push_back(start[i]);
+  }
+  for (int trial = 0; trial < kMostInflations && !try_fit(replay_options); ++trial) inflate(&replay_options.core);
+  taken_ = taken;
+  Problem mixed = gather(taken, asked);
+  std::vector<int> place(terms.size());  // of each term among [taken | asked]
+  int next_taken = 0, next_asked = static_cast<int>(taken.size());
+  for (std::size_t i = 0; i < terms.size(); ++i) place[i] = estimated[i] ? next_taken++ : next_asked++;
+  reorder(place, &mixed);
+  return mixed;
+}
+
+/// True if the fit was taken, with nearly all of the segments.
+bool Evidence::try_fit(const ReplayOptions& options) {
+  result_ = replay(sessions_, options);
+  const std::size_t whole = std::min<std::size_t>(result_.segments.size(), static_cast<std::size_t>(options.core.segments));
+  return result_.result.status != "failed" && static_cast<double>(result_.kept.size()) >= kKeptShare * static_cast<double>(whole);
+}
+
+std::vector<CoreKept> Evidence::segments() const {
+  std::vector<CoreKept> out = result_.kept;
+  std::sort(out.begin(), out.end(), [](const CoreKept& a, const CoreKept& b) {
+    return std::pair(a.segment.session, a.segment.start_ns) < std::pair(b.segment.session, b.segment.start_ns);
+  });
+  return out;
+}
+
+Rows Evidence::rows_of(const std::vector<std::uint32_t>& serials, const std::vector<TermInfo>& candidates) {
+  std::vector<CoreTerm> terms;
+  for (const TermInfo& t : candidates) terms.push_back(t.term);
+  const CoreRows core = core_->linearise(serials, terms);
+  Rows out{unpacked(core), core.dof};
+  VectorXd at = VectorXd::Zero(out.columns() - n_theta_);
+  at.head(static_cast<Eigen::Index>(taken_.size())) = taken_values_;
+  count_terms_from_zero(n_theta_, at, &out);
+  out.R = triangle_of(out.R);
+  return out;
+}
+
+/// All rows, the halves and the pieces; columns [theta | taken | candidates].
+Problem Evidence::gather(const std::vector<TermInfo>& taken, const std::vector<TermInfo>& candidates) {
+  Problem out;
+  const std::vector<CoreParameter>& parameters = result_.result.parameters;
+  out.n_theta = n_theta_ = static_cast<int>(parameters.size() - taken.size());
+  taken_values_ = VectorXd(static_cast<Eigen::Index>(taken.size()));
+  for (std::size_t i = 0; i < taken.size(); ++i) taken_values_(static_cast<Eigen::Index>(i)) = parameters[n_theta_ + i].value;
+  out.prior = prior_of(result_.result, n_theta_);
+  out.blocks = blocks_of(result_.calibration);
+  out.noise = std::pow(options_.pixel_sigma / result_.model.pixel_sigma, 2);
+  std::vector<std::uint32_t> all, half[2];
+  const std::vector<CoreKept> kept = segments();
+  const std::int64_t zero_ns = sessions_.front().cameras.front().frames.front().t_ns;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const CoreSegment& s = kept[i].segment;
+    all.push_back(s.serial);
+    half[is_held_out(i) ? 1 : 0].push_back(s.serial);
+    out.pieces.push_back({rows_of({s.serial}, candidates), 1e-9 * static_cast<double>(s.start_ns - zero_ns),
+                          1e-9 * static_cast<double>(s.end_ns - zero_ns), is_held_out(i)});
+  }
+  if (half[1].empty()) return out;
+  out.all = rows_of(all, candidates);
+  out.train = rows_of(half[0], candidates);
+  out.held_out = rows_of(half[1], candidates);
+  return out;
+}
+
+Problem Evidence::at_last_fit(const std::vector<TermInfo>& candidates) { return gather(taken_, candidates); }
+
+}  // namespace host::diagnosis

@@ -1,0 +1,63 @@
+// From recordings to rows: replays with chosen effects estimated, and linearises at that fit.
+#pragma once
+
+#include <functional>
+
+#include "diagnose/selection.h"
+#include "replay/replay.h"
+
+namespace host::diagnosis {
+
+/// A parameter of an effect, or a term of the dictionary.
+struct TermInfo {
+  CoreTerm term;
+  std::string effect;            ///< empty: of the dictionary
+  int bit = -1;                  ///< of the effect in SEGCAL_EFFECT_*
+  std::string name, unit;        ///< "time_offset.t_d"
+  double size = 0;               ///< plausible magnitude
+};
+
+/// The catalogue's terms in the order of the core, and candidates that own them.
+struct Catalogue {
+  std::vector<TermInfo> terms;
+  std::vector<Candidate> candidates;
+};
+Catalogue core_catalogue(bool has_temperature);
+
+/// Terms that the catalogue does not have: products of two signals on each axis of the IMU, polynomials on the image.
+std::vector<TermInfo> dictionary(bool has_temperature);
+
+/// One fit, with everything that was linearised at it.
+class Evidence {
+ public:
+  Evidence(const std::vector<Recording>& sessions, const CoreOptions& options, const std::string& profile,
+           std::function<void(double)> progress);
+
+  /// Replays with these terms estimated, from these values on, and linearises with the others as candidates. Columns are
+  /// theta, then `terms` in their order.
+  Problem fit(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated, const std::vector<double>& start);
+  const ReplayResult& result() const { return result_; }
+  /// The same fit's rows with other candidates; columns are theta, the terms that were estimated, `candidates`.
+  Problem at_last_fit(const std::vector<TermInfo>& candidates);
+  const std::vector<TermInfo>& taken() const { return taken_; }
+  /// Kept segments in the order of time.
+  std::vector<CoreKept> segments() const;
+  CoreOptions& options() { return options_; }
+
+ private:
+  bool try_fit(const ReplayOptions& options);
+  Problem gather(const std::vector<TermInfo>& taken, const std::vector<TermInfo>& candidates);
+  Rows rows_of(const std::vector<std::uint32_t>& serials, const std::vector<TermInfo>& candidates);
+
+  const std::vector<Recording>& sessions_;
+  CoreOptions options_;
+  std::string profile_;
+  std::function<void(double)> progress_;
+  std::unique_ptr<Core> core_;
+  ReplayResult result_;
+  std::vector<TermInfo> taken_;
+  Eigen::VectorXd taken_values_;
+  int n_theta_ = 0;
+};
+
+}  // namespace host::diagnosis

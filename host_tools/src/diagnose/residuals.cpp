@@ -1,0 +1,301 @@
+#include "diagnose/residuals.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace host::diagnosis {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr struct {
+  const char *words, *unit;
+} kCauseWords[kCauses] = {
+    {"time", "s"}, {"temperature", "degC"}, {"rate x", "rad/s"}, {"rate y", "rad/s"}, {"rate z", "rad/s"},
+    {"change of rate x", "rad/s^2"}, {"change of rate y", "rad/s^2"}, {"change of rate z", "rad/s^2"},
+    {"force x", "m/s^2"}, {"force y", "m/s^2"}, {"force z", "m/s^2"}, {"speed", "m/s"}, {"image x", "px"}, {"image y", "px"},
+    {"distance from the image's middle", "px"}, {"image motion x", "px/s"}, {"image motion y", "px/s"},
+    {"image row times rate", "px rad/s"}};
+
+/// Means over about 50 ms of the raw samples around a moment.
+class MotionAt {
+ public:
+  explicit MotionAt(const std::vector<ImuData>& imu) {
+    for (const ImuData& data : imu) {
+      has_temperature_ |= data.has_temperature;
+      samples_.insert(samples_.end(), data.samples.begin(), data.samples.end());
+    }
+  }
+  bool has_temperature() const { return has_temperature_; }
+
+  struct Motion {
+    Vector3d rate{0, 0, 0}, rate_change{0, 0, 0}, force{0, 0, 0};
+    double temperature = 0;
+  };
+  /// Over [from, to] ns; at least one sample.
+  Motion over(std::int64_t from, std::int64_t to) const {
+    Motion out;
+    auto first = std::lower_bound(samples_.begin(), samples_.end(), from, [](const ImuSample& s, std::int64_t t) { return s.t_ns < t; });
+    if (first == samples_.end()) return out;
+    auto last = first;
+    int n = 0;
+    for (; last != samples_.end() && (n == 0 || last->t_ns <= to); ++last, ++n) {
+      out.rate += Vector3d(last->gyro[0], last->gyro[1], last->gyro[2]);
+      out.force += Vector3d(last->accel[0], last->accel[1], last->accel[2]);
+      out.temperature += last->temperature_degC;
+    }
+    --last;
+    const double seconds = 1e-9 * static_cast<double>(last->t_ns - first->t_ns);
+    for (int i = 0; i < 3 && seconds > 0; ++i) out.rate_change(i) = (last->gyro[i] - first->gyro[i]) / seconds;
+    out.rate /= n;
+    out.force /= n;
+    out.temperature /= n;
+    return out;
+  }
+
+ private:
+  std::vector<ImuSample> samples_;
+  bool has_temperature_ = false;
+};
+
+struct Entry {
+  double value = 0;
+  int series = 0;
+  double cause[kCauses] = {};
+};
+
+void set_motion(const MotionAt::Motion& m, Entry* e) {
+  e->cause[static_cast<int>(Cause::temperature)] = m.temperature;
+  for (int i = 0; i < 3; ++i) {
+    e->cause[static_cast<int>(Cause::rate_x) + i] = m.rate(i);
+    e->cause[static_cast<int>(Cause::rate_change_x) + i] = m.rate_change(i);
+    e->cause[static_cast<int>(Cause::force_x) + i] = m.force(i);
+  }
+}
+
+bool applies(Cause cause, bool camera, bool has_temperature) {
+  if (cause == Cause::temperature) return has_temperature;
+  return camera || cause < Cause::image_x;
+}
+
+void append(const Entry& e, bool camera, bool has_temperature, ResidualList* list) {
+  list->value.push_back(e.value);
+  list->series.push_back(e.series);
+  for (int c = 0; c < kCauses; ++c) {
+    if (applies(static_cast<Cause>(c), camera, has_temperature)) list->cause[c].push_back(e.cause[c]);
+  }
+}
+
+/// A point's residual with the measured point; the getters leave out rejected points in the same order.
+struct SeenPoint {
+  const CorePoint* point;
+  const CorePointResidual* residual;
+};
+std::vector<SeenPoint> seen_points(const CoreKept& kept) {
+  std::vector<SeenPoint> out;
+  auto residual = kept.points.begin();
+  for (const CorePoint& p : kept.measured) {
+    if (residual == kept.points.end()) break;
+    if (p.rejected || residual->camera != p.camera || residual->t_ns != kept.keyframes[p.keyframe].t_ns) continue;
+    out.push_back({&p, &*residual++});
+  }
+  return out;
+}
+
+Vector2d middle_of(const std::vector<CoreKept>& kept) {
+  Vector2d low(1e9, 1e9), high(-1e9, -1e9);
+  for (const CoreKept& k : kept) {
+    for (const CorePoint& p : k.measured) {
+      low = low.cwiseMin(Vector2d(p.u, p.v));
+      high = high.cwiseMax(Vector2d(p.u, p.v));
+    }
+  }
+  return 0.5 * (low + high);
+}
+
+/// Of the same landmark in the keyframe before, px/s.
+Vector2d image_motion(const std::vector<SeenPoint>& seen, std::size_t i, const CoreKept& kept) {
+  for (const std::size_t other : {i - 1, i + 1}) {
+    if (other >= seen.size() || seen[other].point->landmark != seen[i].point->landmark ||
+        seen[other].point->camera != seen[i].point->camera) continue;
+    const double dt = 1e-9 * static_cast<double>(kept.keyframes[seen[i].point->keyframe].t_ns - kept.keyframes[seen[other].point->keyframe].t_ns);
+    if (dt == 0) continue;
+    return Vector2d(seen[i].point->u - seen[other].point->u, seen[i].point->v - seen[other].point->v) / dt;
+  }
+  return {0, 0};
+}
+
+void add_camera(const CoreKept& kept, const MotionAt& motion, const Vector2d& middle, std::int64_t zero_ns, int* series,
+                ResidualList* u, ResidualList* v, ResidualList* radial) {
+  std::vector<MotionAt::Motion> at;
+  for (const CoreState& x : kept.keyframes) at.push_back(motion.over(x.t_ns - 25000000, x.t_ns + 25000000));
+  const std::vector<SeenPoint> seen = seen_points(kept);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const CorePoint& p = *seen[i].point;
+    if (i == 0 || seen[i - 1].point->landmark != p.landmark) ++*series;
+    const Vector2d place = Vector2d(p.u, p.v) - middle, flow = image_motion(seen, i, kept);
+    Entry e;
+    e.series = *series;
+    set_motion(at[p.keyframe], &e);
+    e.cause[static_cast<int>(Cause::time)] = 1e-9 * static_cast<double>(kept.keyframes[p.keyframe].t_ns - zero_ns);
+    e.cause[static_cast<int>(Cause::speed)] = kept.keyframes[p.keyframe].v_GI.norm();
+    e.cause[static_cast<int>(Cause::image_x)] = place.x();
+    e.cause[static_cast<int>(Cause::image_y)] = place.y();
+    e.cause[static_cast<int>(Cause::radius)] = place.norm();
+    e.cause[static_cast<int>(Cause::image_motion_x)] = flow.x();
+    e.cause[static_cast<int>(Cause::image_motion_y)] = flow.y();
+    // Rows are read one after another: the error follows the row and how fast the image moves there.
+    e.cause[static_cast<int>(Cause::row_times_rate)] = place.y() * flow.x();
+    e.value = seen[i].residual->u_sigma;
+    append(e, true, motion.has_temperature(), u);
+    e.cause[static_cast<int>(Cause::row_times_rate)] = place.y() * flow.y();
+    e.value = seen[i].residual->v_sigma;
+    append(e, true, motion.has_temperature(), v);
+    if (place.norm() < 1) continue;
+    e.value = Vector2d(seen[i].residual->u_sigma, seen[i].residual->v_sigma).dot(place.normalized());
+    append(e, true, motion.has_temperature(), radial);
+  }
+}
+
+void add_imu(const CoreKept& kept, const MotionAt& motion, std::int64_t zero_ns, int series, ResidualList* gyro, ResidualList* accel) {
+  for (std::size_t k = 0; k < kept.imu.size(); ++k) {
+    const CoreImuResidual& r = kept.imu[k];
+    const auto at = std::find_if(kept.keyframes.begin(), kept.keyframes.end(), [&r](const CoreState& x) { return x.t_ns == r.t_ns; });
+    if (at == kept.keyframes.begin() || at == kept.keyframes.end()) continue;
+    Entry e;
+    e.series = series;
+    set_motion(motion.over((at - 1)->t_ns, at->t_ns), &e);
+    e.cause[static_cast<int>(Cause::time)] = 1e-9 * static_cast<double>(r.t_ns - zero_ns);
+    e.cause[static_cast<int>(Cause::speed)] = at->v_GI.norm();
+    for (int i = 0; i < 3; ++i) {
+      e.value = r.rotation(i);
+      append(e, false, motion.has_temperature(), &gyro[i]);
+      e.value = r.velocity(i);
+      append(e, false, motion.has_temperature(), &accel[i]);
+    }
+  }
+}
+
+/// Differences of near neighbours, as a straight line over the squared distance: what is smooth in the image differs the more
+/// the farther they are apart, noise does not.
+class NeighbourPairs {
+ public:
+  /// `rms`: of the residuals; five times that is far off.
+  explicit NeighbourPairs(double rms) : far_off_(5 * rms) {}
+
+  void add_image(const std::vector<const SeenPoint*>& image, const std::vector<int>& views) {
+    std::vector<bool> used(image.size(), false);
+    for (std::size_t i = 0; i < image.size(); ++i) {
+      if (used[i]) continue;
+      std::size_t best = i;
+      double nearest = kNear;
+      for (std::size_t j = i + 1; j < image.size(); ++j) {
+        const double d = std::hypot(image[i]->point->u - image[j]->point->u, image[i]->point->v - image[j]->point->v);
+        if (used[j] || d >= nearest) continue;
+        nearest = d;
+        best = j;
+      }
+      if (best == i) continue;
+      used[i] = used[best] = true;
+      add(*image[i], *image[best], nearest, views);
+    }
+  }
+
+  PixelNoise noise() const {
+    PixelNoise out;
+    out.pairs = pairs_;
+    if (pairs_ < 20 || !(w_ > 0)) return out;
+    const double det = w_ * xx_ - x_ * x_, mean = y_ / w_;
+    const double slope = det > 0 ? (w_ * xy_ - x_ * y_) / det : 0, at_zero = (y_ - slope * x_) / w_;
+    const double one = mean * mean;  // variance of a pair's half square, two differences: mean^2
+    const double slope_sigma = det > 0 ? std::sqrt(one * w_ / det) : 0;
+    const bool sloping = slope > 3 * slope_sigma && at_zero > 0;
+    const double variance = sloping ? at_zero : mean;
+    const double sigma = sloping ? std::sqrt(one * xx_ / det) : std::sqrt(one / w_);
+    out.factor = std::sqrt(variance);
+    out.sigma = 0.5 * sigma / out.factor;
+    return out;
+  }
+
+ private:
+  static constexpr double kNear = 80;  // px
+
+  /// A landmark's three unknowns take their share of its residuals.
+  static double left(const SeenPoint& s, const std::vector<int>& views) { return std::max(0.0, 1 - 1.5 / views[s.point->landmark]); }
+
+  void add(const SeenPoint& a, const SeenPoint& b, double distance, const std::vector<int>& views) {
+    const CorePointResidual &p = *a.residual, &q = *b.residual;
+    if (std::max({std::abs(p.u_sigma), std::abs(p.v_sigma), std::abs(q.u_sigma), std::abs(q.v_sigma)}) > far_off_) return;
+    const double du = p.u_sigma - q.u_sigma, dv = p.v_sigma - q.v_sigma;
+    const double expected = 0.5 * (left(a, views) + left(b, views));
+    if (!(expected > 0.2)) return;
+    const double y = 0.25 * (du * du + dv * dv) / expected, x = distance * distance;
+    ++pairs_;
+    w_ += 1;
+    x_ += x;
+    xx_ += x * x;
+    y_ += y;
+    xy_ += x * y;
+  }
+
+  double far_off_;
+  int pairs_ = 0;
+  double w_ = 0, x_ = 0, xx_ = 0, y_ = 0, xy_ = 0;
+};
+
+}  // namespace
+
+const char* words_of(Cause cause) { return kCauseWords[static_cast<int>(cause)].words; }
+const char* unit_of(Cause cause) { return kCauseWords[static_cast<int>(cause)].unit; }
+
+std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, const std::vector<ImuData>& imu) {
+  std::vector<ResidualList> out;
+  for (const char* axis : {"u", "v", "radial"}) out.push_back({"camera", axis, {}, {}, {}});
+  for (const char* sensor : {"gyro", "accel"}) {
+    for (const char* axis : {"x", "y", "z"}) out.push_back({sensor, axis, {}, {}, {}});
+  }
+  if (kept.empty()) return out;
+  const MotionAt motion(imu);
+  const Vector2d middle = middle_of(kept);
+  std::int64_t zero_ns = kept.front().segment.start_ns;
+  for (const CoreKept& k : kept) zero_ns = std::min(zero_ns, k.segment.start_ns);
+  int series = 0, segment = 0;
+  for (const CoreKept& k : kept) {
+    add_camera(k, motion, middle, zero_ns, &series, &out[0], &out[1], &out[2]);
+    add_imu(k, motion, zero_ns, segment++, &out[3], &out[6]);
+  }
+  return out;
+}
+
+SensorSquares sensor_squares(const std::vector<CoreKept>& kept) {
+  SensorSquares out;
+  for (const CoreKept& k : kept) {
+    for (const CorePointResidual& r : k.points) out.camera += r.u_sigma * r.u_sigma + r.v_sigma * r.v_sigma;
+    for (const CoreImuResidual& r : k.imu) {
+      out.gyro += r.rotation.squaredNorm();
+      out.accel += r.velocity.squaredNorm() + r.position.squaredNorm();
+    }
+    out.camera_count += 2 * static_cast<int>(k.points.size());
+    out.gyro_count += 3 * static_cast<int>(k.imu.size());
+    out.accel_count += 6 * static_cast<int>(k.imu.size());
+  }
+  return out;
+}
+
+PixelNoise pixel_noise(const std::vector<CoreKept>& kept) {
+  const SensorSquares squares = sensor_squares(kept);
+  NeighbourPairs pairs(squares.camera_count > 0 ? std::sqrt(squares.camera / squares.camera_count) : 1);
+  for (const CoreKept& k : kept) {
+    const std::vector<SeenPoint> seen = seen_points(k);
+    std::vector<int> views(k.landmarks.size(), 0);
+    for (const SeenPoint& s : seen) ++views[s.point->landmark];
+    std::vector<std::vector<const SeenPoint*>> images(2 * k.keyframes.size());
+    for (const SeenPoint& s : seen) images[2 * s.point->keyframe + (s.point->camera > 0 ? 1 : 0)].push_back(&s);
+    for (const auto& image : images) pairs.add_image(image, views);
+  }
+  return pairs.noise();
+}
+
+}  // namespace host::diagnosis

@@ -1,0 +1,218 @@
+#include "diagnose/selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "diagnose/chi_square.h"
+#include "diagnose/shift.h"
+
+namespace host::diagnosis {
+namespace {
+
+std::string number(const char* format, double value) {
+  char text[80];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+class Search {
+ public:
+  Search(const std::vector<Candidate>& candidates, const SelectionOptions& options, const Refit& refit)
+      : candidates_(candidates), given_(static_cast<int>(candidates.size())), options_(options), refit_(refit), why_(candidates.size()) {}
+
+  Selection run() {
+    fit_again();
+    judge_alone();
+    while (static_cast<int>(chosen_.size()) < options_.most && step_forward()) step_back();
+    finish();
+    return out_;
+  }
+
+ private:
+  /// Effects that would not have shown are out from the start.
+  void judge_alone() {
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      out_.alone.push_back(test_effect(out_.problem, candidates_[i], {}));
+      if (out_.alone.back().seen == 0) {
+        out_.cannot_tell.push_back(static_cast<int>(i));
+      } else {
+        tested_ += candidates_[i].handicap == 0 ? 1 : 0;
+      }
+    }
+  }
+
+  std::vector<TermGroup> groups_but(int left_out) const {
+    std::vector<TermGroup> out;
+    for (int c : chosen_) {
+      if (c != left_out) out.push_back(candidates_[c].columns);
+    }
+    return out;
+  }
+
+  double corrected(int c, const EffectTest& test) const {
+    return test.log10_p + std::log10(std::max(1, tested_)) + candidates_[c].handicap;
+  }
+  bool significant(int c, const EffectTest& test) const { return test.seen > 0 && corrected(c, test) < options_.log10_level; }
+
+  /// Candidates that are significant with the chosen ones free, the most significant first.
+  std::vector<std::pair<double, int>> calls() {
+    std::vector<std::pair<double, int>> order;
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      const int c = static_cast<int>(i);
+      if (out_.alone[i].seen == 0 || std::count(chosen_.begin(), chosen_.end(), c) > 0) continue;
+      EffectTest test = test_effect(out_.problem, candidates_[i], groups_but(-1));
+      if (!significant(c, test)) continue;
+      calm(c, &test);
+      if (significant(c, test)) order.emplace_back(corrected(c, test), c);
+    }
+    std::sort(order.begin(), order.end());
+    return order;
+  }
+
+  /// An effect whose value differs from piece to piece by more than its noise is judged against that.
+  void calm(int c, EffectTest* test) {
+    const double scatter = scatter_over_time(out_.problem, candidates_[c], groups_but(-1));
+    if (scatter <= 1) return;
+    test->statistic /= scatter;
+    test->log10_p = log10_upper_tail(test->statistic, test->seen);
+    if (!significant(c, *test)) why_[c] = "its value is not the same throughout the recording";
+  }
+
+  /// Accepts the most significant candidate that both halves tell of.
+  bool step_forward() {
+    const std::vector<std::pair<double, int>> order = calls();
+    const std::size_t before = chosen_.size();
+    offer_shift(order);
+    if (chosen_.size() > before) return true;
+    for (const auto& [p, c] : order) {
+      const HalvesTest halves = test_halves(out_.problem, candidates_[c], groups_but(-1));
+      if (halves.log10_p_disagree < options_.log10_disagree) {
+        why_[c] = "the halves of the recording disagree about it (p = 1e" + number("%.0f", halves.log10_p_disagree) + ")";
+      } else if (!(halves.gain > 0)) {
+        why_[c] = "its value from one half of the recording does not help the other";
+      } else if (dropped_before(c)) {
+        why_[c] = "not needed beside the others";
+      } else {
+        chosen_.push_back(c);
+        fit_again();
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// The core knows the effects of the catalogue; a step is put on top of what it hands out.
+  void fit_again() {
+    std::vector<int> known;
+    for (int c : chosen_) {
+      if (c < given_) known.push_back(c);
+    }
+    out_.problem = refit_(known);
+    if (out_.shifted) out_.problem = with_shift(out_.problem, out_.shift);
+  }
+
+  /// A step that says more than every effect becomes one candidate more.
+  void offer_shift(const std::vector<std::pair<double, int>>& others) {
+    if (out_.shifted || shift_refused_) return;
+    const std::optional<Shift> step = best_shift(out_.problem, groups_but(-1));
+    if (!step) return;
+    const double p = step->test.log10_p + std::log10(step->trials);
+    if (p >= options_.log10_level || (!others.empty() && others.front().first <= p)) return;
+    const Problem without = out_.problem;
+    out_.problem = with_shift(without, *step);
+    const Candidate candidate = shift_candidate(out_.problem, *step);
+    const double scatter = scatter_over_time(out_.problem, candidate, groups_but(-1));
+    const HalvesTest halves = test_halves(out_.problem, candidate, groups_but(-1));
+    const double calm = log10_upper_tail(step->test.statistic / scatter, step->test.seen) + std::log10(step->trials);
+    if (calm >= options_.log10_level || halves.log10_p_disagree < options_.log10_disagree || !(halves.gain > 0)) {
+      out_.problem = without;
+      shift_refused_ = true;
+      return;
+    }
+    out_.shifted = true;
+    out_.shift = *step;
+    candidates_.push_back(candidate);
+    why_.emplace_back();
+    out_.alone.push_back(step->test);
+    chosen_.push_back(static_cast<int>(candidates_.size()) - 1);
+  }
+
+  bool dropped_before(int c) const { return std::count(dropped_.begin(), dropped_.end(), c) > 0; }
+
+  /// Drops what the newer ones make superfluous.
+  void step_back() {
+    for (std::size_t i = 0; i + 1 < chosen_.size();) {
+      const int c = chosen_[i];
+      if (significant(c, test_effect(out_.problem, candidates_[c], groups_but(c)))) {
+        ++i;
+        continue;
+      }
+      why_[c] = "not needed beside " + candidates_[chosen_.back()].name;
+      dropped_.push_back(c);
+      chosen_.erase(chosen_.begin() + static_cast<std::ptrdiff_t>(i));
+      if (c >= given_) out_.shifted = false;
+      fit_again();
+      i = 0;
+    }
+  }
+
+  void finish() {
+    out_.candidates = candidates_;
+    for (int c : chosen_) out_.accepted.push_back({c, test_effect(out_.problem, candidates_[c], groups_but(c))});
+    for (const Accepted& a : out_.accepted) find_rivals(a);
+    for (const auto& [p, c] : calls()) {
+      out_.leftover = std::max(out_.leftover, test_effect(out_.problem, candidates_[c], groups_but(-1)).statistic);
+    }
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      const int c = static_cast<int>(i);
+      const bool was_chosen = std::count(chosen_.begin(), chosen_.end(), c) > 0;
+      if (!was_chosen && significant(c, out_.alone[i])) out_.rejected.push_back({c, reason(c)});
+    }
+  }
+
+  std::string reason(int c) const {
+    for (const Pair& pair : out_.pairs) {
+      if (pair.other == c) return "this motion does not tell it from " + candidates_[pair.accepted].name;
+    }
+    const bool open = significant(c, test_effect(out_.problem, candidates_[c], groups_but(-1)));
+    if (!why_[c].empty() && (open || dropped_before(c))) return why_[c];
+    return chosen_.empty() ? "not significant" : "explained by " + candidates_[chosen_.front()].name;
+  }
+
+  /// With the other accepted ones free: B alone explains as much as A, and A adds nothing to B.
+  void find_rivals(const Accepted& a) {
+    const std::vector<TermGroup> others = groups_but(a.candidate);
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      const int b = static_cast<int>(i);
+      if (out_.alone[i].seen == 0 || std::count(chosen_.begin(), chosen_.end(), b) > 0) continue;
+      const EffectTest instead = test_effect(out_.problem, candidates_[i], others);
+      std::vector<TermGroup> with_b = others;
+      with_b.push_back(candidates_[i].columns);
+      const EffectTest beside = test_effect(out_.problem, candidates_[a.candidate], with_b);
+      // Two log likelihoods apart per degree of freedom is what chance gives between models that fit equally well.
+      const double apart = a.test.statistic - instead.statistic - 2 * (a.test.seen - instead.seen);
+      if (significant(b, instead) && candidates_[i].handicap == 0 && beside.log10_p > -2 && apart < 6) {
+        out_.pairs.push_back({a.candidate, b});
+      }
+    }
+  }
+
+  std::vector<Candidate> candidates_;
+  int given_;
+  const SelectionOptions& options_;
+  const Refit& refit_;
+  std::vector<std::string> why_;
+  std::vector<int> chosen_, dropped_;
+  int tested_ = 0;
+  bool shift_refused_ = false;
+  Selection out_;
+};
+
+}  // namespace
+
+Selection select_effects(const std::vector<Candidate>& candidates, const SelectionOptions& options, const Refit& refit) {
+  return Search(candidates, options, refit).run();
+}
+
+}  // namespace host::diagnosis

@@ -1,0 +1,122 @@
+// Which of the candidate effects do the rows call for? Forward steps with a refit, a backward step, pairs that this motion
+// does not tell apart, and "cannot tell" where an effect would not have shown.
+//
+// Statistics. With theta and the accepted effects free, the rows of a candidate e are R_ee c = d_e (rows.h, Marginal). In
+// units of the candidate's plausible sizes, R_ee diag(size) = U diag(g) V': a direction with gain g has been seen g times
+// better than the effect is large. Only directions with g >= kSeen count: s = sum (u_i' d)^2 over these, chi-square with as
+// many degrees of freedom. None: cannot tell. s is divided by the dispersion, chi2/dof of the model so far, where that is
+// above the known noise: errors that nobody has a name for must not look like an effect.
+//
+// A name needs more than a large s:
+//  - log10 p, corrected for the number of candidates (Bonferroni), below the level;
+//  - both halves of the recording tell the same value: |c_T - c_H|^2 in units of its covariance is chi-square;
+//  - the value from one half lowers the cost of the other half, in sum over both.
+#pragma once
+
+#include <functional>
+
+#include "diagnose/rows.h"
+
+namespace host::diagnosis {
+
+struct Candidate {
+  std::string name;
+  TermGroup columns;
+  std::vector<double> size;      ///< plausible magnitude of each parameter
+  double handicap = 0;           ///< decades added to log10 p: how much less likely than the others it is beforehand
+};
+
+/// One segment by itself, over the same columns.
+struct Piece {
+  Rows rows;
+  double start_s = 0, end_s = 0;
+  bool held_out = false;
+};
+
+/// Entries of theta that a shock moves together.
+struct Block {
+  std::string name;
+  TermGroup columns;             ///< counted from theta's first
+  std::vector<double> size;      ///< plausible step
+};
+
+/// The rows of a recording, linearised at one fit. `train` and `held_out` are interleaved halves of it, joined in themselves.
+struct Problem {
+  int n_theta = 0;
+  Prior prior;
+  Rows all, train, held_out;     ///< without the prior
+  double noise = 1;              ///< variance of whitened residuals that is known to be noise; 1: as stated
+  std::vector<Piece> pieces;     ///< in time order; empty: steps are not looked for
+  std::vector<Block> blocks;
+};
+
+/// What the rows say about one candidate when theta and others are free.
+struct EffectTest {
+  int seen = 0;                  ///< directions that would have shown
+  double statistic = 0;          ///< over the dispersion
+  double log10_p = 0;            ///< not corrected
+  Eigen::VectorXd value, sigma;  ///< sigma scaled by the dispersion's root
+  double largest_gain = 0;       ///< plausible size over sigma in the direction seen best
+};
+EffectTest test_effect(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
+
+/// Do the halves agree, and does what one says help the other?
+struct HalvesTest {
+  double log10_p_disagree = 0;   ///< of |c_T - c_H|^2
+  double gain = 0;               ///< fall of the held-out cost, summed over both ways, over the dispersion
+};
+HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
+
+/// Where each piece has a value of its own, how much better is the fit? A chi-square number over its degrees of freedom, if
+/// the value is the same everywhere; 1 where chance explains it (p above 1 %), and without pieces.
+double scatter_over_time(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
+
+/// chi2/dof of the model with these effects free, at least the known noise.
+double dispersion(const Problem& problem, const std::vector<TermGroup>& free);
+
+struct SelectionOptions {
+  double log10_level = -2.7;     ///< of a false name in a recording: 2e-3
+  double log10_disagree = -3;    ///< halves that differ by more than this contradict each other
+  int most = 5;                  ///< effects
+};
+
+struct Accepted {
+  int candidate = -1;
+  EffectTest test;               ///< with the other accepted ones free
+};
+/// A step of one block of theta, found by a search over blocks and times.
+struct Shift {
+  Block block;
+  double time_s = 0, uncertainty_s = 0;
+  int trials = 0;                ///< blocks times instants that were compared
+  EffectTest test;
+};
+
+struct Rejected {
+  int candidate = -1;
+  std::string why;
+};
+/// B explains what A explains, and this motion does not say which it was.
+struct Pair {
+  int accepted = -1, other = -1;
+};
+
+struct Selection {
+  Problem problem;               ///< at the last fit
+  std::vector<Accepted> accepted;
+  std::vector<Rejected> rejected;
+  std::vector<Pair> pairs;
+  std::vector<int> cannot_tell;
+  std::vector<Candidate> candidates;  ///< as given, and behind them calibration_shift where one was tried
+  double leftover = 0;           ///< largest statistic of a candidate that is significant at the end and was refused
+  bool shifted = false;
+  Shift shift;                   ///< where `shifted`
+  std::vector<EffectTest> alone; ///< each candidate by itself, at the first fit
+};
+
+/// Fits with these candidates' effects free and linearises there.
+using Refit = std::function<Problem(const std::vector<int>& accepted)>;
+
+Selection select_effects(const std::vector<Candidate>& candidates, const SelectionOptions& options, const Refit& refit);
+
+}  // namespace host::diagnosis

@@ -1,0 +1,24 @@
+// A step of one block of theta at an unknown time: the mount was bent, the lens was turned.
+//
+// Pieces before the step see theta, pieces after it theta + step in one block: the block's columns once more, behind the
+// terms, zero before the step. Each block at each instant between two pieces is one trial, with the other unknowns free;
+// the most significant one is judged with its number of trials, and against how far the block scatters from piece to piece
+// even when the step is allowed for: real recordings disagree with themselves by more than their noise.
+#pragma once
+
+#include <optional>
+
+#include "diagnose/selection.h"
+
+namespace host::diagnosis {
+
+/// The most significant step with theta and the groups `free` free; none without two pieces on each side.
+std::optional<Shift> best_shift(const Problem& problem, const std::vector<TermGroup>& free);
+
+/// The problem with the step's columns behind the terms, made of its pieces: their links with each other are lost.
+Problem with_shift(const Problem& problem, const Shift& shift);
+
+/// What those columns are called and how large a step may be.
+Candidate shift_candidate(const Problem& shifted, const Shift& shift);
+
+}  // namespace host::diagnosis

@@ -1,0 +1,123 @@
+#include "diagnose/structure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "diagnose/chi_square.h"
+
+namespace host::diagnosis {
+namespace {
+
+constexpr int kBins = 8;
+constexpr std::size_t kFewest = 80;  ///< ten per bin
+
+std::vector<int> order_of(const std::vector<double>& x) {
+  std::vector<int> order(x.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&x](int a, int b) { return x[a] < x[b]; });
+  return order;
+}
+
+std::vector<double> ranks_of(const std::vector<double>& x) {
+  const std::vector<int> order = order_of(x);
+  std::vector<double> rank(x.size());
+  for (std::size_t from = 0, to = 0; from < order.size(); from = to) {
+    while (to < order.size() && x[order[to]] == x[order[from]]) ++to;
+    for (std::size_t i = from; i < to; ++i) rank[order[i]] = 0.5 * static_cast<double>(from + to - 1);
+  }
+  return rank;
+}
+
+double correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  const double n = static_cast<double>(a.size());
+  const double ma = std::accumulate(a.begin(), a.end(), 0.0) / n, mb = std::accumulate(b.begin(), b.end(), 0.0) / n;
+  double ab = 0, aa = 0, bb = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ab += (a[i] - ma) * (b[i] - mb);
+    aa += (a[i] - ma) * (a[i] - ma);
+    bb += (b[i] - mb) * (b[i] - mb);
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
+}
+
+/// Means per bin and the sum of squares between bins.
+double between_bins(const std::vector<double>& value, const std::vector<double>& cause, double variance, Structure* out) {
+  const std::vector<int> order = order_of(cause);
+  double sum = 0;
+  for (int b = 0; b < kBins; ++b) {
+    const std::size_t from = order.size() * b / kBins, to = order.size() * (b + 1) / kBins;
+    double mean = 0, at = 0;
+    for (std::size_t i = from; i < to; ++i) {
+      mean += value[order[i]];
+      at += cause[order[i]];
+    }
+    const double n = static_cast<double>(to - from);
+    mean /= n;
+    out->bin_cause.push_back(at / n);
+    out->bin_mean.push_back(mean);
+    out->bin_sigma.push_back(std::sqrt(variance / n));
+    sum += n * mean * mean;
+  }
+  return sum;
+}
+
+/// `shrink`: effective over actual number of residuals.
+Structure hold_against(const ResidualList& list, Cause cause, const std::vector<double>& value_rank, double shrink) {
+  const std::vector<double>& x = list.cause[static_cast<int>(cause)];
+  const double n = static_cast<double>(list.value.size());
+  const double mean = std::accumulate(list.value.begin(), list.value.end(), 0.0) / n;
+  std::vector<double> centred = list.value;
+  double variance = 0;
+  for (double& v : centred) {
+    v -= mean;
+    variance += v * v / n;
+  }
+  Structure out{list.sensor, list.axis, words_of(cause), unit_of(cause), 0, 0, {}, {}, {}};
+  const double between = between_bins(centred, x, variance, &out), rho = correlation(value_rank, ranks_of(x));
+  const double p_rank = log10_upper_tail(rho * rho * n * shrink, 1), p_bins = log10_upper_tail(between / variance * shrink, kBins - 1);
+  out.correlation = p_rank <= p_bins ? rho : std::sqrt(between / (variance * n));
+  out.log10_p = std::min(p_rank, p_bins);
+  return out;
+}
+
+bool varies(const std::vector<double>& x) {
+  return !x.empty() && *std::max_element(x.begin(), x.end()) > *std::min_element(x.begin(), x.end());
+}
+
+}  // namespace
+
+double lag_one_autocorrelation(const ResidualList& list) {
+  double product = 0, square = 0;
+  for (std::size_t i = 1; i < list.value.size(); ++i) {
+    if (list.series[i] != list.series[i - 1]) continue;
+    product += list.value[i] * list.value[i - 1];
+    square += 0.5 * (list.value[i] * list.value[i] + list.value[i - 1] * list.value[i - 1]);
+  }
+  return square > 0 ? product / square : 0;
+}
+
+std::vector<Structure> find_structure(const std::vector<ResidualList>& lists, double level, int most) {
+  std::vector<Structure> out;
+  int tests = 0;
+  for (const ResidualList& list : lists) {
+    if (list.value.size() < kFewest) continue;
+    const double a = std::max(0.0, lag_one_autocorrelation(list)), shrink = (1 - a) / (1 + a);
+    const std::vector<double> value_rank = ranks_of(list.value);
+    std::vector<Structure> found;
+    for (int c = 0; c < kCauses; ++c) {
+      if (!varies(list.cause[c])) continue;
+      tests += 2;
+      found.push_back(hold_against(list, static_cast<Cause>(c), value_rank, shrink));
+    }
+    std::sort(found.begin(), found.end(), [](const Structure& x, const Structure& y) { return x.log10_p < y.log10_p; });
+    if (static_cast<int>(found.size()) > most) found.resize(most);
+    out.insert(out.end(), found.begin(), found.end());
+  }
+  for (Structure& s : out) s.log10_p += std::log10(std::max(1, tests));
+  out.erase(std::remove_if(out.begin(), out.end(), [level](const Structure& s) { return s.log10_p >= level; }), out.end());
+  std::sort(out.begin(), out.end(), [](const Structure& x, const Structure& y) { return x.log10_p < y.log10_p; });
+  return out;
+}
+
+}  // namespace host::diagnosis

@@ -1,0 +1,15 @@
+# The core's sources, relative to lib/: the one list that every build uses (CMake, Zephyr, ESP-IDF; library.json for
+# PlatformIO repeats it, and a test compares).
+set(SEGCAL_CORE_SOURCES
+  src/api/convert.cpp
+  src/api/effects.cpp
+  src/api/kept.cpp
+  src/api/results.cpp
+  src/api/segcal.cpp
+  src/log/writer.cpp)
+
+# What the core is compiled with everywhere. Bits: no contraction, no reassociation, no vector kernels of Eigen's. No heap,
+# exceptions, RTTI or guards of statics.
+set(SEGCAL_CORE_C_OPTIONS -ffp-contract=off -fno-math-errno)
+set(SEGCAL_CORE_CXX_OPTIONS -fno-exceptions -fno-rtti -fno-threadsafe-statics)
+set(SEGCAL_CORE_DEFINITIONS EIGEN_DONT_VECTORIZE EIGEN_NO_MALLOC EIGEN_NO_IO EIGEN_DONT_PARALLELIZE)

@@ -1,0 +1,240 @@
+// Selection and held-out gap on linear problems with a known truth.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "../support/cases.h"
+#include "diagnose/chi_square.h"
+#include "diagnose/gap.h"
+#include "linear_problem.h"
+
+using namespace host::diagnosis;
+using test::LinearRecording;
+
+extern "C" void setUp() {}
+extern "C" void tearDown() {}
+
+namespace {
+
+LinearRecording catalogue() {
+  LinearRecording r;
+  r.add("offset", 1, 1);
+  r.add("shutter", 1, 1);
+  r.add("tangential", 2, 1);
+  r.add("sensitivity", 9, 1);
+  r.add("lag", 1, 1);
+  return r;
+}
+
+Selection selected(const LinearRecording& recording, int seed) {
+  test::Random random(seed);
+  const Problem problem = problem_of(recording, &random);
+  return select_effects(recording.candidates, {}, [&problem](const std::vector<int>&) { return problem; });
+}
+
+std::vector<std::string> names(const Selection& s) {
+  std::vector<std::string> out;
+  for (const Accepted& a : s.accepted) out.push_back(s.candidates[a.candidate].name);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// Value of a group of m parameters that gives a statistic of s: each row tells 1 about each parameter.
+double value_for(const LinearRecording& r, double s, int m) { return std::sqrt(s / m / (r.segments * r.rows)); }
+
+/// For an even number of degrees 2 m the tail is e^-x (1 + x + ... + x^(m-1) / (m-1)!), x = s/2.
+double log10_even_tail(double s, int dof) {
+  double sum = 0, term = 1;
+  for (int i = 0; i < dof / 2; ++i) {
+    sum += term;
+    term *= 0.5 * s / (i + 1);
+  }
+  return (std::log(sum) - 0.5 * s) / std::log(10.0);
+}
+
+void test_tail_probabilities() {
+  for (const int dof : {2, 4, 10}) {
+    for (const double s : {0.1, 1.0, 5.0, 9.0, 30.0, 60.0, 1000.0, 1e6}) {
+      const double expected = log10_even_tail(s, dof);
+      TEST_ASSERT_DOUBLE_WITHIN(1e-12 * (1 + std::abs(expected)), expected, log10_upper_tail(s, dof));
+    }
+  }
+  TEST_ASSERT_DOUBLE_WITHIN(1e-12, std::log10(std::erfc(std::sqrt(20.0))), log10_upper_tail(40, 1));
+  TEST_ASSERT_EQUAL_DOUBLE(0, log10_upper_tail(0, 3));
+  TEST_ASSERT_DOUBLE_WITHIN(1e-6, 60, upper_quantile(log10_upper_tail(60, 9), 9));
+}
+
+/// Without an effect p is uniform: of 300 draws, each tenth of it holds 30 +- 5.2.
+void test_null_p_values_are_uniform() {
+  const LinearRecording recording = catalogue();
+  int tenth[5][10] = {};
+  for (int seed = 0; seed < 300; ++seed) {
+    test::Random random(1000 + seed);
+    const Problem problem = problem_of(recording, &random);
+    for (int c = 0; c < 5; ++c) {
+      const EffectTest t = test_effect(problem, recording.candidates[c], {});
+      ++tenth[c][std::min(9, static_cast<int>(10 * std::pow(10.0, t.log10_p)))];
+    }
+  }
+  for (int c = 0; c < 5; ++c) {
+    double s = 0;
+    for (int k = 0; k < 10; ++k) s += (tenth[c][k] - 30.0) * (tenth[c][k] - 30.0) / 30;
+    TEST_ASSERT_TRUE_MESSAGE(log10_upper_tail(s, 9) > -3.5, recording.candidates[c].name.c_str());
+  }
+}
+
+void test_no_effect_no_name() {
+  const LinearRecording recording = catalogue();
+  int named = 0;
+  for (int seed = 0; seed < 200; ++seed) named += selected(recording, seed).accepted.empty() ? 0 : 1;
+  TEST_ASSERT_LESS_OR_EQUAL_INT(2, named);  // 0.4 expected
+}
+
+/// Each effect alone at a statistic of about 60: the name, the value, and the gap.
+void test_one_effect() {
+  const LinearRecording plain = catalogue();
+  int runs = 0, right = 0, within = 0, values = 0, closed = 0;
+  for (int c = 0; c < 5; ++c) {
+    LinearRecording recording = plain;
+    const TermGroup g = recording.candidates[c].columns;
+    const double value = value_for(recording, 60 + g.count, g.count);
+    recording.truth.segment(g.first, g.count).setConstant(value);
+    for (int seed = 0; seed < 40; ++seed, ++runs) {
+      const Selection s = selected(recording, 40 * c + seed);
+      if (names(s) != std::vector<std::string>{recording.candidates[c].name}) continue;
+      ++right;
+      for (int i = 0; i < g.count; ++i, ++values) within += std::abs(s.accepted[0].test.value(i) - value) < 3 * s.accepted[0].test.sigma(i);
+      closed += held_out_gap(s.problem, s.candidates, s.accepted, {}, 0).closed() >= 0.9;
+    }
+  }
+  std::printf("one effect: %d of %d named, %d of %d values within 3 sigma, gap closed in %d\n", right, runs, within, values, closed);
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(95 * runs / 100, right);
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(95 * values / 100, within);
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(95 * right / 100, closed);
+}
+
+void test_two_effects() {
+  LinearRecording recording = catalogue();
+  recording.truth(0) = value_for(recording, 60, 1);
+  recording.truth.segment(4, 9).setConstant(value_for(recording, 70, 9));
+  int right = 0;
+  for (int seed = 0; seed < 40; ++seed) {
+    right += names(selected(recording, 500 + seed)) == std::vector<std::string>{"offset", "sensitivity"};
+  }
+  std::printf("two effects: %d of 40\n", right);
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(37, right);
+}
+
+/// Columns that are 99 % the same: a statistic of 60 does not say which. At 0.7 it does.
+void test_confounded_pair() {
+  for (const double alike : {0.995, 0.7}) {
+    LinearRecording recording = catalogue();
+    const int a = recording.n_theta, b = recording.n_theta + 13;
+    recording.shape = [=](Eigen::MatrixXd* J) { J->col(b) = alike * J->col(a) + std::sqrt(1 - alike * alike) * J->col(b); };
+    recording.truth(0) = value_for(recording, 100, 1);
+    int paired = 0, named = 0;
+    for (int seed = 0; seed < 40; ++seed) {
+      const Selection s = selected(recording, 700 + seed);
+      named += s.accepted.size() == 1 && (s.accepted[0].candidate == 0 || s.accepted[0].candidate == 4);
+      paired += !s.pairs.empty();
+    }
+    TEST_ASSERT_EQUAL_INT(40, named);
+    if (alike > 0.9) TEST_ASSERT_GREATER_OR_EQUAL_INT(36, paired);
+    if (alike < 0.9) TEST_ASSERT_LESS_OR_EQUAL_INT(1, paired);
+  }
+}
+
+/// A column that is nearly zero: whatever its value, the answer is "cannot tell".
+void test_weak_motion() {
+  LinearRecording recording = catalogue();
+  recording.shape = [&recording](Eigen::MatrixXd* J) { J->col(recording.n_theta) *= 0.01; };
+  recording.truth(0) = 0.5;
+  for (int seed = 0; seed < 20; ++seed) {
+    const Selection s = selected(recording, 900 + seed);
+    TEST_ASSERT_TRUE(s.accepted.empty());
+    TEST_ASSERT_EQUAL_INT(1, static_cast<int>(s.cannot_tell.size()));
+    TEST_ASSERT_EQUAL_INT(0, s.cannot_tell[0]);
+  }
+}
+
+/// An effect that no candidate expresses, correlated with one of them: the gap stays open, whatever was accepted.
+void test_effect_outside() {
+  LinearRecording recording = catalogue();
+  const int c = recording.n_theta;
+  recording.outside = [c](int, const Eigen::MatrixXd& J, Eigen::VectorXd* r) {
+    *r += 0.25 * J.col(c) + 0.7 * J.col(0).cwiseProduct(J.col(1));
+  };
+  for (int seed = 0; seed < 20; ++seed) {
+    const Selection s = selected(recording, 950 + seed);
+    const Gap gap = held_out_gap(s.problem, s.candidates, s.accepted, {}, 0);
+    TEST_ASSERT_TRUE_MESSAGE(gap.closed() < 0.5, std::to_string(gap.closed()).c_str());
+  }
+}
+
+/// An effect that comes and goes between the halves is no effect of the catalogue.
+void test_halves_that_disagree() {
+  LinearRecording recording = catalogue();
+  const int c = recording.n_theta;
+  recording.outside = [c](int s, const Eigen::MatrixXd& J, Eigen::VectorXd* r) {
+    if ((s + 1) / 2 % 2 == 0) *r += 0.5 * J.col(c);
+  };
+  for (int seed = 0; seed < 20; ++seed) TEST_ASSERT_TRUE(selected(recording, 990 + seed).accepted.empty());
+}
+
+/// A step of theta is found with its block and time, and no effect takes its place; also where one looks like it.
+void test_step_of_theta() {
+  LinearRecording recording = catalogue();
+  recording.shape = [&recording](Eigen::MatrixXd* J) { J->col(recording.n_theta) += 0.8 * J->col(1); };
+  recording.step = Eigen::VectorXd::Zero(recording.n_theta);
+  recording.step.head(3) << 0.2, 0.3, -0.1;
+  recording.step_at = 7;
+  int right = 0;
+  for (int seed = 0; seed < 40; ++seed) {
+    const Selection s = selected(recording, 1200 + seed);
+    right += names(s) == std::vector<std::string>{"calibration_shift"} && s.shift.block.name == "first" && s.shift.time_s == 28 &&
+             held_out_gap(s.problem, s.candidates, s.accepted, {}, 0).closed() >= 0.9;
+  }
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(38, right);
+}
+
+void test_step_beside_an_effect() {
+  LinearRecording recording = catalogue();
+  recording.step = Eigen::VectorXd::Zero(recording.n_theta);
+  recording.step.head(3) << 0.2, 0.3, -0.1;
+  recording.step_at = 5;
+  recording.truth(1) = 0.4;
+  int right = 0;
+  for (int seed = 0; seed < 40; ++seed) {
+    right += names(selected(recording, 1300 + seed)) == std::vector<std::string>{"calibration_shift", "shutter"};
+  }
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(38, right);
+}
+
+/// Noise three times as large as stated: no name, and values with honest sigmas.
+void test_noise_larger_than_stated() {
+  LinearRecording recording = catalogue();
+  recording.noise = 3;
+  int named = 0;
+  for (int seed = 0; seed < 100; ++seed) named += selected(recording, 1100 + seed).accepted.empty() ? 0 : 1;
+  TEST_ASSERT_LESS_OR_EQUAL_INT(2, named);
+}
+
+}  // namespace
+
+int main() {
+  UNITY_BEGIN();
+  RUN_TEST(test_tail_probabilities);
+  RUN_TEST(test_null_p_values_are_uniform);
+  RUN_TEST(test_no_effect_no_name);
+  RUN_TEST(test_one_effect);
+  RUN_TEST(test_two_effects);
+  RUN_TEST(test_confounded_pair);
+  RUN_TEST(test_weak_motion);
+  RUN_TEST(test_effect_outside);
+  RUN_TEST(test_halves_that_disagree);
+  RUN_TEST(test_step_of_theta);
+  RUN_TEST(test_step_beside_an_effect);
+  RUN_TEST(test_noise_larger_than_stated);
+  return UNITY_END();
+}

@@ -1,0 +1,37 @@
+# cmake -DROOT=FOLDER -DWORK=FOLDER -P port_sources_refuses.cmake: a source that is in lib/ and not in the list, and an option
+# that a port does not give, must turn port_sources.cmake red.
+function(copy)
+  file(REMOVE_RECURSE ${WORK})
+  file(COPY ${ROOT}/lib ${ROOT}/port ${ROOT}/library.json DESTINATION ${WORK})
+endfunction()
+
+# expect(RESULT WORDS): RESULT is 0 or "red".
+function(expect wanted words)
+  execute_process(COMMAND ${CMAKE_COMMAND} -DROOT=${WORK} -P ${CMAKE_CURRENT_LIST_DIR}/port_sources.cmake
+                  RESULT_VARIABLE code OUTPUT_VARIABLE said ERROR_VARIABLE said_error)
+  if((wanted STREQUAL "red" AND code EQUAL 0) OR (wanted STREQUAL "0" AND NOT code EQUAL 0))
+    message(FATAL_ERROR "expected ${wanted}, exit code ${code}:\n${said}${said_error}")
+  endif()
+  string(REGEX REPLACE "[ \n]+" " " said_error "${said}${said_error}")
+  if(NOT said_error MATCHES "${words}")
+    message(FATAL_ERROR "expected the words '${words}':\n${said_error}")
+  endif()
+endfunction()
+
+copy()
+expect(0 "library.json: the core's sources")
+file(WRITE ${WORK}/lib/src/api/new.cpp "")
+expect(red "lib/sources.cmake lists")
+copy()
+file(READ ${WORK}/library.json text)
+string(REPLACE "\"+<src/api/kept.cpp>\"," "" shorter "${text}")
+file(WRITE ${WORK}/library.json "${shorter}")
+expect(red "library.json lists")
+string(REPLACE "-ffp-contract=off" "-ffp-contract=fast" other "${text}")
+file(WRITE ${WORK}/library.json "${other}")
+expect(red "library.json does not give -ffp-contract=off")
+copy()
+file(READ ${WORK}/port/zephyr/CMakeLists.txt text)
+string(REPLACE "zephyr_library_sources(\${SEGCAL_CORE_SOURCES})" "" shorter "${text}")
+file(WRITE ${WORK}/port/zephyr/CMakeLists.txt "${shorter}")
+expect(red "port/zephyr lists")
