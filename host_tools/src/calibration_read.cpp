@@ -22,10 +22,12 @@ CameraCalibration read_projection(const YamlFile& yaml, const YAML::Node& node) 
     if (node["distortion_model"].IsDefined()) yaml.fail(node["distortion_model"], error.what());
     throw;
   }
-  const auto resolution = yaml.numbers(node, "resolution", 2);
-  camera.width = static_cast<int>(resolution[0]);
-  camera.height = static_cast<int>(resolution[1]);
-  if (camera.width < 1 || camera.height < 1) yaml.fail(node["resolution"], "resolution: [width, height] in pixels");
+  if (node["resolution"].IsDefined()) {  // a device log does not know it
+    const auto resolution = yaml.numbers(node, "resolution", 2);
+    camera.width = static_cast<int>(resolution[0]);
+    camera.height = static_cast<int>(resolution[1]);
+    if (camera.width < 1 || camera.height < 1) yaml.fail(node["resolution"], "resolution: [width, height] in pixels");
+  }
 
   const auto intrinsics = yaml.numbers(node, "intrinsics", 4);
   camera.intrinsics = Eigen::Map<const Eigen::Vector4d>(intrinsics.data());

@@ -77,6 +77,111 @@ void test_configuration_is_checked() {
   check_refused("prior", [](segcal_config_t* c) { c->prior_sigma[4] = -0.1; });
 }
 
+/// True if a device takes the configuration.
+bool taken(const segcal_config_t& config) {
+  static Storage storage(0);
+  segcal_t* device = nullptr;
+  return segcal_create(&device, &config, storage.data, segcal_storage_bytes()) == SEGCAL_OK;
+}
+
+/// A number's limits: taken at both, refused a thousandth beyond.
+void check_range(const char* what, double segcal_config_t::*field, double least, double most) {
+  const double inf = std::numeric_limits<double>::infinity();
+  for (double value : {least, 0.5 * (least + most), most}) {
+    segcal_config_t config = SyntheticStream::config();
+    config.*field = value;
+    test::check_true(Id().add("config", what).add("value", value), "refused", taken(config));
+  }
+  for (double value : {least - 1e-3 - 1e-3 * std::fabs(least), most + 1e-3 + 1e-3 * most, std::nan(""), inf, -inf}) {
+    segcal_config_t config = SyntheticStream::config();
+    config.*field = value;
+    test::check_true(Id().add("config", what).add("value", value), "taken", !taken(config));
+  }
+}
+
+/// Zero stands for the default, so that it is in every range.
+void test_ranges_of_numbers() {
+  check_range("imu_rate_hz", &segcal_config_t::imu_rate_hz, 0, 20000);
+  check_range("gyro_noise_density", &segcal_config_t::gyro_noise_density, 0, 1);
+  check_range("gyro_random_walk", &segcal_config_t::gyro_random_walk, 0, 1);
+  check_range("accel_noise_density", &segcal_config_t::accel_noise_density, 0, 10);
+  check_range("accel_random_walk", &segcal_config_t::accel_random_walk, 0, 10);
+  check_range("gyro_range", &segcal_config_t::gyro_range, 0, 1e4);
+  check_range("accel_range", &segcal_config_t::accel_range, 0, 1e5);
+  check_range("pixel_sigma", &segcal_config_t::pixel_sigma, 0, 100);
+  check_range("gravity", &segcal_config_t::gravity, 0, 100);
+  check_range("frame_interval_s", &segcal_config_t::frame_interval_s, 0, 2);
+  check_range("segment_s", &segcal_config_t::segment_s, 0, 60);
+  check_range("least_segment_s", &segcal_config_t::least_segment_s, 0, 4);   // segment_s
+  check_range("least_gain_nats", &segcal_config_t::least_gain_nats, 0, 1e6);
+  check_range("filter_share", &segcal_config_t::filter_share, 0, 1);
+  check_range("trigger_fraction", &segcal_config_t::trigger_fraction, 0, 0.9999);
+  check_range("outdated_level", &segcal_config_t::outdated_level, 0, 0.1);
+}
+
+void test_ranges_of_the_others() {
+  segcal_config_t config = SyntheticStream::config();
+  config.trigger_fraction = config.outdated_level = -1;   // never
+  TEST_ASSERT_TRUE(taken(config));
+  config = SyntheticStream::config();
+  config.most_segment_s = 60;
+  TEST_ASSERT_TRUE(taken(config));
+  config.most_segment_s = 3.9;                            // below segment_s
+  TEST_ASSERT_FALSE(taken(config));
+  for (int i = 0; i < 14 + 11; ++i) {
+    for (double* sigma : {&config.prior_sigma[i], &config.sigma_ref[i], &config.trigger_sigma[i]}) {
+      for (double value : {-1e-3, 1.1e6, std::nan("")}) {
+        config = SyntheticStream::config();
+        *sigma = value;
+        test::check_true(Id().add("entry", i).add("value", value), "a sigma is taken", !taken(config));
+      }
+    }
+  }
+}
+
+void test_ranges_of_choices() {
+  const auto check = [](const char* what, std::int32_t segcal_config_t::*field, int least, int most) {
+    for (int value = least - 2; value <= most + 2; ++value) {
+      segcal_config_t config = SyntheticStream::config();
+      config.*field = value;
+      test::check_true(Id().add("config", what).add("value", value), "taken or refused", taken(config) == (value >= least && value <= most));
+    }
+  };
+  check("n_cameras", &segcal_config_t::n_cameras, 0, 1);   // two need the second one's focal length
+  check("keep_segments", &segcal_config_t::keep_segments, 0, SEGCAL_MAX_SEGMENTS);
+  check("metric", &segcal_config_t::metric, SEGCAL_METRIC_A, SEGCAL_METRIC_SET_D);
+  check("strategy", &segcal_config_t::strategy, SEGCAL_SINGLE_SESSION, SEGCAL_MULTI_SESSION);
+}
+
+void test_ranges_of_a_camera() {
+  segcal_config_t config = SyntheticStream::config();
+  segcal_camera_t& camera = config.camera[0];
+  double* const numbers[] = {&camera.p_CI[0], &camera.p_CI[2], &camera.intrinsics[0], &camera.intrinsics[3], &camera.distortion[0], &camera.q_CI[2]};
+  for (double* number : numbers) {
+    for (double value : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+      config = SyntheticStream::config();
+      *number = value;
+      test::check_true(Id().add("byte", reinterpret_cast<char*>(number) - reinterpret_cast<char*>(&config)), "not a number is taken", !taken(config));
+    }
+  }
+  config = SyntheticStream::config();
+  camera.distortion[0] = 2.5;
+  TEST_ASSERT_TRUE(taken(config));
+  camera.distortion[0] = 2.51;
+  TEST_ASSERT_FALSE(taken(config));
+  camera.distortion[0] = -0.01;
+  TEST_ASSERT_FALSE(taken(config));
+  camera.model = SEGCAL_RADTAN;   // there the same number is any coefficient
+  TEST_ASSERT_TRUE(taken(config));
+  for (double scale : {0.49, 2.01, std::nan("")}) {
+    for (int i = 0; i < 3; ++i) {
+      config = SyntheticStream::config();
+      (i == 0 ? config.imu.gyro_scale[0] : i == 1 ? config.imu.accel_scale[2] : config.imu.accel_misalignment[1]) = scale;
+      test::check_true(Id().add("scale", scale).add("entry", i), "taken", taken(config) == (i == 2 && scale == scale));
+    }
+  }
+}
+
 /// Every call on a handle that stands for no device.
 void check_no_device(segcal_t* device) {
   segcal_imu_t sample = stream().imu[0];
@@ -94,6 +199,7 @@ void check_no_device(segcal_t* device) {
                        segcal_get_result(device, &result), segcal_get_direction(device, 0, &direction),
                        segcal_get_segment(device, -1, &segment), segcal_get_segment_directions(device, &direction, 1),
                        segcal_get_counters(device, &counters)};
+  TEST_ASSERT_TRUE(segcal_result_hash(device) == 0);
   for (std::size_t i = 0; i < sizeof codes / sizeof codes[0]; ++i) {
     test::check_between(Id().add("call", i).add("handle", device ? "zeroes" : "null"), "code", -100, codes[i], -1);
   }
@@ -170,6 +276,10 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_storage_is_checked);
   RUN_TEST(test_configuration_is_checked);
+  RUN_TEST(test_ranges_of_numbers);
+  RUN_TEST(test_ranges_of_the_others);
+  RUN_TEST(test_ranges_of_choices);
+  RUN_TEST(test_ranges_of_a_camera);
   RUN_TEST(test_configuration_comes_back);
   RUN_TEST(test_calls_without_a_device);
   RUN_TEST(test_null_pointers);

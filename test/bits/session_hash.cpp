@@ -1,5 +1,7 @@
 // Feeds a device log to the core, compiled right here with the options of one variant, and prints the result hash. Neither
 // the input nor the output passes through code that another variant compiles differently.
+//
+// usage: session_hash LOG [SLICES]      SLICES: of background work after each sample; 0: all is done where it must be
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -19,6 +21,15 @@ using Bytes = std::vector<std::uint8_t>;
   std::exit(2);
 }
 
+int slices_per_sample = 0;
+std::uint32_t longest_wait = 0, waited = 0;  // in samples
+
+/// What the background does between two samples.
+void work(Device<Real>* device) {
+  waited = device->background(slices_per_sample) > 0 ? waited + 1 : 0;
+  if (waited > longest_wait) longest_wait = waited;
+}
+
 void feed_samples(ByteReader in, Device<Real>* device) {
   const std::int64_t t0 = in.integer<std::int64_t>();
   for (std::uint32_t n = in.integer<std::uint32_t>(); n > 0; --n) {
@@ -26,7 +37,9 @@ void feed_samples(ByteReader in, Device<Real>* device) {
     InertialReading<Real> reading;
     for (int i = 0; i < 3; ++i) reading.gyro(i) = in.number32();
     for (int i = 0; i < 3; ++i) reading.accel(i) = in.number32();
+    in.number32();  // temperature: no effect that needs it is enabled
     device->push_imu(t, reading);
+    work(device);
   }
 }
 
@@ -68,6 +81,7 @@ void take_block(LogBlock type, const std::uint8_t* payload, std::size_t n, Devic
 
 int main(int argc, char** argv) {
   static Device<Real> device;
+  slices_per_sample = argc > 2 ? std::atoi(argv[2]) : 0;
   std::ifstream file(argc > 1 ? argv[1] : "", std::ios::binary);
   const Bytes bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   if (bytes.size() < 100) stop("no log");
@@ -81,6 +95,9 @@ int main(int argc, char** argv) {
     at += kBlockHead + n + kBlockTail;
   }
   if (!device.has_release() || device.database().size() < 2) stop("the session did not come to a calibration");
+  if (device.faults().segments_missed == 0) stop("no segment ended while a calibration was under way");
+  std::fprintf(stderr, "%d slices per sample: %u calibrations, %u segments missed, late %u times, at most %u samples long\n",
+               slices_per_sample, device.faults().calibrations, device.faults().segments_missed, device.faults().slices_late, longest_wait);
   std::printf("result_hash %016llx\n", static_cast<unsigned long long>(device.result_hash()));
   return 0;
 }

@@ -32,6 +32,10 @@ inline segcal_config_t log_config() {
   config.gyro_noise_density = 3e-4;
   config.seed = 0x123456789ABCDEF0ull;
   config.outdated_level = -1;
+  config.has_temperature = 1;
+  config.n_terms = 1;
+  config.term[0].b = 3;
+  config.term_value[0] = 0.5;
   return config;
 }
 
@@ -58,6 +62,7 @@ class LoggedCalls {
     calls.push_back({0, static_cast<std::uint64_t>(s.t_ns)});
     for (float v : s.gyro) calls.back().push_back(bits_of(v));
     for (float v : s.accel) calls.back().push_back(bits_of(v));
+    calls.back().push_back(bits_of(s.temperature));
   }
   /// Points of camera 0 first.
   void tracks(std::int64_t t_ns, const std::vector<segcal_point_t>& points) {
@@ -99,6 +104,7 @@ inline void log_session(LoggedCalls* log, std::uint32_t seed, int frames) {
         s.gyro[k] = static_cast<float>(random.normal());
         s.accel[k] = static_cast<float>(9.8 * random.normal());
       }
+      s.temperature = static_cast<float>(random.uniform(-20, 60));
       if (f == 1 && i == 3) s.t_ns -= 20000000;
       if (f == 1 && i == 5) s.gyro[1] = std::numeric_limits<float>::quiet_NaN();
       if (f == 1 && i == 6) s.accel[2] = -0.0f;
@@ -130,6 +136,7 @@ inline std::vector<Bits> calls_of(const host::DeviceLog& log) {
         out.push_back({0, static_cast<std::uint64_t>(x.t_ns)});
         for (double v : x.gyro) out.back().push_back(bits_of(static_cast<float>(v)));
         for (double v : x.accel) out.back().push_back(bits_of(static_cast<float>(v)));
+        out.back().push_back(bits_of(static_cast<float>(x.temperature_degC)));
       } else if (call.what == host::DeviceCall::frame) {
         out.push_back({1, static_cast<std::uint64_t>(session.cameras[0].frames[frame].t_ns)});
         for (std::size_t c = 0; c < session.cameras.size(); ++c) {

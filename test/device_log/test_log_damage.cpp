@@ -127,11 +127,11 @@ Bytes with_block(std::uint16_t type, const Bytes& payload) {
 }
 
 void test_whole_blocks_with_wrong_content_are_refused() {
-  Bytes sample(12 + 28, 0);
+  Bytes sample(12 + 32, 0);
   sample[8] = 1;
   TEST_ASSERT_EQUAL_STRING("", refusal(with_block(2, sample)).c_str());
   sample[8] = 2;
-  check_says(Id().add("case", "count"), refusal(with_block(2, sample)), {"expected 2 samples, found 28 bytes"});
+  check_says(Id().add("case", "count"), refusal(with_block(2, sample)), {"expected 2 samples, found 32 bytes"});
   Bytes point(12 + 13, 0);
   point[8] = 1;
   TEST_ASSERT_EQUAL_STRING("", refusal(with_block(3, point)).c_str());
@@ -142,7 +142,7 @@ void test_whole_blocks_with_wrong_content_are_refused() {
   check_says(Id().add("case", "short"), refusal(with_block(5, {1, 2})), {"expected another number of bytes"});
   check_says(Id().add("case", "long"), refusal(with_block(6, {1})), {"expected another number of bytes"});
   check_says(Id().add("case", "second configuration"), refusal(with_block(1, {})), {"found a second one"});
-  Bytes format(56, 0);
+  Bytes format(64, 0);
   format[0] = 2;
   check_says(Id().add("case", "format"), refusal(with_block(0, format)), {"expected log format 1, found 2"});
 }

@@ -23,13 +23,13 @@ std::vector<std::uint8_t> bytes_of(const fs::path& file) {
 
 struct Capacities {
   const char* profile;
-  std::uint32_t numbers[12];  // as the header has them, from the size of a number on
+  std::uint32_t numbers[14];  // as the header has them, from the size of a number on
 };
 constexpr Capacities kProfiles[] = {
-    {"mcu", {4, 1, 8, 12, 40, 360, 876, 8, 40, 4, 8, 300}},
-    {"mobile", {4, 2, 15, 20, 120, 2000, 2000, 11, 160, 8, 8, 1000}},
-    {"host", {4, 2, 64, 32, 256, 6000, 8400, 11, 256, 16, 8, 2000}},
-    {"mobile_double", {8, 2, 15, 20, 120, 2000, 2000, 11, 160, 8, 8, 1000}}};
+    {"mcu", {4, 1, 8, 12, 40, 360, 876, 8, 40, 4, 8, 300, 3, 10}},
+    {"mobile", {4, 2, 15, 20, 120, 2000, 2000, 11, 160, 8, 8, 1000, 36, 36}},
+    {"host", {4, 2, 64, 32, 256, 6000, 8400, 11, 256, 16, 8, 2000, 64, 64}},
+    {"mobile_double", {8, 2, 15, 20, 120, 2000, 2000, 11, 160, 8, 8, 1000, 36, 36}}};
 
 Eigen::Matrix3d rotation(const double* q) {
   const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
@@ -52,6 +52,7 @@ Calibration calibration_of(const segcal_config_t& c) {
     camera.p_CI = Eigen::Vector3d(c.camera[i].p_CI);
     camera.intrinsics = Eigen::Vector4d(c.camera[i].intrinsics);
     camera.distortion = Eigen::Vector4d(c.camera[i].distortion);
+    camera.height = c.camera[i].height;
     out.cameras.push_back(camera);
   }
   out.imu.T_g = triangle(c.imu.gyro_scale, c.imu.gyro_misalignment);
@@ -110,10 +111,10 @@ class Decoder {
       fail(name_, block.offset, "expected log format " + std::to_string(SEGCAL_LOG_FORMAT) + ", found " + std::to_string(format));
     }
     in->integer<std::uint32_t>();  // version of the library
-    std::uint32_t numbers[12];
+    std::uint32_t numbers[14];
     for (std::uint32_t& n : numbers) n = in->integer<std::uint32_t>();
     for (const Capacities& c : kProfiles) {
-      if (std::equal(numbers, numbers + 12, c.numbers)) profile_ = c.profile;
+      if (std::equal(numbers, numbers + 14, c.numbers)) profile_ = c.profile;
     }
   }
 
@@ -124,6 +125,7 @@ class Decoder {
       fail(name_, block.offset, "expected a configuration of at most " + std::to_string(SEGCAL_MAX_CAMERAS) + " cameras, found another one or a newer one");
     }
     has_config_ = true;
+    has_temperature_ = config.has_temperature != 0;
     config_.assign(block.payload, block.payload + block.size);
     out_.calibration = calibration_of(config);
     out_.noise = noise_of(config);
@@ -140,6 +142,7 @@ class Decoder {
       sample.t_ns = static_cast<std::int64_t>(static_cast<std::uint64_t>(t0) + static_cast<std::uint64_t>(std::int64_t{in->integer<std::int32_t>()}));
       for (double& value : sample.gyro) value = in->number32();
       for (double& value : sample.accel) value = in->number32();
+      sample.temperature_degC = in->number32();
       session().imu.samples.push_back(sample);
       session().device->calls.push_back({DeviceCall::sample, 0});
     }
@@ -177,6 +180,7 @@ class Decoder {
     Recording recording;
     recording.root = name_;
     recording.imu.noise = out_.noise;
+    recording.imu.has_temperature = has_temperature_;
     recording.cameras.resize(out_.calibration.cameras.size());
     recording.device = DeviceSession{{}, config_, profile_, true};
     out_.sessions.push_back(recording);
@@ -189,7 +193,7 @@ class Decoder {
   DeviceLog out_;
   std::string profile_;
   std::vector<std::uint8_t> config_;
-  bool has_config_ = false;
+  bool has_config_ = false, has_temperature_ = false;
 };
 
 }  // namespace

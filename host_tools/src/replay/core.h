@@ -32,7 +32,7 @@ struct CoreOptions {
   bool hold_calibration = false;     ///< the filter runs with the calibration as it is, without estimates of its own
   std::vector<double> sigma_ref;     ///< normalises the metrics, per parameter; empty: the prior sigmas
   bool joint_ekf = false;            ///< the filter's own calibration is the result; no segments
-  std::vector<std::uint8_t> device_config;  ///< a device's own (recording.h): taken instead of all above; empty: none
+  std::vector<std::uint8_t> device_config;  ///< a device's own (recording.h): taken instead of all here; empty: none
   std::uint32_t effects = 0;         ///< SEGCAL_EFFECT_* that are estimated
   std::vector<CoreTerm> terms;       ///< and further terms
   std::vector<double> term_values;   ///< where they start, effects by bit, then `terms`; empty: at zero
@@ -141,7 +141,7 @@ class Core {
   /// Points of all cameras at one stamp; `per_camera` has one entry per camera (null: no image at this stamp).
   virtual FrameOutcome push_frame(std::int64_t t_ns, const std::vector<const Frame*>& per_camera) = 0;
   virtual bool state(CoreState* out) const = 0;
-  /// Scores and, when due, calibrates. True if a calibration ran.
+  /// Does all work that is pending: scores and, when the device began one, a calibration. True if one ran.
   virtual bool background() = 0;
   virtual void flush() = 0;
   virtual void new_session() = 0;

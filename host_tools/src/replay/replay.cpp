@@ -19,9 +19,7 @@ double quantile(std::vector<double> values, double q) {
 
 class Session {
  public:
-  /// `background`: the device works in the background as in firmware, and so calibrates when it knows enough.
-  Session(Core& core, ReplayResult& out, bool calibrate, bool background)
-      : core_(core), out_(out), calibrate_(calibrate), background_(background) {}
+  Session(Core& core, ReplayResult& out, bool calibrate) : core_(core), out_(out), calibrate_(calibrate) {}
 
   void run(const Recording& recording, const std::function<void(double)>& progress) {
     const std::vector<RigFrame> frames = rig_frames(recording);
@@ -45,7 +43,7 @@ class Session {
   void flush() {
     core_.flush();
     collect_segment();
-    if (background_ && core_.background()) note_calibration(true);
+    if (core_.background()) note_calibration(true);
   }
 
   void calibrate() {
@@ -70,6 +68,7 @@ class Session {
   void take_frame(const RigFrame& frame, Clock::time_point start) {
     const FrameOutcome outcome = core_.push_frame(frame.t_ns, frame.cameras);
     newest_ = frame.t_ns;
+    const bool calibrated = core_.background();
     const double ms = ms_since(start);
     if (collect_segment()) {
       score_ms.push_back(ms);
@@ -78,7 +77,7 @@ class Session {
     }
     CoreState state;
     if (outcome == FrameOutcome::tracking && core_.state(&state)) out_.trajectory.push_back(state);
-    if (background_ && core_.background()) note_calibration(true);
+    if (calibrated) note_calibration(true);
   }
 
   bool collect_segment() {
@@ -90,7 +89,7 @@ class Session {
 
   Core& core_;
   ReplayResult& out_;
-  bool calibrate_, background_;
+  bool calibrate_;
   std::int64_t newest_ = 0;
 };
 
@@ -154,11 +153,11 @@ std::vector<DeviceCall> calls_of(const Recording& recording, const std::vector<R
 ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions& options) {
   CoreOptions core_options = options.core;
   core_options.joint_ekf = options.joint_ekf;
+  if (!options.calibrate) core_options.trigger_fraction = 0;
   std::unique_ptr<Core> core = make_core(options.profile, core_options);
   ReplayResult out;
   out.noise = options.core.noise;
-  const bool triggered = options.core.trigger_fraction > 0 || !options.core.device_config.empty();
-  Session session(*core, out, options.calibrate, options.calibrate && triggered);
+  Session session(*core, out, options.calibrate);
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     if (i > 0) core->new_session();
     session.run(sessions[i], options.progress);

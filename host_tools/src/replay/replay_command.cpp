@@ -17,8 +17,7 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> recordings;
-  std::string calibration, out, strategy = "single", verify_hash;
-  std::string calibration, out, model, strategy = "single";
+  std::string calibration, out, model, strategy = "single", verify_hash;
   std::vector<std::string> effects;
   int cameras = 1;
   bool json = false, no_calibration = false, keep_outdated = false, hash = false;
@@ -197,10 +196,9 @@ A device log (made with segcal/log.h, or by segcal convert) is replayed with the
 device made, so that it gives the device's bits:
   segcal replay flight.segcal --out out --verify-hash flight.segcal
 
+)" + effects_help() + R"(
 Exit code 1: the result is not `calibrated` (too little motion, or the model does not fit); with --verify-hash: the hash is
 another one.)");
-)" + effects_help() + R"(
-Exit code 1: the result is not `calibrated` (too little motion, or the model does not fit).)");
   sub->callback([a, &exit_code] { exit_code = run(*a); });
 }
 

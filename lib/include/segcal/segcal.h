@@ -159,12 +159,13 @@ typedef struct {
   double filter_share;             /* the filter estimates the calibration along its way; factor on the prior sigmas of these
                                       estimates, up to 1; 0: 1. 1e-3 holds it at what is given */
   uint64_t seed;                   /* of the random metric */
-  /* When segcal_background starts a calibration. All 0: when keep_segments are kept. Else as soon as the kept segments
+  /* When the device begins a calibration of its own. All 0: when keep_segments are kept. Else as soon as the kept segments
      together predict all of these sigmas (before scaling by what the fit shows); once the database is full, parameters
      that it hardly shows (sigma above 0.5 of the prior's) are not waited for. Checked at each segment that is kept, once
-     per session. */
+     per session. It is done in the background and takes effect at the fourth end of a segment after it, or at
+     segcal_flush, segcal_new_session or segcal_calibrate; segments that end until then are counted as missed. */
   double trigger_sigma[SEGCAL_MAX_PARAMETERS]; /* of theta's entries, units as prior_sigma; 0: trigger_fraction's */
-  double trigger_fraction;         /* of each prior sigma, 0..1; 0: no target but those above */
+  double trigger_fraction;         /* of each prior sigma, 0..1; 0: no target but those above; -1: never of its own */
   int32_t joint_filter;            /* 1: no segments; the filter's own calibration is the result, for comparison. 0: off.
                                       The filter estimates all of theta in either case, from priors of its own; what it
                                       finds stays with it, and segcal_calibrate's result replaces it */
@@ -252,6 +253,10 @@ typedef struct {
   uint32_t segments_closed, segments_discarded, segments_unsettled, segments_ended_early;
   uint32_t landmarks_left_out, points_left_out;
   uint32_t segments_outdated;
+  uint32_t segments_missed;        /* ended while a calibration was under way */
+  uint32_t slices_late;            /* times that a score or a calibration was finished at once in a call that feeds, because
+                                      segcal_background had not done its slices */
+  uint32_t calibrations;           /* begun */
 } segcal_counters_t;
 
 /* A whitened residual of the last calibration. */
@@ -315,10 +320,12 @@ int segcal_push_tracks(segcal_t *device, int64_t t_ns, const segcal_point_t *poi
 /* Instead of segcal_push_tracks, for users with their own odometry: a keyframe's state and its points. The filter is not
    used. IMU samples up to its stamp must have been pushed. */
 int segcal_push_keyframe(segcal_t *device, const segcal_state_t *state, const segcal_point_t *points, int32_t n);
-/* Does pending background work (scoring of a finished segment, calibration when the database has become full, or when the
-   targets of segcal_config_t are reached); at most `slices` pieces. Returns the pieces still waiting, or an error. */
+/* Does pending work, the score of a segment that has ended or a calibration: at most `slices` pieces, each bounded (see the
+   budgets in docs). Returns 1 while work is pending, else 0, or an error. How often it is called does not change any bit of
+   what comes out. A score must be done when the next segment ends, a calibration at the fourth end; what is not done then is
+   done at once, and counted in slices_late. */
 int segcal_background(segcal_t *device, int32_t slices);
-/* Ends the open segment now and scores it. */
+/* Ends the open segment now, scores it, and finishes all work that is pending. */
 int segcal_flush(segcal_t *device);
 /* Ends the session: as segcal_flush, then the filter starts again; the database is emptied if single session. */
 int segcal_new_session(segcal_t *device);

@@ -107,11 +107,12 @@ bool effects_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
 
 bool sigmas_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   default_prior_sigmas(out->theta, out->prior_sigma);
-  if (!(c.trigger_fraction >= 0 && c.trigger_fraction < 1)) return false;
+  out->calibrates_itself = c.trigger_fraction != -1;
+  if (out->calibrates_itself && !(c.trigger_fraction >= 0 && c.trigger_fraction < 1)) return false;
   for (int i = 0; i < out->theta.columns(); ++i) {
     if (!positive(c.prior_sigma[i], static_cast<double>(out->prior_sigma[i]), 1e6, &out->prior_sigma[i])) return false;
     if (!positive(c.sigma_ref[i], static_cast<double>(out->prior_sigma[i]), 1e6, &out->sigma_ref[i])) return false;
-    const double relative = c.trigger_fraction * static_cast<double>(out->prior_sigma[i]);
+    const double relative = (out->calibrates_itself ? c.trigger_fraction : 0) * static_cast<double>(out->prior_sigma[i]);
     if (!positive(c.trigger_sigma[i], relative, 1e6, &out->target_sigma[i])) return false;
   }
   return true;

@@ -36,6 +36,7 @@ struct DeviceOptions {
   std::uint32_t watch_effects = 0;  ///< bit e: the score test asks each scored segment about effect e
   bool joint_filter = false;    ///< the filter's own calibration is the result; no segments
   S outdated_level = S(1e-3);   ///< probability that a calibration drops segments although theta is the same; 0: never drops any
+  bool calibrates_itself = true; ///< when it knows enough; else only where it is told to
 };
 
 /// Data faults, counted and survived.
@@ -44,6 +45,9 @@ struct FaultCounts {
   std::uint32_t frames = 0, frames_used = 0, frame_stamps_back = 0, frames_dropped = 0, frames_few_tracks = 0;
   std::uint32_t points_not_finite = 0;
   std::uint32_t segments_closed = 0, segments_discarded = 0, segments_unsettled = 0, segments_outdated = 0;
+  std::uint32_t segments_missed = 0;   ///< ended while a calibration was under way
+  std::uint32_t slices_late = 0;       ///< done at once because the background had not come to them in time
+  std::uint32_t calibrations = 0;
 };
 
 /// What became of a pushed sample or frame.
@@ -51,6 +55,9 @@ enum class Taken : std::int32_t { ok, waiting, skipped, tracking, lost, not_fini
 
 constexpr int kFewestTracks = 8;
 constexpr int kOutdatedRounds = 2;
+/// A calibration that the device began of its own takes effect at the fourth end of a segment after it (16 s): by then the
+/// background has done its slices, and with a fixed time what comes out does not depend on when.
+constexpr int kCalibrationWindow = 4;
 constexpr int kMaxFramePoints = SEGCAL_MAX_TRACKS * kMaxCameras;
 
 template <class S>
@@ -65,6 +72,7 @@ class Device {
   Taken push_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n);
   void flush();
   void new_session();
+  /// At most `slices` pieces of pending work; returns 1 if some is left, else 0.
   int background(int slices);
   void calibrate();
   /// Rows [theta | candidates | rhs] of the kept slots in `use_slot`, in calibrator().theta_triangle() (Calibrator::rows_of).
@@ -113,11 +121,20 @@ class Device {
   bool segment_complete(std::int64_t t_ns, std::int64_t spacing);
   void break_stream();
   void end_segment(bool continues);
-  void score();
+  Segment<S>& open_slot() { return scoring_ ? *spare_ : database_.building(); }
+  void begin_score();
+  bool score_step();
+  void offer();
+  void finish_score();
   bool knows_enough();
-  void fit();
-  bool drop_outdated();
-  void drop_misfits();
+  void begin_calibration(const Calibration<S>& theta);
+  bool calibrate_step();
+  bool drop_outdated_step();
+  bool drop_misfits_step();
+  void begin_agreement();
+  void finish_calibration();
+  void take_release();
+  bool step();
   void restart_filter();
   void start_clock(std::int64_t t_ns);
   void use_stamp_shift();
@@ -159,7 +176,22 @@ class Device {
   std::uint32_t session_, serial_, frame_;
   std::int32_t thinned_;   ///< how often the open segment was
   std::int32_t stamp_shift_ns_;  ///< from stamps of frames to the IMU's clock, as known
-  bool calibrated_, calibration_due_, knew_enough_, own_odometry_;
+  bool calibrated_, knew_enough_, own_odometry_;
+
+  // Work in slices (math/resumable.h).
+  bool scoring_;               ///< the slot being built holds a segment that waits for its score; the open one is in spare_
+  bool calibrating_;
+  std::int32_t window_;        ///< > 0: segment ends until a calibration takes effect
+  Segment<S>* spare_;          ///< lent by the calibrator
+  Calibration<S> score_theta_; ///< as known when that segment ended
+  Calibration<S> start_theta_; ///< of the calibration under way
+  Place score_place_, calibrate_place_, inner_place_;
+  LargestEigenvalue<S> largest_;
+  CostSteps<S> cost_;
+  Agreement<S> agreement_;
+  Segment<S>* taking_part_[kMaxSegments];
+  std::int32_t n_taking_part_, i_, round_;
+  bool dropped_;
 };
 
 }  // namespace SEGCAL_NS

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "api/device.h"
+#include "math/resumable.h"
 
 namespace SEGCAL_NS {
 
@@ -45,49 +46,91 @@ void Device<S>::take_keyframe(std::int64_t t_ns, const State<S>& state, const Tr
     ++thinned_;
   }
   next_keyframe_ = (next_keyframe_ == kNever || late ? t_ns : next_keyframe_) + (base << thinned_);
-  const std::int32_t shift_ns = own_odometry_ ? 0 : stamp_shift_ns_;
-  if (builder_.add_keyframe(t_ns, shift_ns, state, points, n, imu_)) return;
+  const auto shift_ns = [this] { return own_odometry_ ? 0 : stamp_shift_ns_; };
+  if (builder_.add_keyframe(t_ns, shift_ns(), state, points, n, imu_)) return;
   end_segment(true);
-  builder_.add_keyframe(t_ns, shift_ns, state, points, n, imu_);
+  builder_.add_keyframe(t_ns, shift_ns(), state, points, n, imu_);
 }
 
-/// Closes, scores and offers the open segment, then opens the next one.
+/// Closes the open segment, hands it over to be scored, and opens the next one. The score of the segment before must be done
+/// by then; and while a calibration is under way the database is closed.
 template <class S>
 void Device<S>::end_segment(bool continues) {
   if (!builder_.empty()) {
+    if (scoring_) ++faults_.slices_late;
+    finish_score();
     ++faults_.segments_closed;
-    database_.building().frame = frame_;
-    if (builder_.close(working_theta(), options_.model)) {
-      score();
+    open_slot().frame = frame_;
+    if (window_ > 0) {
+      ++faults_.segments_missed;
+      if (--window_ == 0) {
+        if (calibrating_) ++faults_.slices_late;
+        finish_calibration();
+      }
+    } else if (builder_.close(working_theta(), options_.model)) {
+      begin_score();
     } else {
       ++faults_.segments_discarded;
     }
   }
   ++serial_;
   thinned_ = 0;
-  builder_.begin(&database_.building(), session_, serial_, continues);
+  builder_.begin(&open_slot(), session_, serial_, continues);
+}
+
+/// The closed segment stays in its slot; the next one begins in memory that only a calibration needs.
+template <class S>
+void Device<S>::begin_score() {
+  scoring_ = true;
+  score_place_ = 0;
+  score_theta_ = working_theta();
+  spare_ = calibrator_.lend_segment();
+  eliminator_.restart();
+  cost_.restart();
+  largest_.restart();
 }
 
 template <class S>
-void Device<S>::score() {
+bool Device<S>::score_step() {
   Segment<S>& segment = database_.building();
-  GuestLink<S> alone;
-  const Calibration<S> theta = working_theta();
-  segment.turned_only = segment.wide_depth_prior = !translation_shows(segment, theta, options_.model);
-  eliminator_.eliminate(segment, alone, theta, options_.model, S(0), monitor_.candidates());
-  eliminator_.extract(&segment.information);
-  analyse(segment.information, prior_.sigma, &analysis_);
-  segment.metrics = metrics_of(&analysis_, prior_.sigma, options_.sigma_ref);
+  SEGCAL_SLICES(score_place_) {
+    segment.turned_only = segment.wide_depth_prior = !translation_shows(segment, score_theta_, options_.model);
+    SEGCAL_AWAIT(score_place_, eliminator_.eliminate_step(segment, GuestLink<S>{}, score_theta_, options_.model, S(0),
+                                                          monitor_.candidates()));
+    eliminator_.extract(&segment.information);
+    begin_analysis(segment.information, prior_.sigma, &analysis_);
+    SEGCAL_AWAIT(score_place_, analyse_step(segment.information.n_theta, &analysis_));
+    segment.metrics = metrics_but_E(&analysis_, prior_.sigma, options_.sigma_ref);
+    SEGCAL_AWAIT(score_place_, largest_.step(analysis_.W, analysis_.n));
+    segment.metrics.E = largest_.value();
+    SEGCAL_AWAIT(score_place_, cost_.inertial_step(segment, GuestLink<S>{}, score_theta_, options_.model));
+    offer();
+  }
+  SEGCAL_SLICES_END(score_place_);
+}
+
+/// Into the database with the scored segment, if it is worth it; the open one moves to the slot that is free then.
+template <class S>
+void Device<S>::offer() {
+  const Segment<S>& segment = database_.building();
   last_ = summary_of(segment);
-  const bool settled = follows_its_imu(segment, theta, options_.model, theta.effects.count() > 0 || monitor_.active());
+  const bool settled = follows_its_imu(segment, cost_.inertial(), score_theta_.effects.count() > 0 || monitor_.active());
   if (!settled) ++faults_.segments_unsettled;
-  if (settled) monitor_.add(&eliminator_, theta);
+  if (settled) monitor_.add(&eliminator_, score_theta_);
   JointInformation<S> joint = joint_information();
   last_.kept = settled && database_.offer(&joint);
-  if (last_.kept && !knew_enough_ && knows_enough()) {
-    knew_enough_ = true;
-    calibration_due_ = true;
-  }
+  scoring_ = false;
+  builder_.move_to(&database_.building());
+  if (!last_.kept || knew_enough_ || !knows_enough()) return;
+  knew_enough_ = true;
+  if (!options_.calibrates_itself || options_.joint_filter) return;
+  begin_calibration(score_theta_);
+  window_ = kCalibrationWindow;
+}
+
+template <class S>
+void Device<S>::finish_score() {
+  while (scoring_) score_step();
 }
 
 /// True if the kept segments are worth a calibration: there are enough (paper, Alg. 1), or, where there are targets, they

@@ -22,7 +22,11 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   thinned_ = 0;
   liveliness_.reset();
   last_ = SegmentSummary<S>{};
-  calibrated_ = calibration_due_ = knew_enough_ = own_odometry_ = false;
+  calibrated_ = knew_enough_ = own_odometry_ = false;
+  scoring_ = calibrating_ = dropped_ = false;
+  window_ = n_taking_part_ = i_ = round_ = 0;
+  score_place_ = calibrate_place_ = inner_place_ = 0;
+  spare_ = nullptr;
   stamp_shift_ns_ = stamp_shift(theta_);
   monitor_.begin(options.watch_effects, prior_, theta_);
   vio_.reset(theta_, vio_options());
@@ -63,7 +67,7 @@ void Device<S>::restart_filter() {
   }
   if (!options_.joint_filter && calibrated_ && release_.status != Status::failed) vio_.set_calibration(theta_);
   if (!own_odometry_) ++frame_;
-  builder_.begin(&database_.building(), session_, serial_, false);
+  builder_.begin(&open_slot(), session_, serial_, false);
   state_time_ = last_imu_ = last_frame_ = pending_time_ = next_keyframe_ = kNever;
   pending_count_ = 0;
 }
@@ -210,7 +214,11 @@ std::uint64_t Device<S>::result_hash() const {
 template <class S>
 void Device<S>::flush() {
   if (pending_count_ > 0 && imu_.covers(pending_time_, pending_time_)) process_frame();
+  finish_score();
+  if (window_ > 0) finish_calibration();
   end_segment(false);
+  finish_score();
+  if (window_ > 0) finish_calibration();
   next_keyframe_ = kNever;
 }
 

@@ -29,6 +29,11 @@ void add_to_hash(const Calibration<S>& theta, Hash* hash) {
     hash->add(v->data(), 3);
   }
   hash->add(imu.R_AI.data(), 9);
+  for (int i = 0; i < theta.effects.n; ++i) {
+    const Term& t = theta.effects.term[i];
+    hash->add(std::uint32_t(t.kind) << 24 | std::uint32_t(t.a) << 16 | std::uint32_t(t.b) << 8 | t.c);
+    hash->add(theta.effects.value[i]);
+  }
 }
 
 template <class S>

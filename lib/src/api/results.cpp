@@ -227,7 +227,8 @@ int segcal_get_counters(const segcal_t* device, segcal_counters_t* out) {
   *out = {f.imu_samples, f.imu_stamps_back, f.imu_gaps, f.imu_not_finite, f.imu_saturated, f.frames, f.frames_used,
           f.frame_stamps_back, f.frames_dropped, f.frames_few_tracks, f.points_not_finite, std::uint32_t(v.restarts),
           std::uint32_t(v.standstill_frames), std::uint32_t(v.updates), std::uint32_t(v.gated), f.segments_closed,
-          f.segments_discarded, f.segments_unsettled, b.ended_early, b.landmarks_left_out, b.points_left_out, f.segments_outdated};
+          f.segments_discarded, f.segments_unsettled, b.ended_early, b.landmarks_left_out, b.points_left_out, f.segments_outdated,
+          f.segments_missed, f.slices_late, f.calibrations};
   return SEGCAL_OK;
 }
 

@@ -28,28 +28,46 @@ class Agreement {
  public:
   static constexpr int kScratch = 2 * packed_size(kMaxTheta + 1) + kMaxTheta * (kMaxTheta + 1);
 
+  Agreement() = default;
   /// All segments' information must be linearised at `theta`. `level`: probability of a false verdict in one comparison.
-  /// `noise`: variance of whitened residuals, 1 where the noise is as stated. Memory is lent.
+  /// `noise`: variance of whitened residuals, 1 where the noise is as stated. Memory is lent; all arguments must stay.
   Agreement(const ThetaPrior<S>& prior, const Calibration<S>& theta, S level, S noise, InformationAnalysis<S>* analysis, S* scratch)
-      : prior_(prior), theta_(theta), n_(theta.columns()), level_(level), noise_(noise), analysis_(analysis), scratch_(scratch) {
+      : prior_(&prior), theta_(&theta), n_(theta.columns()), level_(level), noise_(noise), analysis_(analysis), scratch_(scratch) {
     begin();
   }
 
-  /// Takes the next older segment; true if it is outdated. An outdated one says nothing to the rest.
+  /// Takes the next older segment, in slices; true when outdated() is its verdict. An outdated one says nothing to the rest.
+  bool take_step(const SegmentInformation<S>& information) {
+    SEGCAL_SLICES(place_) {
+      outdated_ = false;
+      if (agreed_ > 0) {
+        begin_analysis(information, prior_->sigma, analysis_);
+        SEGCAL_AWAIT(place_, analyse_step(information.n_theta, analysis_));
+        compare(information);
+        outdated_ = contradicted() && know_enough();
+        SEGCAL_PAUSE(place_);
+      }
+      if (!outdated_) agree(information);
+    }
+    SEGCAL_SLICES_END(place_);
+  }
+  bool outdated() const { return outdated_; }
   bool outdated(const SegmentInformation<S>& information) {
+    while (!take_step(information)) {
+    }
+    return outdated_;
+  }
+
+ private:
+  void agree(const SegmentInformation<S>& information) {
     if (agreed_ > 0) {
-      compare(information);
-      if (contradicted() && know_enough()) return true;
       spread_ += statistic_;
       spread_degrees_ += degrees_;
     }
     PackedTriangle<S> T = newer();
     add(information, &T);
     ++agreed_;
-    return false;
   }
-
- private:
   PackedTriangle<S> newer() { return PackedTriangle<S>(scratch_, n_ + 1); }
   PackedTriangle<S> trial() { return PackedTriangle<S>(scratch_ + packed_size(n_ + 1), n_ + 1); }
   S* block() { return scratch_ + 2 * packed_size(n_ + 1); }
@@ -58,11 +76,11 @@ class Agreement {
   void begin() {
     PackedTriangle<S> T = newer();
     S offset[kMaxTheta];
-    difference(prior_.mean, theta_, offset);
+    difference(prior_->mean, *theta_, offset);
     T.clear();
     for (int i = 0; i < n_; ++i) {
       T.row(i)[i] = S(1);
-      T.row(i)[n_] = -offset[i] / prior_.sigma[i];
+      T.row(i)[n_] = -offset[i] / prior_->sigma[i];
     }
   }
 
@@ -77,7 +95,7 @@ class Agreement {
 
   S entry(const SegmentInformation<S>& information, int i, int c) const {
     if (c < i) return S(0);
-    return c < n_ ? information.R(i, c) * prior_.sigma[c] : information.d(i);
+    return c < n_ ? information.R(i, c) * prior_->sigma[c] : information.d(i);
   }
 
   void add(const SegmentInformation<S>& information, PackedTriangle<S>* T) {
@@ -96,7 +114,6 @@ class Agreement {
   }
 
   void compare(const SegmentInformation<S>& information) {
-    analyse(information, prior_.sigma, analysis_);
     degrees_ = 0;
     statistic_ = S(0);
     while (degrees_ < n_ && analysis_->relative_sigma(degrees_) < kExcited<S>) shown_row(information, degrees_++);
@@ -121,12 +138,14 @@ class Agreement {
     for (int c = 0; c < n_; ++c) row[c] = s * analysis_->V[c * n_ + i];
   }
 
-  const ThetaPrior<S>& prior_;
-  const Calibration<S>& theta_;
-  int n_, agreed_ = 0, degrees_ = 0, spread_degrees_ = 0;
-  S level_, noise_, statistic_ = S(0), spread_ = S(0);  // of the last comparison; of all that agreed
-  InformationAnalysis<S>* analysis_;
-  S* scratch_;
+  const ThetaPrior<S>* prior_ = nullptr;
+  const Calibration<S>* theta_ = nullptr;
+  int n_ = 0, agreed_ = 0, degrees_ = 0, spread_degrees_ = 0;
+  S level_ = S(0), noise_ = S(1), statistic_ = S(0), spread_ = S(0);  // of the last comparison; of all that agreed
+  InformationAnalysis<S>* analysis_ = nullptr;
+  S* scratch_ = nullptr;
+  Place place_ = 0;
+  bool outdated_ = false;
 };
 
 /// Variance of whitened residuals as the segments show it each with a theta of its own; 1 where it is less than stated.

@@ -5,6 +5,8 @@
 // row block each.
 #pragma once
 
+#include <new>
+
 #include "calibration/chain.h"
 #include "calibration/global_system.h"
 #include "calibration/partitions.h"
@@ -48,7 +50,12 @@ class Calibrator {
     fit_ = fit;
   }
   /// Iterates to convergence.
-  void run(const CalibratorOptions& options, SegmentEliminator<S>* eliminator);
+  void run(const CalibratorOptions& options, SegmentEliminator<S>* eliminator) {
+    while (!run_step(options, eliminator)) {
+    }
+  }
+  /// The same in slices (math/resumable.h). Between two of them the eliminator is not the caller's.
+  bool run_step(const CalibratorOptions& options, SegmentEliminator<S>* eliminator);
 
   const Calibration<S>& theta() const { return theta_; }
   const CalibrationFit<S>& fit() const { return fit_; }
@@ -95,21 +102,43 @@ class Calibrator {
   /// of anything. Returns the degrees of freedom, theta and candidates not counted.
   S rows_of(const bool* use, const CandidateTerms& candidates, SegmentEliminator<S>* eliminator);
   /// Robust, at the present estimate, with all priors.
-  S total_cost();
+  S total_cost() {
+    while (!total_cost_step()) {
+    }
+    return total_;
+  }
+  /// Memory for one segment, while no calibration is under way; begin() takes it back.
+  Segment<S>* lend_segment() {
+    static_assert(sizeof(Segment<S>) <= sizeof(Memory), "the memory of a fit is too small to lend");
+    return new (&memory_) Segment<S>;
+  }
 
  private:
-  void linearise(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates, bool with_prior);
+  void linearise(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates, bool with_prior) {
+    while (!linearise_step(eliminator, damping, candidates, with_prior)) {
+    }
+  }
   void link_up();
   void form_partitions();
   GuestLink<S> guest(int i);
   const Landmark<S>& tie(int t) const;
   S tie_prior_share(int t) const;
-  void step_back(SegmentEliminator<S>* eliminator, S damping, const S* theta_step);
-  void refine_landmarks();
+  bool total_cost_step();
+  PackedTriangle<S> begin_linearisation(S damping, const CandidateTerms* candidates, bool with_prior);
+  bool linearise_step(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates = nullptr, bool with_prior = true);
+  bool step_back_step(SegmentEliminator<S>* eliminator, S damping);
+  void gather_step(const SegmentEliminator<S>& eliminator, int i);
+  bool refine_landmarks_step();
+  void solve_theta();
+  void set_chi2() {
+    const S rho = theta_triangle()(theta_.columns(), theta_.columns());
+    fit_.chi2 = rho * rho;
+  }
   void save();
   void restore();
   bool turned_back(const S* theta_step);
-  bool iterate(SegmentEliminator<S>* eliminator, S* damping, S* cost, const CalibratorOptions& options);
+  bool iterate_step(SegmentEliminator<S>* eliminator, const CalibratorOptions& options);
+  bool judge_step(S trial, const CalibratorOptions& options);
 
   Segment<S>* segment_[kMaxSegments];
   SegmentLink<S> link_[kMaxSegments];
@@ -121,11 +150,24 @@ class Calibrator {
   Chain<S> chain_;
   Partitions<S> partitions_;
   std::int32_t partition_count_ = 0;
-  LeftRows<S> left_[kMaxSegments > 1 ? kMaxSegments - 1 : 1];  ///< the first segment has nobody on its left
-  SegmentStates<S> saved_[kMaxSegments];
+  /// What is only there while a fit is under way.
+  struct Memory {
+    LeftRows<S> left[kMaxSegments > 1 ? kMaxSegments - 1 : 1];  ///< the first segment has nobody on its left
+    SegmentStates<S> saved[kMaxSegments];
+  };
+  alignas(Segment<S>) Memory memory_;
   S last_step_[kMaxTheta];
   GlobalSystem<S> global_;
   S step_[kStateColumns * (kMaxKeyframes + 1) + kMaxGlobal + 1];
+
+  // Where the work stands (math/resumable.h).
+  Place place_ = 0, iterate_place_ = 0, inner_place_ = 0;
+  std::int32_t i_ = 0, j_ = 0;
+  S damping_, cost_, fall_, total_;
+  bool settled_ = false;
+  S theta_step_[kMaxTheta], guest_step_[kStateColumns], last_keyframe_step_[kStateColumns];
+  const S* global_step_ = nullptr;  ///< ties and theta, in global_
+  CostSteps<S> cost_steps_;
 };
 
 template <class S>
@@ -136,6 +178,8 @@ void Calibrator<S>::begin(Segment<S>* const* segments, int count, const ThetaPri
   theta_ = theta;
   model_ = model;
   fit_ = CalibrationFit<S>{};
+  place_ = iterate_place_ = inner_place_ = 0;
+  new (&memory_) Memory;
   for (int i = 0; i < count; ++i) segment_[i] = segments[i];
   link_up();
 }
@@ -173,11 +217,17 @@ const Landmark<S>& Calibrator<S>::tie(int t) const {
 }
 
 template <class S>
-S Calibrator<S>::total_cost() {
-  S total = prior_cost(prior_, theta_);
-  for (int t = 0; t < partitions_.ties().count(); ++t) total += inverse_depth_cost(tie(t), model_.inverse_depth_sigma);
-  for (int i = 0; i < count_; ++i) total += segment_cost(*segment_[i], guest(i), theta_, model_);
-  return total;
+bool Calibrator<S>::total_cost_step() {
+  SEGCAL_SLICES(inner_place_) {
+    total_ = prior_cost(prior_, theta_);
+    for (int t = 0; t < partitions_.ties().count(); ++t) total_ += inverse_depth_cost(tie(t), model_.inverse_depth_sigma);
+    cost_steps_.restart();
+    for (i_ = 0; i_ < count_; ++i_) {
+      SEGCAL_AWAIT(inner_place_, cost_steps_.step(*segment_[i_], guest(i_), theta_, model_));
+      total_ += cost_steps_.total();
+    }
+  }
+  SEGCAL_SLICES_END(inner_place_);
 }
 
 /// Part of a tie's inverse depth's information that is prior, as LandmarkFit has it for other landmarks.
@@ -195,25 +245,36 @@ S Calibrator<S>::tie_prior_share(int t) const {
 }
 
 template <class S>
-void Calibrator<S>::linearise(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates, bool with_prior) {
+bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates, bool with_prior) {
+  PackedTriangle<S> G = global_.triangle();
+  SEGCAL_SLICES(inner_place_) {
+    G = begin_linearisation(damping, candidates, with_prior);
+    eliminator->restart();
+    for (i_ = 0; i_ < count_; ++i_) {
+      segment_[i_]->turned_only = !translation_shows(*segment_[i_], theta_, model_);
+      SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping, candidates));
+      SEGCAL_AWAIT(inner_place_, chain_.add_step(eliminator, link_[i_].join != Join::none, link_[i_].passes_on,
+                                                 i_ > 0 && !candidates ? &memory_.left[i_ - 1] : nullptr, &G));
+      fit_.image_points += eliminator->counts().image_points;
+      fit_.dof += S(eliminator->counts().residuals - eliminator->counts().unknowns) + eliminator->prior_share();
+    }
+  }
+  SEGCAL_SLICES_END(inner_place_);
+}
+
+/// Priors, damping and degrees of freedom of what is not any segment's.
+template <class S>
+PackedTriangle<S> Calibrator<S>::begin_linearisation(S damping, const CandidateTerms* candidates, bool with_prior) {
   const int ties = partitions_.ties().count();
   global_.begin(ties, theta_.columns() + (candidates ? candidates->count() : 0));
   global_.triangle().clear();
   if (with_prior) global_.clear_to_prior(prior_, theta_);
   for (int t = 0; t < ties; ++t) global_.add_tie(t, tie(t), model_, damping);
-  PackedTriangle<S> G = global_.triangle();
   chain_.begin(global_.columns());
   fit_.image_points = 0;
   fit_.dof = count_ > 0 ? -S(theta_.columns()) : S(0);
   for (int t = 0; t < ties; ++t) fit_.dof -= S(kLandmarkColumns) - tie_prior_share(t);
-  for (int i = 0; i < count_; ++i) {
-    segment_[i]->turned_only = !translation_shows(*segment_[i], theta_, model_);
-    eliminator->eliminate(*segment_[i], guest(i), theta_, model_, damping, candidates);
-    LeftRows<S>* left = i > 0 && !candidates ? &left_[i - 1] : nullptr;
-    chain_.add(eliminator, link_[i].join != Join::none, link_[i].passes_on, left, &G);
-    fit_.image_points += eliminator->counts().image_points;
-    fit_.dof += S(eliminator->counts().residuals - eliminator->counts().unknowns) + eliminator->prior_share();
-  }
+  return global_.triangle();
 }
 
 template <class S>
@@ -245,29 +306,41 @@ S Calibrator<S>::rows_of(const bool* use, const CandidateTerms& candidates, Segm
 }
 
 template <class S>
-void Calibrator<S>::step_back(SegmentEliminator<S>* eliminator, S damping, const S* theta_step) {
-  const int n_theta = theta_.columns();
-  S last[kStateColumns], guest_step[kStateColumns] = {};
-  const S* global_step = global_.solve_ties(theta_step);
-  for (int i = count_ - 1; i >= 0; --i) {
-    const bool has_guest = link_[i].join != Join::none;
-    // The step that the segment after this one found for our last keyframe; none hangs on it: none is known.
-    for (int c = 0; c < kStateColumns; ++c) last[c] = link_[i].passes_on ? guest_step[c] : S(0);
-    const GuestLink<S> g = guest(i);
-    const bool just_eliminated = i == count_ - 1;  // linearise() ended with it
-    if (!just_eliminated) eliminator->eliminate(*segment_[i], g, theta_, model_, damping);
-    if (has_guest) chain_.solve_guest(eliminator, link_[i].passes_on, left_[i - 1], last, global_step, guest_step);
-    for (int c = 0; c < kStateColumns; ++c) {
-      step_[eliminator->last_column() + c] = last[c];
-      if (has_guest) step_[eliminator->guest_column() + c] = guest_step[c];
+bool Calibrator<S>::step_back_step(SegmentEliminator<S>* eliminator, S damping) {
+  SEGCAL_SLICES(inner_place_) {
+    eliminator->restart();
+    global_step_ = global_.solve_ties(theta_step_);
+    for (S& s : guest_step_) s = S(0);
+    for (i_ = count_ - 1; i_ >= 0; --i_) {
+      // The step that the segment after this one found for our last keyframe; none hangs on it: none is known.
+      for (int c = 0; c < kStateColumns; ++c) last_keyframe_step_[c] = link_[i_].passes_on ? guest_step_[c] : S(0);
+      if (i_ < count_ - 1) {  // linearise_step() ended with the last one
+        SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping));
+      }
+      if (link_[i_].join != Join::none) {
+        SEGCAL_AWAIT(inner_place_, chain_.solve_guest_step(eliminator, link_[i_].passes_on, memory_.left[i_ - 1], last_keyframe_step_,
+                                                           global_step_, guest_step_));
+      }
+      gather_step(*eliminator, i_);
+      SEGCAL_AWAIT(inner_place_, eliminator->back_substitute_step(*segment_[i_], guest(i_), theta_, model_, damping, step_,
+                                                                  link_[i_].passes_on ? eliminator->last_column() : eliminator->guest_column()));
+      SEGCAL_AWAIT(inner_place_, eliminator->move_step(segment_[i_], theta_, model_, damping, step_));
     }
-    for (int c = 0; c < n_theta; ++c) step_[eliminator->theta_column() + c] = theta_step[c];
-    for (int c = 0; c < kLandmarkColumns * g.tied.n; ++c) {
-      step_[eliminator->tie_column() + c] = global_step[kLandmarkColumns * g.tied.number[c / kLandmarkColumns] + c % kLandmarkColumns];
-    }
-    eliminator->back_substitute(*segment_[i], g, theta_, model_, damping, step_,
-                                link_[i].passes_on ? eliminator->last_column() : eliminator->guest_column());
-    eliminator->move(segment_[i], theta_, model_, damping, step_);
+  }
+  SEGCAL_SLICES_END(inner_place_);
+}
+
+/// What is known of segment i's step: its last keyframe, guest, theta and ties.
+template <class S>
+void Calibrator<S>::gather_step(const SegmentEliminator<S>& eliminator, int i) {
+  const TiedLandmarks tied = guest(i).tied;
+  for (int c = 0; c < kStateColumns; ++c) {
+    step_[eliminator.last_column() + c] = last_keyframe_step_[c];
+    if (link_[i].join != Join::none) step_[eliminator.guest_column() + c] = guest_step_[c];
+  }
+  for (int c = 0; c < theta_.columns(); ++c) step_[eliminator.theta_column() + c] = theta_step_[c];
+  for (int c = 0; c < kLandmarkColumns * tied.n; ++c) {
+    step_[eliminator.tie_column() + c] = global_step_[kLandmarkColumns * tied.number[c / kLandmarkColumns] + c % kLandmarkColumns];
   }
 }
 
@@ -275,25 +348,29 @@ void Calibrator<S>::step_back(SegmentEliminator<S>* eliminator, S damping, const
 /// distances of landmarks with little parallax, no longer limits the step (Golub and Pereyra's variable projection).
 /// Ties have moved with theta: several segments see them.
 template <class S>
-void Calibrator<S>::refine_landmarks() {
-  for (int i = 0; i < count_; ++i) {
-    const TiedLandmarks tied = guest(i).tied;
-    for (int j = 0; j < segment_[i]->n_landmarks; ++j) {
-      if (tied.place_of(j) < 0) refine_landmark(*segment_[i], j, theta_, model_, 2, &segment_[i]->states.landmark[j]);
+bool Calibrator<S>::refine_landmarks_step() {
+  SEGCAL_SLICES(inner_place_) {
+    for (i_ = 0; i_ < count_; ++i_) {
+      for (j_ = 0; j_ < segment_[i_]->n_landmarks; ++j_) {
+        if (guest(i_).tied.place_of(j_) >= 0) continue;
+        refine_landmark(*segment_[i_], j_, theta_, model_, 2, &segment_[i_]->states.landmark[j_]);
+        SEGCAL_PAUSE(inner_place_);
+      }
     }
   }
+  SEGCAL_SLICES_END(inner_place_);
 }
 
 template <class S>
 void Calibrator<S>::save() {
   saved_theta_ = theta_;
-  for (int i = 0; i < count_; ++i) saved_[i] = segment_[i]->states;
+  for (int i = 0; i < count_; ++i) memory_.saved[i] = segment_[i]->states;
 }
 
 template <class S>
 void Calibrator<S>::restore() {
   theta_ = saved_theta_;
-  for (int i = 0; i < count_; ++i) segment_[i]->states = saved_[i];
+  for (int i = 0; i < count_; ++i) segment_[i]->states = memory_.saved[i];
 }
 
 /// True if this step goes against the last one (by more than 120 deg): undamped steps swing about the minimum along weak
@@ -311,57 +388,73 @@ bool Calibrator<S>::turned_back(const S* theta_step) {
   return along < S(0) && along * along > S(0.25) * now * before;
 }
 
-/// One step: kept if the cost falls, taken back and damped more if not. True when nothing is left to gain.
+/// Step of theta from the triangle, which has just been made.
 template <class S>
-bool Calibrator<S>::iterate(SegmentEliminator<S>* eliminator, S* damping, S* cost, const CalibratorOptions& options) {
+void Calibrator<S>::solve_theta() {
   const int n = theta_.columns();
-  linearise(eliminator, *damping);
-  PackedTriangle<S> T = theta_triangle();
-  S theta_step[kMaxTheta];
-  S fall = S(0);
+  const PackedTriangle<S> T = theta_triangle();
+  fall_ = S(0);
   for (int i = 0; i < n; ++i) {
-    theta_step[i] = T(i, n);
-    fall += T(i, n) * T(i, n);
+    theta_step_[i] = T(i, n);
+    fall_ += T(i, n) * T(i, n);
   }
-  back_substitute(T, n, theta_step);
-  save();
-  step_back(eliminator, *damping, theta_step);
-  add_step(&theta_, theta_step);
-  refine_landmarks();
-  const S trial = total_cost();
-  // Near the minimum the difference drowns in the rounding of the sum.
-  const S rounding = (std::is_same_v<S, float> ? S(2e-6) : S(1e-13)) * *cost;
-  if (!(trial <= *cost + rounding)) {
-    restore();
-    *damping = *damping > S(0) ? *damping * S(4) : S(0.05);
-    if (*damping > S(1e4)) fit_.converged = true;
-    return *damping > S(1e4);
+  back_substitute(T, n, theta_step_);
+}
+
+/// One step: kept if the cost falls, taken back and damped more if not. When it is done, settled_ says whether nothing is
+/// left to gain.
+template <class S>
+bool Calibrator<S>::iterate_step(SegmentEliminator<S>* eliminator, const CalibratorOptions& options) {
+  SEGCAL_SLICES(iterate_place_) {
+    SEGCAL_AWAIT(iterate_place_, linearise_step(eliminator, damping_));
+    solve_theta();
+    save();
+    SEGCAL_AWAIT(iterate_place_, step_back_step(eliminator, damping_));
+    add_step(&theta_, theta_step_);
+    SEGCAL_AWAIT(iterate_place_, refine_landmarks_step());
+    SEGCAL_AWAIT(iterate_place_, total_cost_step());
+    settled_ = judge_step(total_, options);
   }
-  const bool flat = *cost - trial <= S(1e-3) * *cost;
-  if (flat && fall < S(options.converged)) fit_.converged = true;
-  *cost = trial;
-  if (turned_back(theta_step)) {
-    *damping = *damping > S(0) ? *damping * S(2) : S(0.05);
-  } else {
-    *damping = *damping < S(0.05) ? S(0) : *damping * S(0.2);
-  }
-  return flat && fall < S(options.settled);
+  SEGCAL_SLICES_END(iterate_place_);
 }
 
 template <class S>
-void Calibrator<S>::run(const CalibratorOptions& options, SegmentEliminator<S>* eliminator) {
-  S damping = S(0);
-  S cost = fit_.start_cost = total_cost();
-  fit_.converged = false;
-  for (S& s : last_step_) s = S(0);
-  bool settled = false;
-  for (fit_.iterations = 0; fit_.iterations < options.max_iterations && !settled; ++fit_.iterations) {
-    settled = iterate(eliminator, &damping, &cost, options);
+bool Calibrator<S>::judge_step(S trial, const CalibratorOptions& options) {
+  // Near the minimum the difference drowns in the rounding of the sum.
+  const S rounding = (std::is_same_v<S, float> ? S(2e-6) : S(1e-13)) * cost_;
+  if (!(trial <= cost_ + rounding)) {
+    restore();
+    damping_ = damping_ > S(0) ? damping_ * S(4) : S(0.05);
+    if (damping_ > S(1e4)) fit_.converged = true;
+    return damping_ > S(1e4);
   }
-  fit_.cost = cost;
-  linearise(eliminator, S(0));
-  const S rho = theta_triangle()(theta_.columns(), theta_.columns());
-  fit_.chi2 = rho * rho;
+  const bool flat = cost_ - trial <= S(1e-3) * cost_;
+  if (flat && fall_ < S(options.converged)) fit_.converged = true;
+  cost_ = trial;
+  if (turned_back(theta_step_)) {
+    damping_ = damping_ > S(0) ? damping_ * S(2) : S(0.05);
+  } else {
+    damping_ = damping_ < S(0.05) ? S(0) : damping_ * S(0.2);
+  }
+  return flat && fall_ < S(options.settled);
+}
+
+template <class S>
+bool Calibrator<S>::run_step(const CalibratorOptions& options, SegmentEliminator<S>* eliminator) {
+  SEGCAL_SLICES(place_) {
+    damping_ = S(0);
+    SEGCAL_AWAIT(place_, total_cost_step());
+    cost_ = fit_.start_cost = total_;
+    fit_.converged = settled_ = false;
+    for (S& s : last_step_) s = S(0);
+    for (fit_.iterations = 0; fit_.iterations < options.max_iterations && !settled_; ++fit_.iterations) {
+      SEGCAL_AWAIT(place_, iterate_step(eliminator, options));
+    }
+    fit_.cost = cost_;
+    SEGCAL_AWAIT(place_, linearise_step(eliminator, S(0)));
+    set_chi2();
+  }
+  SEGCAL_SLICES_END(place_);
 }
 
 }  // namespace SEGCAL_NS

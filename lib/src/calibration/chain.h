@@ -7,6 +7,7 @@
 // back-substitution only what came from the left is kept: the segment is eliminated a second time then anyway.
 #pragma once
 
+#include "math/resumable.h"
 #include "segments/elimination.h"
 
 namespace SEGCAL_NS {
@@ -27,27 +28,47 @@ class Chain {
   /// Starts a new chain; `n_global`: ties and theta, with candidates.
   void begin(int n_global) {
     n_global_ = n_global;
+    place_ = 0;
     link().clear();
   }
 
-  /// Takes segment i, just eliminated. `passes_on`: a later segment hangs on its last keyframe. `left`: what solve_guest()
-  /// will need; null: nobody will ask (with candidates it would not fit).
-  /// `global` gathers all rows that touch ties and theta only.
-  void add(SegmentEliminator<S>* segment, bool has_guest, bool passes_on, LeftRows<S>* left, PackedTriangle<S>* global) {
-    // What came from the left stands in the rows of "last" of the segment before: its separator is our guest.
-    take_from_left();
-    if (has_guest && left) keep(left);
-    fold_segment(segment, has_guest, passes_on);
-    fold_global(segment, global);
-    if (!passes_on) link().clear();
+  /// Takes segment i, just eliminated. `passes_on`: a later segment hangs on its last keyframe. `left`: what
+  /// solve_guest_step() will need; null: nobody will ask (with candidates it would not fit).
+  /// `global` gathers all rows that touch ties and theta only. In slices; true when it is taken.
+  bool add_step(SegmentEliminator<S>* segment, bool has_guest, bool passes_on, LeftRows<S>* left, PackedTriangle<S>* global) {
+    SEGCAL_SLICES(place_) {
+      // What came from the left stands in the rows of "last" of the segment before: its separator is our guest.
+      take_from_left();
+      if (has_guest && left) keep(left);
+      if (passes_on) fold_segment_rows(segment, segment->layout().last(), kStateColumns);
+      SEGCAL_PAUSE(place_);
+      if (has_guest) fold_segment_rows(segment, segment->layout().guest(), 0);
+      SEGCAL_PAUSE(place_);
+      for (row_ = 0; row_ <= n_global_; ++row_) {
+        fold_global(segment, row_, global);
+        if (row_ % 16 == 15) SEGCAL_PAUSE(place_);
+      }
+      if (!passes_on) link().clear();
+    }
+    SEGCAL_SLICES_END(place_);
   }
 
   /// After add() of all segments: step of the guest of `segment`, just eliminated as it was then, for known steps of its
-  /// last keyframe (zero if it was not passed on) and of ties and theta.
-  void solve_guest(SegmentEliminator<S>* segment, bool passes_on, const LeftRows<S>& left, const S* last_step,
+  /// last keyframe (zero if it was not passed on) and of ties and theta. In slices; true when it is known.
+  bool solve_guest_step(SegmentEliminator<S>* segment, bool passes_on, const LeftRows<S>& left, const S* last_step,
                    const S* global_step, S* guest_step) {
-    restore(left);
-    fold_segment(segment, true, passes_on);
+    SEGCAL_SLICES(place_) {
+      restore(left);
+      if (passes_on) fold_segment_rows(segment, segment->layout().last(), kStateColumns);
+      SEGCAL_PAUSE(place_);
+      fold_segment_rows(segment, segment->layout().guest(), 0);
+      solve(last_step, global_step, guest_step);
+    }
+    SEGCAL_SLICES_END(place_);
+  }
+
+ private:
+  void solve(const S* last_step, const S* global_step, S* guest_step) {
     PackedTriangle<S> L = link();
     for (int i = kStateColumns - 1; i >= 0; --i) {
       const S* r = L.row(i);
@@ -59,7 +80,6 @@ class Chain {
     }
   }
 
- private:
   int width() const { return 2 * kStateColumns + n_global_ + 1; }
   PackedTriangle<S> link() { return PackedTriangle<S>(link_, width()); }
 
@@ -76,11 +96,6 @@ class Chain {
       S* r = L.row(i);
       for (int c = i; c < width(); ++c) r[c] = S(0);
     }
-  }
-
-  void fold_segment(SegmentEliminator<S>* segment, bool has_guest, bool passes_on) {
-    if (passes_on) fold_segment_rows(segment, segment->layout().last(), kStateColumns);
-    if (has_guest) fold_segment_rows(segment, segment->layout().guest(), 0);
   }
 
   /// Folds 15 rows of the segment's R that begin at column `from`; they stand at column `to` of the link triangle.
@@ -119,18 +134,17 @@ class Chain {
     }
   }
 
-  void fold_global(SegmentEliminator<S>* segment, PackedTriangle<S>* global) {
+  /// Row i of what touches ties and theta only.
+  void fold_global(SegmentEliminator<S>* segment, int i, PackedTriangle<S>* global) {
     PackedTriangle<S> L = link();
     const int n = n_global_ + 1;
-    for (int i = 0; i < n; ++i) {
-      if (i <= segment->layout().global_columns()) {
-        segment->reduced().global_row(i, block_);
-        fold_rows(*global, block_, 1, n, 0, n);
-      }
-      S* from_link = L.row(2 * kStateColumns + i) + 2 * kStateColumns;
-      fold_link_row(from_link, i, global);
-      for (int c = i; c < n; ++c) from_link[c] = S(0);
+    if (i <= segment->layout().global_columns()) {
+      segment->reduced().global_row(i, block_);
+      fold_rows(*global, block_, 1, n, 0, n);
     }
+    S* from_link = L.row(2 * kStateColumns + i) + 2 * kStateColumns;
+    fold_link_row(from_link, i, global);
+    for (int c = i; c < n; ++c) from_link[c] = S(0);
   }
 
   void fold_link_row(const S* row, int first, PackedTriangle<S>* global) {
@@ -140,6 +154,8 @@ class Chain {
   }
 
   int n_global_ = 0;
+  Place place_ = 0;
+  std::int32_t row_ = 0;
   S link_[packed_size(kLinkColumns)];
   S block_[kLinkColumns];
 };

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "information/segment_information.h"
+#include "math/resumable.h"
 #include "segments/segment.h"
 
 namespace SEGCAL_NS {
@@ -60,23 +61,41 @@ void sort_directions(S* V, int n, S* s) {
 /// One-sided Jacobi (Hestenes): rotates the columns of W (n x n, row-major) until they are orthogonal and collects the
 /// rotations in V; the columns' lengths are then the singular values, sorted from the largest.
 template <class S>
-void singular_values(S* W, S* V, int n, S* s) {
-  for (int i = 0; i < n * n; ++i) V[i] = S(0);
-  for (int i = 0; i < n; ++i) V[i * n + i] = S(1);
-  bool rotated = true;
-  for (int sweep = 0; sweep < 30 && rotated; ++sweep) {
-    rotated = false;
-    for (int p = 0; p < n; ++p) {
-      for (int q = p + 1; q < n; ++q) rotated |= orthogonalise(W, V, n, p, q);
+class SingularValues {
+ public:
+  /// In slices of a few columns; true when s and V are done.
+  bool step(S* W, S* V, int n, S* s) {
+    SEGCAL_SLICES(place_) {
+      for (int i = 0; i < n * n; ++i) V[i] = S(0);
+      for (int i = 0; i < n; ++i) V[i * n + i] = S(1);
+      rotated_ = true;
+      for (sweep_ = 0; sweep_ < 30 && rotated_; ++sweep_) {
+        rotated_ = false;
+        for (p_ = 0; p_ < n; ++p_) {
+          for (int q = p_ + 1; q < n; ++q) rotated_ |= orthogonalise(W, V, n, p_, q);
+          if (p_ % 8 == 7) SEGCAL_PAUSE(place_);
+        }
+        SEGCAL_PAUSE(place_);
+      }
+      lengths(W, n, s);
+      sort_directions(V, n, s);
+    }
+    SEGCAL_SLICES_END(place_);
+  }
+  void restart() { place_ = 0; }
+
+ private:
+  static void lengths(const S* W, int n, S* s) {
+    for (int j = 0; j < n; ++j) {
+      S sum = S(0);
+      for (int i = 0; i < n; ++i) sum += W[i * n + j] * W[i * n + j];
+      s[j] = square_root(sum);
     }
   }
-  for (int j = 0; j < n; ++j) {
-    S sum = S(0);
-    for (int i = 0; i < n; ++i) sum += W[i * n + j] * W[i * n + j];
-    s[j] = square_root(sum);
-  }
-  sort_directions(V, n, s);
-}
+  Place place_ = 0;
+  std::int32_t sweep_ = 0, p_ = 0;
+  bool rotated_ = false;
+};
 
 /// Memory of one analysis.
 template <class S>
@@ -85,6 +104,7 @@ struct InformationAnalysis {
   S s[kMaxTheta];                   ///< singular values against the prior, largest first
   S V[kMaxTheta * kMaxTheta];       ///< column i: direction i, in prior units
   S W[kMaxTheta * kMaxTheta];
+  SingularValues<S> values;         ///< under way
 
   /// Direction i's sigma after the measurement, in units of the prior's.
   S relative_sigma(int i) const { return S(1) / square_root(S(1) + s[i] * s[i]); }
@@ -94,56 +114,105 @@ struct InformationAnalysis {
 template <class S>
 constexpr S kExcited = S(0.5);
 
+/// Begins an analysis; analyse_step() finishes it. Until then it has no directions.
 template <class S>
-void analyse(const SegmentInformation<S>& information, const S* prior_sigma, InformationAnalysis<S>* out) {
-  const int n = out->n = information.n_theta;
+void begin_analysis(const SegmentInformation<S>& information, const S* prior_sigma, InformationAnalysis<S>* out) {
+  const int n = information.n_theta;
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) out->W[i * n + j] = j < i ? S(0) : information.R(i, j) * prior_sigma[j];
   }
-  singular_values(out->W, out->V, n, out->s);
+  out->n = 0;
+  out->values.restart();
 }
 
-/// Largest eigenvalue of W'W by power iteration from all of the diagonal's directions at once.
 template <class S>
-S largest_eigenvalue(const S* W, int n) {
-  S x[kMaxTheta], y[kMaxTheta], value = S(0);
-  for (int i = 0; i < n; ++i) x[i] = S(1) + S(i) / S(n);
-  for (int iteration = 0; iteration < 200; ++iteration) {
-    S length = S(0);
-    for (int i = 0; i < n; ++i) length += x[i] * x[i];
-    length = square_root(length);
-    for (int i = 0; i < n; ++i) x[i] = x[i] / length;
-    for (int i = 0; i < n; ++i) {
-      y[i] = S(0);
-      for (int j = 0; j < n; ++j) y[i] += W[i * n + j] * x[j];
-    }
-    S next = S(0);
-    for (int i = 0; i < n; ++i) next += y[i] * y[i];
-    for (int j = 0; j < n; ++j) {
-      x[j] = S(0);
-      for (int i = 0; i < n; ++i) x[j] += W[i * n + j] * y[i];
-    }
-    const bool settled = absolute(next - value) <= S(1e-6) * next;
-    value = next;
-    if (settled && iteration > 3) break;
+bool analyse_step(int n, InformationAnalysis<S>* out) {
+  if (!out->values.step(out->W, out->V, n, out->s)) return false;
+  out->n = n;
+  return true;
+}
+
+template <class S>
+void analyse(const SegmentInformation<S>& information, const S* prior_sigma, InformationAnalysis<S>* out) {
+  begin_analysis(information, prior_sigma, out);
+  while (!analyse_step(information.n_theta, out)) {
   }
-  return value;
 }
 
 /// The same from a triangle over [theta | rhs] that already holds the prior's rows: its singular values are sqrt(1 + s^2).
 template <class S>
-void analyse_with_prior(const PackedTriangle<S>& R, const S* prior_sigma, InformationAnalysis<S>* out) {
-  const int n = out->n = R.columns() - 1;
+void begin_analysis_with_prior(const PackedTriangle<S>& R, const S* prior_sigma, InformationAnalysis<S>* out) {
+  const int n = R.columns() - 1;
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) out->W[i * n + j] = j < i ? S(0) : R(i, j) * prior_sigma[j];
   }
-  singular_values(out->W, out->V, n, out->s);
-  for (int i = 0; i < n; ++i) out->s[i] = out->s[i] > S(1) ? square_root(out->s[i] * out->s[i] - S(1)) : S(0);
+  out->n = 0;
+  out->values.restart();
 }
 
-/// Metrics of the covariance normalised by sigma_ref (paper, Eq. (marginal_normalization)).
 template <class S>
-Metrics<S> metrics_of(InformationAnalysis<S>* a, const S* prior_sigma, const S* sigma_ref) {
+bool analyse_with_prior_step(int n, InformationAnalysis<S>* out) {
+  if (!analyse_step(n, out)) return false;
+  for (int i = 0; i < n; ++i) out->s[i] = out->s[i] > S(1) ? square_root(out->s[i] * out->s[i] - S(1)) : S(0);
+  return true;
+}
+
+template <class S>
+void analyse_with_prior(const PackedTriangle<S>& R, const S* prior_sigma, InformationAnalysis<S>* out) {
+  begin_analysis_with_prior(R, prior_sigma, out);
+  while (!analyse_with_prior_step(R.columns() - 1, out)) {
+  }
+}
+
+/// Largest eigenvalue of W'W by power iteration from all of the diagonal's directions at once.
+template <class S>
+class LargestEigenvalue {
+ public:
+  /// In slices of 20 iterations; true when value() is it.
+  bool step(const S* W, int n) {
+    SEGCAL_SLICES(place_) {
+      for (int i = 0; i < n; ++i) x_[i] = S(1) + S(i) / S(n);
+      value_ = S(0);
+      for (iteration_ = 0; iteration_ < 200; ++iteration_) {
+        if (iterate(W, n) && iteration_ > 3) break;
+        if (iteration_ % 20 == 19) SEGCAL_PAUSE(place_);
+      }
+    }
+    SEGCAL_SLICES_END(place_);
+  }
+  S value() const { return value_; }
+  void restart() { place_ = 0; }
+
+ private:
+  /// x <- W'W x / |x|; true if the value has settled.
+  bool iterate(const S* W, int n) {
+    S y[kMaxTheta], length = S(0);
+    for (int i = 0; i < n; ++i) length += x_[i] * x_[i];
+    length = square_root(length);
+    for (int i = 0; i < n; ++i) x_[i] = x_[i] / length;
+    for (int i = 0; i < n; ++i) {
+      y[i] = S(0);
+      for (int j = 0; j < n; ++j) y[i] += W[i * n + j] * x_[j];
+    }
+    S next = S(0);
+    for (int i = 0; i < n; ++i) next += y[i] * y[i];
+    for (int j = 0; j < n; ++j) {
+      x_[j] = S(0);
+      for (int i = 0; i < n; ++i) x_[j] += W[i * n + j] * y[i];
+    }
+    const bool settled = absolute(next - value_) <= S(1e-6) * next;
+    value_ = next;
+    return settled;
+  }
+  Place place_ = 0;
+  std::int32_t iteration_ = 0;
+  S value_ = S(0), x_[kMaxTheta];
+};
+
+/// Metrics of the covariance normalised by sigma_ref (paper, Eq. (marginal_normalization)); E follows from
+/// LargestEigenvalue over a->W.
+template <class S>
+Metrics<S> metrics_but_E(InformationAnalysis<S>* a, const S* prior_sigma, const S* sigma_ref) {
   Metrics<S> m;
   const int n = a->n;
   // M = diag(prior / ref) V diag(1 / sqrt(1 + s^2)): the normalised covariance is M M'.
@@ -164,7 +233,16 @@ Metrics<S> metrics_of(InformationAnalysis<S>* a, const S* prior_sigma, const S* 
     m.gain += S(0.5) * logarithm(information);
     if (a->relative_sigma(i) < kExcited<S>) ++m.rank;
   }
-  m.E = largest_eigenvalue(a->W, n);
+  return m;
+}
+
+template <class S>
+Metrics<S> metrics_of(InformationAnalysis<S>* a, const S* prior_sigma, const S* sigma_ref) {
+  Metrics<S> m = metrics_but_E(a, prior_sigma, sigma_ref);
+  LargestEigenvalue<S> largest;
+  while (!largest.step(a->W, a->n)) {
+  }
+  m.E = largest.value();
   return m;
 }
 

@@ -11,8 +11,10 @@ namespace SEGCAL_NS {
 class ConfigWriter {
  public:
   explicit ConfigWriter(ByteWriter* out) : out_(out) {}
-  void integer(const std::int32_t& value) { out_->integer(value); }
-  void integer(const std::uint64_t& value) { out_->integer(value); }
+  template <class T>
+  void integer(const T& value) {
+    out_->integer(value);
+  }
   void number(const double& value) { out_->number(value); }
   void numbers(const double* values, int n) {
     for (int i = 0; i < n; ++i) out_->number(values[i]);
@@ -31,8 +33,10 @@ class ConfigWriter {
 class ConfigReader {
  public:
   explicit ConfigReader(ByteReader* in) : in_(in) {}
-  void integer(std::int32_t& value) { value = in_->integer<std::int32_t>(); }
-  void integer(std::uint64_t& value) { value = in_->integer<std::uint64_t>(); }
+  template <class T>
+  void integer(T& value) {
+    value = in_->integer<T>();
+  }
   void number(double& value) { value = in_->number64(); }
   void numbers(double* values, int n) {
     for (int i = 0; i < n; ++i) values[i] = in_->number64();
@@ -60,6 +64,21 @@ class ConfigReader {
   bool fits_ = true;
 };
 
+/// Of a writer with other capacities: terms beyond ours are read and forgotten; n_terms must fit.
+template <class Config, class Codec>
+void term_fields(Config* c, std::int32_t terms, Codec* f) {
+  segcal_term_t no_term = {};
+  double no_value = 0;
+  for (std::int32_t i = 0; i < terms; ++i) {
+    auto* term = i < SEGCAL_MAX_EFFECT_ESTIMATES ? &c->term[i] : &no_term;
+    f->integer(term->kind);
+    f->integer(term->a);
+    f->integer(term->b);
+    f->integer(term->c);
+    f->number(i < SEGCAL_MAX_EFFECT_ESTIMATES ? c->term_value[i] : no_value);
+  }
+}
+
 /// `Config`: segcal_config_t, const to write it.
 template <class Config, class Codec>
 void config_fields(Config* c, Codec* f) {
@@ -73,6 +92,7 @@ void config_fields(Config* c, Codec* f) {
     f->numbers(camera->p_CI, 3);
     f->numbers(camera->intrinsics, 4);
     f->numbers(camera->distortion, 4);
+    f->integer(camera->height);
   }
   f->numbers(c->imu.gyro_scale, 3);
   f->numbers(c->imu.gyro_misalignment, 3);
@@ -105,6 +125,12 @@ void config_fields(Config* c, Codec* f) {
   f->number(c->trigger_fraction);
   f->integer(c->joint_filter);
   f->number(c->outdated_level);
+  f->integer(c->estimate_effects);
+  f->integer(c->n_terms);
+  const std::int32_t terms = f->count(SEGCAL_MAX_EFFECT_ESTIMATES);
+  term_fields(c, terms, f);
+  f->integer(c->watch_effects);
+  f->integer(c->has_temperature);
 }
 
 /// False if the bytes are no configuration that fits into these capacities.
@@ -113,7 +139,8 @@ inline bool read_config(const std::uint8_t* bytes, std::size_t size, segcal_conf
   ByteReader in(bytes, size);
   ConfigReader reader(&in);
   config_fields(out, &reader);
-  return reader.fits() && in.left() == 0 && out->n_cameras >= 0 && out->n_cameras <= SEGCAL_MAX_CAMERAS;
+  return reader.fits() && in.left() == 0 && out->n_cameras >= 0 && out->n_cameras <= SEGCAL_MAX_CAMERAS &&
+         out->n_terms >= 0 && out->n_terms <= SEGCAL_MAX_EFFECT_ESTIMATES;
 }
 
 }  // namespace SEGCAL_NS

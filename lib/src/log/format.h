@@ -14,7 +14,7 @@ constexpr int kLogMagicBytes = 8;
 constexpr unsigned char kLogMagic[kLogMagicBytes] = {0x89, 'S', 'C', 'L', 'G', '\r', '\n', 0x1A};
 constexpr std::uint32_t kBlockMark = 0x4B4C4253u;  ///< "SBLK": where a reader finds on after damage
 constexpr std::size_t kBlockHead = 16, kBlockTail = 4;
-constexpr std::size_t kImuHead = 12, kImuSample = 28, kTracksHead = 12, kTrackPoint = 13;
+constexpr std::size_t kImuHead = 12, kImuSample = 32, kTracksHead = 12, kTrackPoint = 13;
 
 enum class LogBlock : std::uint16_t { header = 0, config = 1, imu = 2, tracks = 3, mark = 4, hash = 5, end = 6 };
 

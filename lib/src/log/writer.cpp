@@ -38,7 +38,8 @@ int write_header(segcal_log_t* log) {
                                    SEGCAL_MAX_CAMERAS,      SEGCAL_MAX_SEGMENTS,     SEGCAL_MAX_KEYFRAMES,
                                    SEGCAL_MAX_LANDMARKS,    SEGCAL_MAX_OBSERVATIONS, SEGCAL_MAX_IMU_SAMPLES,
                                    SEGCAL_MAX_CLONES,       SEGCAL_MAX_TRACKS,       SEGCAL_MAX_TIES,
-                                   SEGCAL_SHARED_LANDMARKS, SEGCAL_IMU_HISTORY};
+                                   SEGCAL_SHARED_LANDMARKS, SEGCAL_IMU_HISTORY,      SEGCAL_MAX_EFFECT_ESTIMATES,
+                                   SEGCAL_MAX_EFFECT_COLUMNS};
   for (std::uint32_t n : numbers) out.integer(n);
   return write_block(log, LogBlock::header, out.size());
 }
@@ -96,6 +97,7 @@ int segcal_log_imu(segcal_log_t* log, const segcal_imu_t* sample) {
   out.integer(static_cast<std::int32_t>(log->samples == 0 ? 0 : dt));
   for (float value : sample->gyro) out.number(value);
   for (float value : sample->accel) out.number(value);
+  out.number(sample->temperature);
   log->used += kImuSample;
   ++log->samples;
   return SEGCAL_OK;

@@ -28,6 +28,11 @@ class SegmentBuilder {
     segment_->imu.clear(gyro_range_, accel_range_);
     if (!continues) last_keyframe_ns_ = kNever;
   }
+  /// The segment goes on in another slot.
+  void move_to(Segment<S>* slot) {
+    *slot = *segment_;
+    segment_ = slot;
+  }
   bool empty() const { return segment_->n_keyframes == 0; }
   int keyframes() const { return segment_->n_keyframes; }
   bool full() const { return segment_->n_keyframes == kMaxKeyframes; }

@@ -6,6 +6,7 @@
 // neighbours; its rows from theta on are the SegmentInformation.
 #pragma once
 
+#include "math/resumable.h"
 #include "segments/landmark_elimination.h"
 #include "segments/velocity_bias_chain.h"
 #include "segments/weights.h"
@@ -41,7 +42,15 @@ class SegmentEliminator {
   /// Linearises `segment` at its states and at theta. `damping` (square root of the Levenberg-Marquardt lambda) keeps
   /// the step of states and landmarks small; 0 for none. `candidates`: terms that get columns behind theta's.
   void eliminate(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                 const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates = nullptr);
+                 const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates = nullptr) {
+    while (!eliminate_step(segment, guest, theta, model, damping, candidates)) {
+    }
+  }
+  /// The same in slices (math/resumable.h): with the same arguments until it is done.
+  bool eliminate_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                      const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates = nullptr);
+  /// Forgets work that is under way.
+  void restart() { place_ = inner_place_ = 0; }
 
   /// What is left, and where its columns stand.
   ReducedSystem<S>& reduced() { return reduced_; }
@@ -66,21 +75,32 @@ class SegmentEliminator {
   /// Back-substitution after eliminate() with the same arguments: entries of `step` from `known` on (last_column(),
   /// guest_column() or theta_column()) are given, the others are filled in.
   void back_substitute(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                       const MeasurementModel<S>& model, S damping, S* step, int known);
+                       const MeasurementModel<S>& model, S damping, S* step, int known) {
+    while (!back_substitute_step(segment, guest, theta, model, damping, step, known)) {
+    }
+  }
+  bool back_substitute_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                            const MeasurementModel<S>& model, S damping, S* step, int known);
   /// Then moves the segment's states and landmarks along `step`, linearised where eliminate() was called.
-  void move(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping, const S* step);
+  void move(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping, const S* step) {
+    while (!move_step(segment, theta, model, damping, step)) {
+    }
+  }
+  bool move_step(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping, const S* step);
 
  private:
-  void fold_landmarks(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping);
-  void fold_ties(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model);
-  void hold_gauge(const State<S>& x, const MeasurementModel<S>& model);
-  void damp_pose(int k, S damping);
-  void run_chain(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                 const MeasurementModel<S>& model, S damping);
-  void start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                   const MeasurementModel<S>& model);
   void lay_out(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta, const CandidateTerms* candidates);
   void add_term(const Term& t, ReducedLayout* layout);
+  bool fold_landmarks_step(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping);
+  bool fold_ties_step(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model);
+  void hold_gauge(const State<S>& x, const MeasurementModel<S>& model);
+  void damp_pose(int k, S damping);
+  bool run_chain_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                      const MeasurementModel<S>& model, S damping);
+  void link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta, const MeasurementModel<S>& model);
+  void link_keyframes(const Segment<S>& segment, int k, const Calibration<S>& theta, const MeasurementModel<S>& model);
+  void start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model);
+  void move_landmark(Segment<S>* segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping, const S* step);
   void spread_step(const S* step);
   void spread_linked(const S* step);
 
@@ -93,6 +113,9 @@ class SegmentEliminator {
   Term camera_term_[kMaxEffectColumns + 1];
   int n_theta_ = 0;          // without candidates
   S step_[kReducedColumns];  // in the reduced layout
+  Place place_ = 0, inner_place_ = 0;
+  std::int32_t k_ = 0, j_ = 0;
+  LandmarkFit<S> fit_;
 };
 
 /// Typical sizes of a step: damping is measured against them. rad, m, m/s, m/s^2, rad/s.
@@ -106,22 +129,30 @@ template <class S>
 constexpr S kTypicalLandmarkStep = S(0.02);
 
 template <class S>
-void SegmentEliminator<S>::eliminate(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                                     const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates) {
-  lay_out(segment, guest, theta, candidates);
-  counts_ = EliminationCounts{};
-  prior_share_ = S(0);
-  fold_landmarks(segment, theta, model, damping);
-  if (guest.holds_gauge()) hold_gauge(segment.states.x[0], model);
-  for (int k = 0; k < layout().keyframes; ++k) damp_pose(k, damping);
-  chain_.begin(nullptr, layout());
-  run_chain(segment, guest, theta, model, damping);
-  chain_.finish(&reduced_);
-  // Gauge, bias prior and damping are no residuals; the bias walk over a gap is.
-  counts_.unknowns -= (guest.holds_gauge() ? 4 : 0) + (guest.join == Join::none ? 6 : 0);
-  counts_.residuals += guest.join == Join::bias ? 6 : 0;
-  counts_.residuals += 2 * counts_.image_points + 15 * chain_.links();
-  counts_.unknowns += 3 * counts_.landmarks + kStateColumns * layout().keyframes;
+bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                                          const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates) {
+  SEGCAL_SLICES(place_) {
+    lay_out(segment, guest, theta, candidates);
+    counts_ = EliminationCounts{};
+    prior_share_ = S(0);
+    SEGCAL_AWAIT(place_, fold_landmarks_step(segment, theta, model, damping));
+    SEGCAL_AWAIT(place_, fold_ties_step(segment, theta, model));
+    if (guest.holds_gauge()) hold_gauge(segment.states.x[0], model);
+    for (k_ = 0; k_ < layout().keyframes && damping > S(0); ++k_) {
+      damp_pose(k_, damping);
+      SEGCAL_PAUSE(place_);
+    }
+    chain_.begin(nullptr, layout());
+    SEGCAL_AWAIT(place_, run_chain_step(segment, guest, theta, model, damping));
+    chain_.finish(&reduced_);
+    SEGCAL_AWAIT(place_, reduced_.fold_step());
+    // Gauge, bias prior and damping are no residuals; the bias walk over a gap is.
+    counts_.unknowns -= (guest.holds_gauge() ? 4 : 0) + (guest.join == Join::none ? 6 : 0);
+    counts_.residuals += guest.join == Join::bias ? 6 : 0;
+    counts_.residuals += 2 * counts_.image_points + 15 * chain_.links();
+    counts_.unknowns += 3 * counts_.landmarks + kStateColumns * layout().keyframes;
+  }
+  SEGCAL_SLICES_END(place_);
 }
 
 template <class S>
@@ -152,37 +183,45 @@ void SegmentEliminator<S>::add_term(const Term& t, ReducedLayout* layout) {
 }
 
 template <class S>
-void SegmentEliminator<S>::fold_landmarks(const Segment<S>& segment, const Calibration<S>& theta,
-                                          const MeasurementModel<S>& model, S damping) {
+bool SegmentEliminator<S>::fold_landmarks_step(const Segment<S>& segment, const Calibration<S>& theta,
+                                               const MeasurementModel<S>& model, S damping) {
   const S landmark_damping = damping / kTypicalLandmarkStep<S>;
-  // Those that end first go first: the triangle fills up to the last keyframe seen so far, and no further.
-  for (int last = 0; last < segment.n_keyframes; ++last) {
-    for (int j = 0; j < segment.n_landmarks; ++j) {
-      if (segment.last_keyframe(j) != last || layout().tied.place_of(j) >= 0) continue;
-      LandmarkFit<S> fit = landmark_.build(segment, j, theta, model, layout(), camera_term_, landmark_damping);
-      if (fit.used < 2) continue;
-      landmark_.eliminate(&fit);
-      reduced_.fold_visual(landmark_.rest(), fit.rows - kLandmarkColumns, landmark_.stride(), fit.first_keyframe,
-                           fit.last_keyframe, false);
-      counts_.image_points += fit.used;
-      ++counts_.landmarks;
-      prior_share_ += fit.prior_share;
+  SEGCAL_SLICES(inner_place_) {
+    // Those that end first go first: the triangle fills up to the last keyframe seen so far, and no further.
+    for (k_ = 0; k_ < segment.n_keyframes; ++k_) {
+      for (j_ = 0; j_ < segment.n_landmarks; ++j_) {
+        if (segment.last_keyframe(j_) != k_ || layout().tied.place_of(j_) >= 0) continue;
+        fit_ = landmark_.build(segment, j_, theta, model, layout(), camera_term_, landmark_damping);
+        if (fit_.used < 2) continue;
+        landmark_.eliminate(&fit_);
+        reduced_.begin_visual(landmark_.rest(), fit_.rows - kLandmarkColumns, landmark_.stride(), fit_.first_keyframe,
+                              fit_.last_keyframe, false);
+        SEGCAL_PAUSE(inner_place_);
+        SEGCAL_AWAIT(inner_place_, reduced_.fold_step());
+        counts_.image_points += fit_.used;
+        ++counts_.landmarks;
+        prior_share_ += fit_.prior_share;
+      }
     }
   }
-  fold_ties(segment, theta, model);
+  SEGCAL_SLICES_END(inner_place_);
 }
 
 /// After the other landmarks, whose rows need not go through the ties' columns then. A tie's prior and damping are not the
 /// segment's: they count once for all (calibrator.h).
 template <class S>
-void SegmentEliminator<S>::fold_ties(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model) {
-  for (int t = 0; t < layout().tied.n; ++t) {
-    const LandmarkFit<S> fit = landmark_.build_tied(segment, t, theta, model, layout(), camera_term_);
-    if (fit.used == 0) continue;
-    reduced_.fold_visual(landmark_.tied_rows(), fit.rows, landmark_.stride(), fit.first_keyframe,
-                         fit.last_keyframe, true);
-    counts_.image_points += fit.used;
+bool SegmentEliminator<S>::fold_ties_step(const Segment<S>& segment, const Calibration<S>& theta,
+                                          const MeasurementModel<S>& model) {
+  SEGCAL_SLICES(inner_place_) {
+    for (j_ = 0; j_ < layout().tied.n; ++j_) {
+      fit_ = landmark_.build_tied(segment, j_, theta, model, layout(), camera_term_);
+      if (fit_.used == 0) continue;
+      reduced_.begin_visual(landmark_.tied_rows(), fit_.rows, landmark_.stride(), fit_.first_keyframe, fit_.last_keyframe, true);
+      SEGCAL_AWAIT(inner_place_, reduced_.fold_step());
+      counts_.image_points += fit_.used;
+    }
   }
+  SEGCAL_SLICES_END(inner_place_);
 }
 
 /// The gauge: position and rotation about gravity of the first keyframe. They are exactly free, so any weight holds
@@ -204,28 +243,45 @@ void SegmentEliminator<S>::damp_pose(int k, S damping) {
 
 /// Everything that touches velocities and biases, in time order; to eliminate them, or to solve for them.
 template <class S>
-void SegmentEliminator<S>::run_chain(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                                     const MeasurementModel<S>& model, S damping) {
-  const State<S>* x = segment.states.x;
-  start_chain(segment, guest, theta, model);
-  for (int k = 0; k < segment.n_keyframes; ++k) {
-    for (int c = kPoseColumns; damping > S(0) && c < kStateColumns; ++c) {
-      chain_.add_scalar(c - kPoseColumns, damping / typical_step<S>(c), S(0), &reduced_);
+bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                                          const MeasurementModel<S>& model, S damping) {
+  SEGCAL_SLICES(inner_place_) {
+    if (guest.join != Join::none) {
+      link_guest(segment, guest, theta, model);
+      SEGCAL_AWAIT(inner_place_, chain_.hand_over_step(&reduced_));
     }
-    if (k + 1 == segment.n_keyframes) break;
-    const ImuIntegral<S> I = segment.integrate(k + 1, theta, x[k].b_a, x[k].b_g, model.imu, &imu_terms_);
-    ImuRows<S> rows;
-    link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model.g, &rows);
-    link_term_columns(rows, &imu_terms_);
-    whiten(I, model.imu, &rows, &imu_terms_);
-    chain_.add_link(rows, imu_terms_, &reduced_);
+    start_chain(segment, guest, model);
+    SEGCAL_PAUSE(inner_place_);
+    for (k_ = 0; k_ < segment.n_keyframes; ++k_) {
+      for (j_ = kPoseColumns; damping > S(0) && j_ < kStateColumns; ++j_) {
+        chain_.add_scalar(j_ - kPoseColumns, damping / typical_step<S>(j_), S(0), &reduced_);
+        if (j_ % 3 == 2) SEGCAL_PAUSE(inner_place_);
+      }
+      if (k_ + 1 == segment.n_keyframes) break;
+      link_keyframes(segment, k_, theta, model);
+      SEGCAL_PAUSE(inner_place_);
+      SEGCAL_AWAIT(inner_place_, chain_.hand_over_step(&reduced_));
+    }
   }
+  SEGCAL_SLICES_END(inner_place_);
 }
 
-/// What ties the first keyframe's velocity and biases down: the link or the walk from the guest, or priors.
 template <class S>
-void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                                       const MeasurementModel<S>& model) {
+void SegmentEliminator<S>::link_keyframes(const Segment<S>& segment, int k, const Calibration<S>& theta,
+                                          const MeasurementModel<S>& model) {
+  const State<S>* x = segment.states.x;
+  const ImuIntegral<S> I = segment.integrate(k + 1, theta, x[k].b_a, x[k].b_g, model.imu, &imu_terms_);
+  ImuRows<S> rows;
+  link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model.g, &rows);
+  link_term_columns(rows, &imu_terms_);
+  whiten(I, model.imu, &rows, &imu_terms_);
+  chain_.add_link(rows, imu_terms_, &reduced_);
+}
+
+/// The link or the walk from the guest to the first keyframe.
+template <class S>
+void SegmentEliminator<S>::link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                                      const MeasurementModel<S>& model) {
   const State<S>& x = segment.states.x[0];
   if (guest.join == Join::imu) {
     const ImuIntegral<S> I = segment.integrate(0, theta, guest.state.b_a, guest.state.b_g, model.imu, &imu_terms_);
@@ -233,11 +289,17 @@ void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLin
     link_rows(I, guest.state, x, guest.state, x, model.g, &rows);
     link_term_columns(rows, &imu_terms_);
     if (whiten(I, model.imu, &rows, &imu_terms_)) chain_.add_guest_link(rows, imu_terms_, &reduced_);
-  } else if (guest.join == Join::bias) {
+  } else {
     const S root = square_root(guest.gap_s);
     chain_.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g, S(1) / (model.imu.accel_walk * root),
                          S(1) / (model.imu.gyro_walk * root), &reduced_);
   }
+}
+
+/// Priors on the first keyframe's velocity and, without a guest, biases.
+template <class S>
+void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model) {
+  const State<S>& x = segment.states.x[0];
   for (int i = 0; i < 3; ++i) {
     chain_.add_scalar(i, S(1) / model.velocity_sigma, -x.v_GI(i) / model.velocity_sigma, &reduced_);
     if (guest.join != Join::none) continue;
@@ -279,37 +341,50 @@ void SegmentEliminator<S>::spread_linked(const S* step) {
 }
 
 template <class S>
-void SegmentEliminator<S>::back_substitute(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                                           const MeasurementModel<S>& model, S damping, S* step, int known) {
+bool SegmentEliminator<S>::back_substitute_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                                                const MeasurementModel<S>& model, S damping, S* step, int known) {
   const ReducedLayout& at = layout();
-  spread_linked(step);
-  reduced_.back_substitute(step_, at.last() + known - last_column());
-  for (int c = 0; c < at.last(); ++c) step[kStateColumns * (c / kPoseColumns) + c % kPoseColumns] = step_[c];
-  for (int c = 0; c < kStateColumns; ++c) step[last_column() + c] = step_[at.last() + c];
-  chain_.begin(step_, at);
-  run_chain(segment, guest, theta, model, damping);
-  chain_.back_substitute(step + kPoseColumns, kStateColumns);
+  SEGCAL_SLICES(place_) {
+    spread_linked(step);
+    reduced_.back_substitute(step_, at.last() + known - last_column());
+    for (int c = 0; c < at.last(); ++c) step[kStateColumns * (c / kPoseColumns) + c % kPoseColumns] = step_[c];
+    for (int c = 0; c < kStateColumns; ++c) step[last_column() + c] = step_[at.last() + c];
+    chain_.begin(step_, at);
+    SEGCAL_AWAIT(place_, run_chain_step(segment, guest, theta, model, damping));
+    chain_.back_substitute(step + kPoseColumns, kStateColumns);
+  }
+  SEGCAL_SLICES_END(place_);
 }
 
 template <class S>
-void SegmentEliminator<S>::move(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                                S damping, const S* step) {
-  spread_step(step);
-  for (int j = 0; j < segment->n_landmarks; ++j) {
-    const int tie = layout().tied.place_of(j);
-    if (tie >= 0) {
-      // Every segment has a copy of its own, moved by the same step: they stay equal bit by bit.
-      add_step(&segment->states.landmark[j], step + tie_column() + kLandmarkColumns * tie);
-      continue;
+bool SegmentEliminator<S>::move_step(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                                     S damping, const S* step) {
+  SEGCAL_SLICES(place_) {
+    spread_step(step);
+    for (j_ = 0; j_ < segment->n_landmarks; ++j_) {
+      move_landmark(segment, j_, theta, model, damping, step);
+      SEGCAL_PAUSE(place_);
     }
-    LandmarkFit<S> fit = landmark_.build(*segment, j, theta, model, layout(), camera_term_, damping / kTypicalLandmarkStep<S>);
-    if (fit.used < 2) continue;
-    landmark_.eliminate(&fit);
-    S landmark_step[kLandmarkColumns];
-    landmark_.solve(step_, landmark_step);
-    add_step(&segment->states.landmark[j], landmark_step);
+    for (int k = 0; k < layout().keyframes; ++k) segment->states.x[k].add(step + kStateColumns * k);
   }
-  for (int k = 0; k < layout().keyframes; ++k) segment->states.x[k].add(step + kStateColumns * k);
+  SEGCAL_SLICES_END(place_);
+}
+
+template <class S>
+void SegmentEliminator<S>::move_landmark(Segment<S>* segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                                         S damping, const S* step) {
+  const int tie = layout().tied.place_of(j);
+  if (tie >= 0) {
+    // Every segment has a copy of its own, moved by the same step: they stay equal bit by bit.
+    add_step(&segment->states.landmark[j], step + tie_column() + kLandmarkColumns * tie);
+    return;
+  }
+  LandmarkFit<S> fit = landmark_.build(*segment, j, theta, model, layout(), camera_term_, damping / kTypicalLandmarkStep<S>);
+  if (fit.used < 2) return;
+  landmark_.eliminate(&fit);
+  S landmark_step[kLandmarkColumns];
+  landmark_.solve(step_, landmark_step);
+  add_step(&segment->states.landmark[j], landmark_step);
 }
 
 }  // namespace SEGCAL_NS

@@ -93,13 +93,27 @@ class ReducedSystem {
   const ReducedLayout& layout() const { return layout_; }
   PackedTriangle<S> R() { return PackedTriangle<S>(data_, layout_.width()); }
 
-  /// Folds landmark rows: they touch the poses of keyframes first to last, cameras and, if `tied`, ties; the rows folded
+  /// Begins to fold landmark rows: they touch the poses of keyframes first to last, cameras and, if `tied`, ties; the rows folded
   /// before touch no later poses than the latest so far. Cheap, if the landmarks that end early come first.
-  void fold_visual(S* rows, int m, int stride, int first_keyframe, int last_keyframe, bool tied) {
-    PackedTriangle<S> triangle = R();
+  void begin_visual(S* rows, int m, int stride, int first_keyframe, int last_keyframe, bool tied) {
     if (layout_.pose(last_keyframe + 1) > seen_poses_) seen_poses_ = layout_.pose(last_keyframe + 1);
     const ColumnGap gap{seen_poses_, tied ? layout_.tie(0) : layout_.cameras()};
-    fold_rows(triangle, rows, m, stride, layout_.pose(first_keyframe), layout_.width(), gap);
+    pending_ = {rows, m, stride, layout_.pose(first_keyframe), gap};
+  }
+  /// The same for rows that stand in this layout; columns before `first` are zero.
+  void begin_fold(S* rows, int m, int stride, int first) { pending_ = {rows, m, stride, first, ColumnGap{}}; }
+  /// Goes on with the fold that was begun, for some kFoldSlice products; true when it is done. Destroys the rows, which must
+  /// stay where they are until then.
+  bool fold_step() {
+    PackedTriangle<S> triangle = R();
+    const int width = layout_.width();
+    const ColumnGap& gap = pending_.gap;
+    if (pending_.next >= gap.first && pending_.next < gap.last) pending_.next = gap.last;
+    int until = pending_.next, work = 0;
+    while (until < width && work < kFoldSlice) work += pending_.m * (width - until++);
+    fold_rows(triangle, pending_.rows, pending_.m, pending_.stride, pending_.next, until, gap);
+    pending_.next = until;
+    return until == width;
   }
 
   /// The global part of row theta() + i, in the order that all segments share: [all ties | cameras | IMU | terms | rhs].
@@ -161,6 +175,13 @@ class ReducedSystem {
     for (int c = 0; c < layout_.width(); ++c) row_[c] = S(0);
   }
   ReducedLayout layout_;
+  struct PendingFold {
+    S* rows;
+    std::int32_t m, stride, next;  ///< next: the column to go on with
+    ColumnGap gap;
+  };
+  static constexpr int kFoldSlice = 40000;  // four operations each
+  PendingFold pending_;
   int seen_poses_ = 0;  // columns of poses that landmark rows have touched, all those before the latest included
   S data_[packed_size(kReducedColumns)];
   S row_[kReducedColumns];

@@ -56,10 +56,9 @@ int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model,
   return marked;
 }
 
-/// Cost of the IMU links and of what starts a partition.
+/// Cost of what ties the first keyframe down.
 template <class S>
-S inertial_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                const MeasurementModel<S>& model) {
+S start_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta, const MeasurementModel<S>& model) {
   const State<S>* x = segment.states.x;
   S total = (x[0].v_GI / model.velocity_sigma).squaredNorm();
   if (guest.join == Join::imu) {
@@ -71,26 +70,65 @@ S inertial_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Cali
   } else {
     total += (x[0].b_a / model.bias_a_sigma).squaredNorm() + (x[0].b_g / model.bias_g_sigma).squaredNorm();
   }
-  for (int k = 0; k + 1 < segment.n_keyframes; ++k) {
-    const ImuIntegral<S> I = segment.integrate(k + 1, theta, x[k].b_a, x[k].b_g, model.imu);
-    total += link_cost(I, x[k], x[k + 1], model);
-  }
   return total;
 }
+
+/// Costs of a segment in slices: its images at once, its IMU links one by one.
+template <class S>
+class CostSteps {
+ public:
+  /// Cost of the IMU links and of what starts a partition; true when inertial() is it.
+  bool inertial_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+                     const MeasurementModel<S>& model) {
+    SEGCAL_SLICES(place_) {
+      inertial_ = start_cost(segment, guest, theta, model);
+      SEGCAL_PAUSE(place_);
+      for (k_ = 0; k_ + 1 < segment.n_keyframes; ++k_) {
+        add_link(segment, theta, model);
+        SEGCAL_PAUSE(place_);
+      }
+    }
+    SEGCAL_SLICES_END(place_);
+  }
+  S inertial() const { return inertial_; }
+
+  /// All of a segment's cost; true when total() is it.
+  bool step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta, const MeasurementModel<S>& model) {
+    if (!inertial_step(segment, guest, theta, model)) return false;
+    total_ = image_cost(segment, guest.tied, theta, model) + inertial_;
+    return true;
+  }
+  S total() const { return total_; }
+  void restart() { place_ = 0; }
+
+ private:
+  void add_link(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model) {
+    const State<S>* x = segment.states.x;
+    const ImuIntegral<S> I = segment.integrate(k_ + 1, theta, x[k_].b_a, x[k_].b_g, model.imu);
+    inertial_ += link_cost(I, x[k_], x[k_ + 1], model);
+  }
+
+  Place place_ = 0;
+  std::int32_t k_ = 0;
+  S inertial_ = S(0), total_ = S(0);
+};
 
 template <class S>
 S segment_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                const MeasurementModel<S>& model) {
-  return image_cost(segment, guest.tied, theta, model) + inertial_cost(segment, guest, theta, model);
+  CostSteps<S> cost;
+  while (!cost.step(segment, guest, theta, model)) {
+  }
+  return cost.total();
 }
 
-/// False if the states break the segment's own IMU links by a hundred sigmas: the odometry that gave them had not settled,
-/// and a linearisation at them would mean nothing. `effects`: the model may lack one, which breaks links as well (4 ms between
-/// camera and gyroscope, shaken by hand, by five hundred): then it is a thousand sigmas, from where a fit still finds home.
+/// False if the states break the segment's own IMU links by a hundred sigmas (`cost`: their inertial cost, alone): the
+/// odometry that gave them had not settled, and a linearisation at them would mean nothing. `effects`: the model may lack one,
+/// which breaks links as well (4 ms between camera and gyroscope, shaken by hand, by five hundred): then it is a thousand
+/// sigmas, from where a fit still finds home.
 template <class S>
-bool follows_its_imu(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model, bool effects) {
-  const S rows = S(kStateColumns * segment.n_keyframes);
-  return inertial_cost(segment, GuestLink<S>{}, theta, model) < (effects ? S(1e6) : S(1e4)) * rows;  // false for NaN too
+bool follows_its_imu(const Segment<S>& segment, S cost, bool effects) {
+  return cost < (effects ? S(1e6) : S(1e4)) * S(kStateColumns * segment.n_keyframes);  // false for NaN too
 }
 
 }  // namespace SEGCAL_NS

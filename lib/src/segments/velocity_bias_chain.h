@@ -9,6 +9,7 @@
 // which costs an integration of the samples and saves the memory that the full rows would take.
 #pragma once
 
+#include "math/resumable.h"
 #include "segments/reduced_system.h"
 
 namespace SEGCAL_NS {
@@ -29,6 +30,8 @@ class VelocityBiasChain {
     poses_ = kImu + layout.imu_columns();
     current_ = 0;
     links_ = 0;
+    handed_ = hand_until_ = 0;
+    place_ = 0;
     for (S& v : now_) v = S(0);
   }
   /// Links folded so far.
@@ -39,10 +42,13 @@ class VelocityBiasChain {
     clear(1);
     block_[column] = weight;
     block_[kRhs] = rhs;
-    fold_into_current(1, rest);
+    fold_into_current(1, rest->layout());
+    while (!hand_over_step(rest)) {
+    }
   }
 
-  /// Bias walk from the guest to the current keyframe, six rows.
+  /// Bias walk from the guest to the current keyframe, six rows. As the links below: what is left of the rows goes to the
+  /// reduced system with hand_over_step().
   void add_bias_link(const Vec3<S>& d_ba, const Vec3<S>& d_bg, S weight_a, S weight_g, ReducedSystem<S>* rest) {
     clear(6);
     for (int i = 0; i < 6; ++i) {
@@ -52,7 +58,7 @@ class VelocityBiasChain {
       r[kGuest + 9 + i] = -w;
       r[kRhs] = -w * (i < 3 ? d_ba(i) : d_bg(i - 3));
     }
-    fold_into_current(6, rest);
+    fold_into_current(6, rest->layout());
   }
 
   /// Link from the guest (the segment before) to the first keyframe.
@@ -65,7 +71,7 @@ class VelocityBiasChain {
       put_theta(rows, terms, i);
     }
     ++links_;
-    fold_into_current(15, rest);
+    fold_into_current(15, rest->layout());
   }
 
   /// Link from the current keyframe to the next one, which becomes the current one.
@@ -85,10 +91,23 @@ class VelocityBiasChain {
     // The next keyframe's nine columns, within the block; its first nine rows become the rows of the current keyframe.
     reflect_leading_columns(block_ + kNext, 15, kWidth, n - kNext, kVelocityBiasColumns);
     take_next(n);
-    hand_over(kVelocityBiasColumns, 15, rest);
+    handed_ = kVelocityBiasColumns;
+    hand_until_ = 15;
   }
 
-  /// The last keyframe stays in the reduced system: its rows go there.
+  /// Gives the rows that have no velocity or bias left to the reduced system; true when it has them all.
+  bool hand_over_step(ReducedSystem<S>* rest) {
+    if (known_) return true;
+    SEGCAL_SLICES(place_) {
+      for (; handed_ < hand_until_; handed_ += kPoseColumns) {
+        rest->begin_fold(spread_, spread_rows(rest->layout()), kReducedColumns, 0);
+        SEGCAL_AWAIT(place_, rest->fold_step());
+      }
+    }
+    SEGCAL_SLICES_END(place_);
+  }
+
+  /// The last keyframe stays in the reduced system: its rows go there, with fold_step().
   void finish(ReducedSystem<S>* rest) {
     const ReducedLayout& at = rest->layout();
     for (int i = 0; i < kVelocityBiasColumns; ++i) {
@@ -97,7 +116,7 @@ class VelocityBiasChain {
       spread(r, at, out);
       for (int c = 0; c < kVelocityBiasColumns; ++c) out[at.last() + kPoseColumns + c] = c < i ? S(0) : r[c];
     }
-    rest->fold(block_, kVelocityBiasColumns, kReducedColumns, 0);
+    rest->begin_fold(block_, kVelocityBiasColumns, kReducedColumns, 0);
   }
 
   /// Steps of velocity and biases of keyframes current() - 1 down to 0, after a run with known poses.
@@ -149,10 +168,11 @@ class VelocityBiasChain {
   void eliminate_current(int m, int n) {
     for (int j = 0; j < kVelocityBiasColumns; ++j) reflect_column(now_ + j * kWidth, block_, m, kWidth, j, n);
   }
-  void fold_into_current(int m, ReducedSystem<S>* rest) {
-    substitute(m, rest->layout());
+  void fold_into_current(int m, const ReducedLayout& at) {
+    substitute(m, at);
     eliminate_current(m, active_width());
-    hand_over(0, m, rest);
+    handed_ = 0;
+    hand_until_ = m;
   }
   /// Keeps the finished rows of keyframe k.
   void store(int k) {
@@ -178,20 +198,18 @@ class VelocityBiasChain {
     for (int c = 0; c < at.imu_columns(); ++c) out[at.imu() + c] = r[kImu + c];
     out[at.rhs()] = r[kRhs];
   }
-  /// Rows [first, last) of the block have no velocity or bias left: they are the reduced system's.
-  void hand_over(int first, int last, ReducedSystem<S>* rest) {
-    if (known_) return;
-    for (int i = first; i < last; i += kPoseColumns) {
-      const int rows = last - i < kPoseColumns ? last - i : kPoseColumns;
-      for (int r = 0; r < rows; ++r) spread(block_ + (i + r) * kWidth, rest->layout(), spread_ + r * kReducedColumns);
-      rest->fold(spread_, rows, kReducedColumns, 0);
-    }
+  /// The next rows of the block that are on their way to the reduced system, in its layout; returns their number.
+  int spread_rows(const ReducedLayout& at) {
+    const int rows = hand_until_ - handed_ < kPoseColumns ? hand_until_ - handed_ : kPoseColumns;
+    for (int r = 0; r < rows; ++r) spread(block_ + (handed_ + r) * kWidth, at, spread_ + r * kReducedColumns);
+    return rows;
   }
 
   static constexpr int kBlockRows = 15;
   static constexpr int kBlockSize = kBlockRows * kWidth > 9 * kReducedColumns ? kBlockRows * kWidth : 9 * kReducedColumns;
   const S* known_ = nullptr;
-  int current_ = 0, links_ = 0, poses_ = 0;
+  int current_ = 0, links_ = 0, poses_ = 0, handed_ = 0, hand_until_ = 0;
+  Place place_ = 0;
   S now_[kVelocityBiasColumns * kWidth];
   S block_[kBlockSize];
   S spread_[kPoseColumns * kReducedColumns];

@@ -109,7 +109,7 @@ inline segcal_config_t config_of(const CoreOptions& options) {
   c.strategy = options.multi_session ? SEGCAL_MULTI_SESSION : SEGCAL_SINGLE_SESSION;
   c.seed = options.seed;
   c.outdated_level = options.outdated_level;
-  c.trigger_fraction = options.trigger_fraction;
+  c.trigger_fraction = options.trigger_fraction > 0 ? options.trigger_fraction : -1;
   c.filter_share = options.hold_calibration ? 1e-3 : 1;
   for (std::size_t i = 0; i < options.sigma_ref.size() && i < SEGCAL_MAX_PARAMETERS; ++i) c.sigma_ref[i] = options.sigma_ref[i];
   c.joint_filter = options.joint_ekf ? 1 : 0;

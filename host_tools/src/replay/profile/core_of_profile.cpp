@@ -75,13 +75,16 @@ class ProfileCore final : public Core {
   }
 
   bool background() override {
-    const bool due = segcal_background(device_, 0) > 0;
-    segcal_background(device_, 1);
-    return due;
+    segcal_background(device_, INT32_MAX);
+    return begun_calibrations() != seen_calibrations_ && (seen_calibrations_ = begun_calibrations()) > 0;
   }
   void flush() override { segcal_flush(device_); }
   void new_session() override { segcal_new_session(device_); }
-  bool calibrate() override { return segcal_calibrate(device_) >= 0; }
+  bool calibrate() override {
+    const bool done = segcal_calibrate(device_) >= 0;
+    seen_calibrations_ = begun_calibrations();
+    return done;
+  }
 
   bool has_result() const override {
     segcal_result_t r;
@@ -209,7 +212,8 @@ class ProfileCore final : public Core {
             {"segments_discarded", c.segments_discarded}, {"segments_unsettled", c.segments_unsettled},
             {"segments_ended_early", c.segments_ended_early},
             {"landmarks_left_out", c.landmarks_left_out}, {"points_left_out", c.points_left_out},
-            {"segments_outdated", c.segments_outdated}};
+            {"segments_outdated", c.segments_outdated}, {"segments_missed", c.segments_missed},
+            {"slices_late", c.slices_late}, {"calibrations", c.calibrations}};
   }
 
   std::uint64_t result_hash() const override { return segcal_result_hash(device_); }
@@ -221,6 +225,12 @@ class ProfileCore final : public Core {
   }
 
  private:
+  std::uint32_t begun_calibrations() const {
+    segcal_counters_t c{};
+    segcal_get_counters(device_, &c);
+    return c.calibrations;
+  }
+
   static FrameOutcome outcome(int code) {
     switch (code) {
       case SEGCAL_TRACKING: return FrameOutcome::tracking;
@@ -302,7 +312,7 @@ class ProfileCore final : public Core {
   std::vector<segcal_point_t> points_;
   FrameOutcome last_outcome_ = FrameOutcome::waiting;
   bool seen_ = false;
-  std::uint32_t last_serial_ = 0;
+  std::uint32_t last_serial_ = 0, seen_calibrations_ = 0;
 };
 
 }  // namespace SEGCAL_NS
