@@ -174,6 +174,7 @@ KeptSegments kept_segments(const ReplayResult& result) {
   out.start = result.start;
   out.noise = result.noise;
   for (const CoreParameter& p : result.result.parameters) out.prior_sigma.push_back(p.prior_sigma);
+  out.prior_sigma.resize(std::min(out.prior_sigma.size(), parameter_names(result.start).size()));  // without terms of effects
   for (const CoreKept& k : result.kept) {
     if (k.place >= 0) out.segments.push_back(k);
   }

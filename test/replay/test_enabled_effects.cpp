@@ -22,9 +22,10 @@ struct Case {
 };
 
 const Case kCases[] = {
-    {"time_offset", "time_offset=0.002"},
-    {"time_offset", "time_offset=-0.0015"},
+    {"time_offset", "time_offset=0.004"},
+    {"time_offset", "time_offset=-0.003"},
     {"rolling_shutter", "rolling_shutter=3e-5"},
+    {"radial_residual", "radial_residual=3e-3"},
     {"tangential_residual", "tangential_residual=1e-3,-2e-3"},
     {"gyro_g_sensitivity", "gyro_g_sensitivity=4e-4,-2e-4,3e-4,1e-4,-5e-4,2e-4,3e-4,-1e-4,4e-4"},
     {"gyro_nonlinearity", "gyro_nonlinearity=2e-3,-1e-3,3e-3"},
