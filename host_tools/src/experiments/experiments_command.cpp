@@ -18,6 +18,8 @@ constexpr const char* footer = R"(Examples:
   segcal experiments basin --out basin --jobs 2
       160 starts; stopped and started again it goes on where it was
   segcal experiments accuracy --out accuracy --quick
+  segcal experiments hidden --out hidden --jobs 2 --quick
+  segcal track euroc_mh01 --out mh01 && segcal experiments hidden_real mh01 --out hidden_real
   segcal experiments sigma_ref REC1 REC2 --out sigma_ref
 
 In DIR: cells/ (one file per cell; those with the same parameters are not run again), NAME.csv, NAME.json, report.html.
@@ -55,7 +57,8 @@ int run(const Arguments& a) {
   if (a.name.empty()) throw InputError("experiments: expected a name or --list (see segcal experiments --help)");
   if (a.out.empty()) throw InputError("experiments: expected --out DIR");
   const Experiment& experiment = experiment_named(a.name);
-  if (!a.options.recordings.empty() && a.name != "sigma_ref") throw InputError("experiments " + a.name + ": expected no recordings, they are simulated");
+  const bool reads = a.name == "sigma_ref" || a.name == "hidden_real";
+  if (!a.options.recordings.empty() && !reads) throw InputError("experiments " + a.name + ": expected no recordings, they are simulated");
   const Findings findings = experiment.gather(run_cells(experiment, experiment.cells(a.options), a.out, a.jobs));
   write_findings(experiment, findings, a.options, a.out);
   int missed = 0;
@@ -74,7 +77,7 @@ void add_experiments_command(CLI::App& app, int& exit_code) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* sub = app.add_subcommand("experiments", "reproducible studies on simulated devices: tables, pictures, limits");
   sub->add_option("NAME", a->name, "the study; --list explains them");
-  sub->add_option("REC", a->options.recordings, "recordings, for sigma_ref (default: simulated ones)");
+  sub->add_option("REC", a->options.recordings, "recordings, for sigma_ref (default: simulated ones) and hidden_real (tracked)");
   sub->add_option("--out", a->out, "folder for cells/, NAME.csv, NAME.json and report.html");
   sub->add_option("--jobs", a->jobs, "cells at a time, each a process of its own")->capture_default_str()->check(CLI::Range(1, 256));
   sub->add_option("--seed", a->options.seed, "of all devices, motions and noise")->capture_default_str();

@@ -20,6 +20,10 @@ const std::vector<Experiment>& experiments() {
        degenerate_run, degenerate_gather},
       {"sigma_ref", "typical sigma of each parameter from one segment, measured on REC... (paper, Sec. V-B)", false,
        sigma_ref_cells, sigma_ref_run, sigma_ref_gather},
+      {"hidden", "hidden effects in simulated recordings: are they named, and nothing else?", false, hidden_cells, hidden_run,
+       hidden_gather},
+      {"hidden_real", "hidden effects put into the tracked recording REC (euroc_mh01)", false, hidden_real_cells,
+       hidden_real_run, hidden_real_gather},
   };
   return all;
 }

@@ -37,4 +37,12 @@ std::vector<Cell> sigma_ref_cells(const StudyOptions& options);
 Json sigma_ref_run(const Json& parameters);
 Findings sigma_ref_gather(const std::vector<CellResult>& cells);
 
+std::vector<Cell> hidden_cells(const StudyOptions& options);
+Json hidden_run(const Json& parameters);
+Findings hidden_gather(const std::vector<CellResult>& cells);
+
+std::vector<Cell> hidden_real_cells(const StudyOptions& options);
+Json hidden_real_run(const Json& parameters);
+Findings hidden_real_gather(const std::vector<CellResult>& cells);
+
 }  // namespace host::experiments
