@@ -178,7 +178,8 @@ typedef struct {
   segcal_term_t term[SEGCAL_MAX_EFFECT_ESTIMATES + 1];
   double term_value[SEGCAL_MAX_EFFECT_ESTIMATES + 1];  /* start, and mean of the prior, of each estimated term */
   /* Effects that each scored segment is asked about, see segcal_get_effect_scores. Those that find no column any more
-     (SEGCAL_MAX_EFFECT_COLUMNS) are refused. */
+     (SEGCAL_MAX_EFFECT_COLUMNS) are refused. With any effect estimated or watched, segments whose states break their IMU
+     links are kept up to ten times further: it may be the effect that breaks them. */
   uint32_t watch_effects;
   int32_t has_temperature;         /* 1: segcal_imu_t.temperature is set; 0: it is not looked at */
 } segcal_config_t;

@@ -79,7 +79,7 @@ void Device<S>::score() {
   analyse(segment.information, prior_.sigma, &analysis_);
   segment.metrics = metrics_of(&analysis_, prior_.sigma, options_.sigma_ref);
   last_ = summary_of(segment);
-  const bool settled = follows_its_imu(segment, theta, options_.model);
+  const bool settled = follows_its_imu(segment, theta, options_.model, theta.effects.count() > 0 || monitor_.active());
   if (!settled) ++faults_.segments_unsettled;
   if (settled) monitor_.add(&eliminator_, theta);
   JointInformation<S> joint = joint_information();

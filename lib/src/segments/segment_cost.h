@@ -85,11 +85,12 @@ S segment_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Calib
 }
 
 /// False if the states break the segment's own IMU links by a hundred sigmas: the odometry that gave them had not settled,
-/// and a linearisation at them would mean nothing.
+/// and a linearisation at them would mean nothing. `effects`: the model may lack one, which breaks links as well (4 ms between
+/// camera and gyroscope, shaken by hand, by five hundred): then it is a thousand sigmas, from where a fit still finds home.
 template <class S>
-bool follows_its_imu(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model) {
+bool follows_its_imu(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model, bool effects) {
   const S rows = S(kStateColumns * segment.n_keyframes);
-  return inertial_cost(segment, GuestLink<S>{}, theta, model) < S(1e4) * rows;  // false for NaN too
+  return inertial_cost(segment, GuestLink<S>{}, theta, model) < (effects ? S(1e6) : S(1e4)) * rows;  // false for NaN too
 }
 
 }  // namespace SEGCAL_NS
