@@ -43,7 +43,7 @@ Beyond::Best Beyond::search(const Fit&) {
       EffectTest test = test_effect(problem, candidate, free);
       if (test.seen == 0 || test.log10_p + trials >= std::min(kLevel, best.log10_p)) continue;
       const HalvesTest halves = test_halves(problem, candidate, free);
-      if (halves.log10_p_disagree < SelectionOptions{}.log10_disagree || !(halves.gain > 0)) continue;
+      if (halves.log10_p_disagree < SelectionOptions{}.log10_disagree || halves.gain < 0.25 * test.statistic) continue;
       best = {batch[i], test.log10_p + trials, true};
     }
   }

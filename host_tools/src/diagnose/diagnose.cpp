@@ -167,9 +167,15 @@ class Diagnoser {
     return true;
   }
 
-  /// At the last fit, over the stated noise.
+  /// At the last fit, over the stated noise. What the model leaves in all is an upper bound of noise: near neighbours differ
+  /// by more where a step of the calibration is not in the fit.
   void find_pixel_factor() {
     const double ratio = evidence_.result().model.pixel_sigma / options_.core.pixel_sigma;
+    std::vector<TermGroup> groups;
+    for (const Accepted& a : selection_.accepted) groups.push_back(selection_.candidates[a.candidate].columns);
+    Problem bare = selection_.problem;
+    bare.noise = 0;
+    if (pixels_.factor > 1) pixels_.factor = std::min(pixels_.factor, std::max(1.0, std::sqrt(dispersion(bare, groups))));
     out_.pixels = pixels_;
     out_.pixels.factor *= ratio;
     out_.pixels.sigma *= ratio;

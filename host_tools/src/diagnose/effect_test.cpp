@@ -123,8 +123,9 @@ HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const
   const double s = difference.dot(allowed.inverse() * difference);
   out.log10_p_disagree = log10_upper_tail(s, static_cast<int>(size.size()));
   for (int k = 0; k < 2; ++k) {
-    const VectorXd trained = size.cwiseProduct(p[1 - k].value);
-    out.gain += (of[k].d.squaredNorm() - (of[k].R * trained - of[k].d).squaredNorm()) / noise;
+    const MatrixXd R = of[k].R * size.asDiagonal();
+    const double fall = of[k].d.squaredNorm() - (R * p[1 - k].value - of[k].d).squaredNorm();
+    out.gain += fall / noise + (R * p[1 - k].covariance * R.transpose()).trace() / noise;
   }
   return out;
 }

@@ -10,6 +10,9 @@
 namespace host::diagnosis {
 namespace {
 
+/// Share of its statistic by which an effect must lower the held-out cost.
+constexpr double kHelps = 0.25;
+
 std::string number(const char* format, double value) {
   char text[80];
   std::snprintf(text, sizeof text, format, value);
@@ -89,7 +92,7 @@ class Search {
       const HalvesTest halves = test_halves(out_.problem, candidates_[c], groups_but(-1));
       if (halves.log10_p_disagree < options_.log10_disagree) {
         why_[c] = "the halves of the recording disagree about it (p = 1e" + number("%.0f", halves.log10_p_disagree) + ")";
-      } else if (!(halves.gain > 0)) {
+      } else if (!helps(halves, test_effect(out_.problem, candidates_[c], groups_but(-1)))) {
         why_[c] = "its value from one half of the recording does not help the other";
       } else if (dropped_before(c)) {
         why_[c] = "not needed beside the others";
@@ -125,7 +128,7 @@ class Search {
     const double scatter = scatter_over_time(out_.problem, candidate, groups_but(-1));
     const HalvesTest halves = test_halves(out_.problem, candidate, groups_but(-1));
     const double calm = log10_upper_tail(step->test.statistic / scatter, step->test.seen) + std::log10(step->trials);
-    if (calm >= options_.log10_level || halves.log10_p_disagree < options_.log10_disagree || !(halves.gain > 0)) {
+    if (calm >= options_.log10_level || halves.log10_p_disagree < options_.log10_disagree || !helps(halves, step->test)) {
       out_.problem = without;
       shift_refused_ = true;
       return;
@@ -138,6 +141,7 @@ class Search {
     chosen_.push_back(static_cast<int>(candidates_.size()) - 1);
   }
 
+  static bool helps(const HalvesTest& halves, const EffectTest& test) { return halves.gain > kHelps * test.statistic; }
   bool dropped_before(int c) const { return std::count(dropped_.begin(), dropped_.end(), c) > 0; }
 
   /// Drops what the newer ones make superfluous.

@@ -10,7 +10,7 @@
 // A name needs more than a large s:
 //  - log10 p, corrected for the number of candidates (Bonferroni), below the level;
 //  - both halves of the recording tell the same value: |c_T - c_H|^2 in units of its covariance is chi-square;
-//  - the value from one half lowers the cost of the other half, in sum over both.
+//  - the value from one half lowers the cost of the other half, in sum over both by a quarter of s at least.
 #pragma once
 
 #include <functional>
@@ -63,7 +63,9 @@ EffectTest test_effect(const Problem& problem, const Candidate& candidate, const
 /// Do the halves agree, and does what one says help the other?
 struct HalvesTest {
   double log10_p_disagree = 0;   ///< of |c_T - c_H|^2
-  double gain = 0;               ///< fall of the held-out cost, summed over both ways, over the dispersion
+  /// Fall of the held-out cost, summed over both ways, over the dispersion; plus what the training's uncertainty takes from
+  /// it on average, so that its expectation is the whole excess, however many parameters the effect has.
+  double gain = 0;
 };
 HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
 
@@ -89,6 +91,7 @@ struct Shift {
   Block block;
   double time_s = 0, uncertainty_s = 0;
   int trials = 0;                ///< blocks times instants that were compared
+  int straddling = -1;           ///< piece in which it happens and that fits neither side: left out; -1: between two pieces
   EffectTest test;
 };
 

@@ -2,10 +2,19 @@
 
 #include <cmath>
 
+#include "diagnose/chi_square.h"
+
 namespace host::diagnosis {
 namespace {
 
 using Eigen::MatrixXd;
+
+/// Sigmas of a piece's cost from which on it belongs neither before nor after a step.
+constexpr double kFitsNeither = 8;
+/// log10 p of a step from which on that is asked.
+constexpr double kWorthALook = -6;
+
+double middle(const Piece& p) { return 0.5 * (p.start_s + p.end_s); }
 
 /// Rows with `extra` columns before the rhs: copies of theta's block, or zeroes.
 Rows widened(const Rows& rows, const TermGroup& block, bool after) {
@@ -62,6 +71,33 @@ EffectTest trial(const Problem& problem, const Sums& sums, std::size_t k, const 
   return test_effect(one, {"", {0, block.columns.count}, block.size, 0}, {});
 }
 
+/// |residual|^2 of the fit to these rows.
+double least_cost(const Problem& problem, const std::vector<const Rows*>& sets) {
+  return solve(with_prior(sum_of(sets), problem.prior)).cost;
+}
+
+/// Does a piece beside the step fit neither side? Its share of the cost is compared with its degrees of freedom.
+void look_inside(const Problem& problem, const std::vector<TermGroup>& free, Shift* shift) {
+  double worst = kFitsNeither;
+  for (std::size_t j = 0; j < problem.pieces.size(); ++j) {
+    if (std::abs(middle(problem.pieces[j]) - shift->time_s) > problem.pieces[j].end_s - problem.pieces[j].start_s) continue;
+    std::vector<Rows> wide;
+    for (const Piece& p : problem.pieces) {
+      wide.push_back(widened(with_groups(p.rows, problem.n_theta, free), shift->block.columns, middle(p) > shift->time_s));
+    }
+    std::vector<const Rows*> all, others;
+    for (std::size_t i = 0; i < wide.size(); ++i) {
+      all.push_back(&wide[i]);
+      if (i != j) others.push_back(&wide[i]);
+    }
+    const double dof = problem.pieces[j].rows.dof, share = (least_cost(problem, all) - least_cost(problem, others)) / problem.noise;
+    const double sigmas = (share - dof) / std::sqrt(2 * dof);
+    if (sigmas < worst) continue;
+    worst = sigmas;
+    shift->straddling = static_cast<int>(j);
+  }
+}
+
 }  // namespace
 
 std::optional<Shift> best_shift(const Problem& problem, const std::vector<TermGroup>& free) {
@@ -77,18 +113,28 @@ std::optional<Shift> best_shift(const Problem& problem, const std::vector<TermGr
       if (test.seen == 0 || (best && test.log10_p >= best->test.log10_p)) continue;
       const double from = problem.pieces[k - 1].end_s, to = problem.pieces[k].start_s;
       const double half_piece = 0.5 * (problem.pieces[k].end_s - problem.pieces[k].start_s);
-      best = Shift{block, 0.5 * (from + to), 0.5 * std::abs(to - from) + half_piece, 0, test};
+      best = Shift{block, 0.5 * (from + to), 0.5 * std::abs(to - from) + half_piece, 0, -1, test};
     }
   }
-  if (best) best->trials = trials;
+  if (!best) return {};
+  best->trials = trials;
+  if (log10_upper_tail(best->test.statistic, best->test.seen) < kWorthALook) look_inside(problem, free, &*best);
+  if (best->straddling >= 0) {
+    const Piece& p = problem.pieces[best->straddling];
+    best->time_s = middle(p);
+    best->uncertainty_s = 0.29 * (p.end_s - p.start_s);  // anywhere in it: length / sqrt(12)
+    const Problem without = with_shift(problem, *best);
+    best->test = test_effect(without, shift_candidate(without, *best), free);
+  }
   return best;
 }
 
 Problem with_shift(const Problem& problem, const Shift& shift) {
   Problem out = problem;
   out.blocks.clear();
+  if (shift.straddling >= 0) out.pieces.erase(out.pieces.begin() + shift.straddling);
   for (Piece& p : out.pieces) {
-    p.rows = widened(p.rows, shift.block.columns, 0.5 * (p.start_s + p.end_s) > shift.time_s);
+    p.rows = widened(p.rows, shift.block.columns, middle(p) > shift.time_s);
   }
   out.all = sum_where(out.pieces, [](const Piece&) { return true; });
   out.train = sum_where(out.pieces, [](const Piece& p) { return !p.held_out; });

@@ -44,13 +44,12 @@ std::int64_t middle_of_frames_ns(const Recording& recording) {
 /// The limit that clips the given share of one axis' samples while there are images.
 double clip_limit(const Recording& recording) {
   const auto& frames = recording.cameras[0].frames;
-  double limit = INFINITY;
+  double limit = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::vector<double> sizes;
     for (const ImuSample& s : recording.imu.samples)
       if (s.t_ns >= frames.front().t_ns && s.t_ns <= frames.back().t_ns) sizes.push_back(std::abs(s.accel[axis]));
-    const double here = quantile(std::move(sizes), 1 - clipped_share);
-    if (here > 5) limit = std::min(limit, here);  // the axis that carries gravity
+    limit = std::max(limit, quantile(std::move(sizes), 1 - clipped_share));  // the axis that carries gravity
   }
   return limit;
 }
