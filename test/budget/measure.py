@@ -76,9 +76,11 @@ def instructions(path):
 
 
 def code_bytes(args):
-    """Code and constants of the whole library, before the linker drops what a program does not call."""
-    listing = run([args.tools + "size", args.build / "lib/libsegcal.a"], check=True).stdout.splitlines()[1:]
-    return sum(int(line.split()[0]) for line in listing)
+    """Code and constants of the whole library, before the linker drops what a program does not call. Inline functions that
+    several objects hold count once."""
+    merged = args.out.with_suffix(".o")
+    run([args.tools + "ld", "-r", "--whole-archive", args.build / "lib/libsegcal.a", "-o", merged], check=True)
+    return int(run([args.tools + "size", merged], check=True).stdout.splitlines()[1].split()[0])
 
 
 def proven_stack(args, path):
@@ -98,7 +100,7 @@ def arguments():
     for name in ("target", "profile", "optimisation"):
         parser.add_argument("--" + name, required=True)
     parser.add_argument("--build", type=pathlib.Path, required=True)
-    parser.add_argument("--tools", default="", help="prefix of size and objdump, such as arm-none-eabi-")
+    parser.add_argument("--tools", default="", help="prefix of ld, size and objdump, such as arm-none-eabi-")
     parser.add_argument("--counter", help="the instruction counter; without it nothing is counted")
     parser.add_argument("--out", type=pathlib.Path, required=True)
     return parser.parse_args()

@@ -1,6 +1,10 @@
 // Short names for the small fixed-size matrices of the core. Nothing here allocates.
 #pragma once
 
+#if defined(SEGCAL_ASSERT) && SEGCAL_ASSERT
+#include "segcal/port.h"
+#define eigen_assert(condition) SEGCAL_PORT_ASSERT(condition)  // Eigen's own checks, also with NDEBUG
+#endif
 #include <Eigen/Core>
 #include <cstdint>
 
