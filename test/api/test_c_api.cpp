@@ -112,7 +112,7 @@ void test_ranges_of_numbers() {
   check_range("gravity", &segcal_config_t::gravity, 0, 100);
   check_range("frame_interval_s", &segcal_config_t::frame_interval_s, 0, 2);
   check_range("segment_s", &segcal_config_t::segment_s, 0, 60);
-  check_range("least_segment_s", &segcal_config_t::least_segment_s, 0, 4);   // segment_s
+  check_range("least_segment_s", &segcal_config_t::least_segment_s, 0, 2);   // segment_s
   check_range("least_gain_nats", &segcal_config_t::least_gain_nats, 0, 1e6);
   check_range("filter_share", &segcal_config_t::filter_share, 0, 1);
   check_range("trigger_fraction", &segcal_config_t::trigger_fraction, 0, 0.9999);
@@ -126,7 +126,7 @@ void test_ranges_of_the_others() {
   config = SyntheticStream::config();
   config.most_segment_s = 60;
   TEST_ASSERT_TRUE(taken(config));
-  config.most_segment_s = 3.9;                            // below segment_s
+  config.most_segment_s = 1.9;                            // below segment_s
   TEST_ASSERT_FALSE(taken(config));
   for (int i = 0; i < 14 + 11; ++i) {
     for (double* sigma : {&config.prior_sigma[i], &config.sigma_ref[i], &config.trigger_sigma[i]}) {
