@@ -71,6 +71,7 @@ void configure_effects(const CoreOptions& options, segcal_config_t* c) {
                      std::to_string(std::max(options.terms.size(), options.term_values.size())));
   }
   c->estimate_effects = options.effects;
+  c->watch_effects = options.watched_effects;
   c->n_terms = static_cast<int>(options.terms.size());
   for (std::size_t i = 0; i < options.terms.size(); ++i) c->term[i] = term_to_c(options.terms[i]);
   for (std::size_t i = 0; i < options.term_values.size(); ++i) c->term_value[i] = options.term_values[i];
