@@ -15,8 +15,8 @@ using Eigen::VectorXd;
 /// dropped. With larger noise they are taken, and what is missing in the model can be asked for.
 constexpr double kInflatePixels = 2, kInflateImu = 4;
 constexpr int kMostInflations = 3;
-/// Of the segments that were closed; with fewer kept the fit is made with larger noise.
-constexpr double kKeptShare = 0.75;
+/// Segments dropped of all that tell something; with more the fit is made with larger noise.
+constexpr double kDroppedShare = 0.25;
 
 MatrixXd unpacked(const CoreRows& rows) {
   const int n = rows.n_theta + rows.n_candidates + 1;
@@ -115,7 +115,10 @@ std::vector<TermInfo> dictionary(bool has_temperature) {
   for (int axis = 0; axis < 6; ++axis) {
     const TermKind kind = static_cast<TermKind>(axis);
     const bool gyro = axis < 3;
-    for (Signal s : {Signal::dwx, Signal::dwy, Signal::dwz, Signal::abs_w, Signal::time}) add({kind, byte(s), 0, 0});
+    for (Signal s : {Signal::abs_w, Signal::time}) add({kind, byte(s), 0, 0});
+    for (Signal s : {Signal::dwx, Signal::dwy, Signal::dwz}) {
+      if (gyro) add({kind, byte(s), 0, 0});  // for the accelerometer that is a lever arm: p_CI or accel_axis_offset
+    }
     for (int i = 0; i < 3; ++i) {
       const Signal wi = static_cast<Signal>(byte(Signal::wx) + i), fi = static_cast<Signal>(byte(Signal::fx) + i);
       if (!gyro) add({kind, byte(wi), 0, 0});  // for the gyroscope that is its scale, its misalignment or r_CI
@@ -140,6 +143,7 @@ Evidence::Evidence(const std::vector<Recording>& sessions, const CoreOptions& op
                    std::function<void(double)> progress)
     : sessions_(sessions), options_(options), profile_(profile), progress_(std::move(progress)) {
   options_.outdated_level = -1;  // a step of the calibration is to be found, not forgotten
+  options_.watched_effects = 1;       // segments that do not follow their IMU samples stay: it may be the effect
   options_.segments = profile == "host" ? 64 : options_.segments;
 }
 
@@ -173,8 +177,9 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
 /// True if the fit was taken, with nearly all of the segments.
 bool Evidence::try_fit(const ReplayOptions& options) {
   result_ = replay(sessions_, options);
-  const std::size_t whole = std::min<std::size_t>(result_.segments.size(), static_cast<std::size_t>(options.core.segments));
-  return result_.result.status != "failed" && static_cast<double>(result_.kept.size()) >= kKeptShare * static_cast<double>(whole);
+  double dropped = 0;
+  for (const auto& [name, count] : result_.counters) dropped = name == "segments_unsettled" ? count : dropped;
+  return result_.result.status != "failed" && dropped <= kDroppedShare * (dropped + static_cast<double>(result_.kept.size()));
 }
 
 std::vector<CoreKept> Evidence::segments() const {

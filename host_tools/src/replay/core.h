@@ -34,6 +34,7 @@ struct CoreOptions {
   bool joint_ekf = false;            ///< the filter's own calibration is the result; no segments
   std::vector<std::uint8_t> device_config;  ///< a device's own (recording.h): taken instead of all here; empty: none
   std::uint32_t effects = 0;         ///< SEGCAL_EFFECT_* that are estimated
+  std::uint32_t watched_effects = 0; ///< SEGCAL_EFFECT_* that each scored segment is asked about
   std::vector<CoreTerm> terms;       ///< and further terms
   std::vector<double> term_values;   ///< where they start, effects by bit, then `terms`; empty: at zero
   bool has_temperature = false;      ///< the samples tell the temperature
