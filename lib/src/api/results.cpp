@@ -77,7 +77,7 @@ void reprojection_statistics(const CDevice& d, segcal_result_t* out) {
   std::int32_t below = 0;
   int median = 0;
   while (median < kBins - 1 && 2 * (below += bin[median]) < n) ++median;
-  out->reprojection_rms_px = n > left_out ? static_cast<double>(square_root(sum / (n - left_out))) : 0;
+  out->reprojection_rms_px = n > left_out ? static_cast<double>(square_root(Real(sum / (n - left_out)))) : 0;
   out->reprojection_median_px = n > 0 ? 0.01 * (median + 0.5) : 0;
 }
 
