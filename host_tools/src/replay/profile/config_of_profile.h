@@ -71,7 +71,7 @@ inline void configure_effects(const CoreOptions& options, segcal_config_t* c) {
   for (std::size_t i = 0; i < options.terms.size(); ++i) c->term[i] = term_to_c(options.terms[i]);
   for (std::size_t i = 0; i < options.term_values.size(); ++i) c->term_value[i] = options.term_values[i];
   c->has_temperature = options.has_temperature ? 1 : 0;
-  c->watch_effects = options.watch_effects;
+  c->watch_effects = options.watched_effects;
 }
 
 inline segcal_config_t config_of(const CoreOptions& options) {
