@@ -9,7 +9,7 @@ static segcal_result_t result;
 
 int main(int argc, char **argv) {
   const segcal_camera_t data_sheet = {SEGCAL_FOV, {0.4569, 0.5168, -0.5218, 0.5018}, {0.057, -0.015, -0.034},
-                                      {256, 256, 319.5, 239.5}, {0.92}};
+                                      {256, 256, 319.5, 239.5}, {0.92}, 480};
   const char *const verdict[] = {"fixed", "weak", "observed"};
   FILE *imu = argc == 3 ? fopen(argv[1], "r") : NULL, *tracks = argc == 3 ? fopen(argv[2], "r") : NULL;
   segcal_t *device;
