@@ -50,7 +50,10 @@ class SegmentEliminator {
   bool eliminate_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                       const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates = nullptr);
   /// Forgets work that is under way.
-  void restart() { place_ = inner_place_ = 0; }
+  void restart() {
+    place_ = inner_place_ = 0;
+    link_.restart();
+  }
 
   /// What is left, and where its columns stand.
   ReducedSystem<S>& reduced() { return reduced_; }
@@ -98,7 +101,7 @@ class SegmentEliminator {
   bool run_chain_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                       const MeasurementModel<S>& model, S damping);
   void link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta, const MeasurementModel<S>& model);
-  void link_keyframes(const Segment<S>& segment, int k, const Calibration<S>& theta, const MeasurementModel<S>& model);
+  void link_keyframes(const Segment<S>& segment, int k, const MeasurementModel<S>& model);
   void start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model);
   void move_landmark(Segment<S>* segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping, const S* step);
   void spread_step(const S* step);
@@ -116,6 +119,7 @@ class SegmentEliminator {
   Place place_ = 0, inner_place_ = 0;
   std::int32_t k_ = 0, j_ = 0;
   LandmarkFit<S> fit_;
+  LinkIntegration<S> link_;
 };
 
 /// Typical sizes of a step: damping is measured against them. rad, m, m/s, m/s^2, rad/s.
@@ -258,7 +262,9 @@ bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const Guest
         if (j_ % 3 == 2) SEGCAL_PAUSE(inner_place_);
       }
       if (k_ + 1 == segment.n_keyframes) break;
-      link_keyframes(segment, k_, theta, model);
+      SEGCAL_AWAIT(inner_place_, link_.step(segment, k_ + 1, theta, segment.states.x[k_].b_a, segment.states.x[k_].b_g, model.imu, &imu_terms_));
+      SEGCAL_PAUSE(inner_place_);
+      link_keyframes(segment, k_, model);
       SEGCAL_PAUSE(inner_place_);
       SEGCAL_AWAIT(inner_place_, chain_.hand_over_step(&reduced_));
     }
@@ -267,10 +273,9 @@ bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const Guest
 }
 
 template <class S>
-void SegmentEliminator<S>::link_keyframes(const Segment<S>& segment, int k, const Calibration<S>& theta,
-                                          const MeasurementModel<S>& model) {
+void SegmentEliminator<S>::link_keyframes(const Segment<S>& segment, int k, const MeasurementModel<S>& model) {
   const State<S>* x = segment.states.x;
-  const ImuIntegral<S> I = segment.integrate(k + 1, theta, x[k].b_a, x[k].b_g, model.imu, &imu_terms_);
+  const ImuIntegral<S> I = link_.result();
   ImuRows<S> rows;
   link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model.g, &rows);
   link_term_columns(rows, &imu_terms_);

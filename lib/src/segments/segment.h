@@ -49,6 +49,9 @@ struct SegmentSummary {
 };
 
 template <class S>
+class LinkIntegration;
+
+template <class S>
 struct Segment {
   std::int64_t t0_ns = 0;          ///< stamp of the first keyframe, IMU clock
   std::uint32_t serial = 0;        ///< grows by one with each segment cut from the stream
@@ -86,16 +89,40 @@ struct Segment {
   /// `columns`: derivatives by terms that are wanted beside those by biases and theta's 15.
   ImuIntegral<S> integrate(int k, const Calibration<S>& theta, const Vec3<S>& b_a, const Vec3<S>& b_g,
                            const ImuNoise<S>& noise, ImuTermColumns<S>* columns = nullptr) const {
-    ImuIntegrator<S> integrator(theta.imu, b_a, b_g, noise, &theta.effects, columns);
-    const std::int32_t from = k == 0 ? -lead_us : t_us[k - 1];
-    Stretch<S> stretch;
-    if (integrator.wants_surroundings()) {
-      const S start = S(t0_ns - theta.effects.time_zero_ns) * S(1e-9);
-      stretch = {S(warmth[k > 0 ? k - 1 : 0]), S(warmth[k]), start + S(from) * S(1e-6), start + S(t_us[k]) * S(1e-6)};
+    LinkIntegration<S> link;
+    while (!link.step(*this, k, theta, b_a, b_g, noise, columns)) {
     }
-    integrate_samples<S>(imu, from, t_us[k], S(1e-6), &integrator, stretch);
-    return integrator.result();
+    return link.result();
   }
+  /// What terms need to know about link k.
+  Stretch<S> stretch(int k, const Calibration<S>& theta) const {
+    const S start = S(t0_ns - theta.effects.time_zero_ns) * S(1e-9);
+    return {S(warmth[k > 0 ? k - 1 : 0]), S(warmth[k]), start + S(link_start(k)) * S(1e-6), start + S(t_us[k]) * S(1e-6)};
+  }
+  std::int32_t link_start(int k) const { return k == 0 ? -lead_us : t_us[k - 1]; }
+};
+
+/// Segment::integrate() in slices.
+template <class S>
+class LinkIntegration {
+ public:
+  bool step(const Segment<S>& s, int k, const Calibration<S>& theta, const Vec3<S>& b_a, const Vec3<S>& b_g,
+            const ImuNoise<S>& noise, ImuTermColumns<S>* columns = nullptr) {
+    SEGCAL_SLICES(place_) {
+      integrator_ = ImuIntegrator<S>(theta.imu, b_a, b_g, noise, &theta.effects, columns);
+      samples_.restart();
+      SEGCAL_AWAIT(place_, samples_.step(s.imu, s.link_start(k), s.t_us[k], S(1e-6), &integrator_,
+                                         integrator_.wants_surroundings() ? s.stretch(k, theta) : Stretch<S>{}));
+    }
+    SEGCAL_SLICES_END(place_);
+  }
+  ImuIntegral<S> result() { return integrator_.result(); }
+  void restart() { place_ = 0; }
+
+ private:
+  Place place_ = 0;
+  ImuIntegrator<S> integrator_;
+  SampleIntegration<S, std::int32_t> samples_;
 };
 
 template <class S>

@@ -83,8 +83,10 @@ class CostSteps {
     SEGCAL_SLICES(place_) {
       inertial_ = start_cost(segment, guest, theta, model);
       SEGCAL_PAUSE(place_);
+      link_.restart();
       for (k_ = 0; k_ + 1 < segment.n_keyframes; ++k_) {
-        add_link(segment, theta, model);
+        SEGCAL_AWAIT(place_, link_.step(segment, k_ + 1, theta, segment.states.x[k_].b_a, segment.states.x[k_].b_g, model.imu));
+        inertial_ += link_cost(link_.result(), segment.states.x[k_], segment.states.x[k_ + 1], model);
         SEGCAL_PAUSE(place_);
       }
     }
@@ -102,15 +104,10 @@ class CostSteps {
   void restart() { place_ = 0; }
 
  private:
-  void add_link(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model) {
-    const State<S>* x = segment.states.x;
-    const ImuIntegral<S> I = segment.integrate(k_ + 1, theta, x[k_].b_a, x[k_].b_g, model.imu);
-    inertial_ += link_cost(I, x[k_], x[k_ + 1], model);
-  }
-
   Place place_ = 0;
   std::int32_t k_ = 0;
   S inertial_ = S(0), total_ = S(0);
+  LinkIntegration<S> link_;
 };
 
 template <class S>

@@ -61,6 +61,7 @@ void sensor_input_columns(const Mat3<S>& M, const Vec3<S>& x, Out&& out) {
 template <class S>
 class ImuIntegrator {
  public:
+  ImuIntegrator() = default;   ///< to be assigned to before use
   /// `terms`: taken off the readings; null: none. `columns`: derivatives wanted, with their memory; null: none.
   ImuIntegrator(const ImuCalibration<S>& imu, const Vec3<S>& b_a, const Vec3<S>& b_g, const ImuNoise<S>& noise,
                 const EffectTerms<S>* terms = nullptr, ImuTermColumns<S>* columns = nullptr)

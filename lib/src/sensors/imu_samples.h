@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "math/resumable.h"
 #include "sensors/imu_integral.h"
 
 namespace SEGCAL_NS {
@@ -79,25 +80,52 @@ struct Stretch {
 };
 
 /// Integrates from t0 to t1 > t0; both must lie within the samples. `tick_s`: seconds per tick.
+template <class S, class Time>
+class SampleIntegration {
+ public:
+  /// In slices of kSamples; true when the integrator has it all.
+  template <class Samples>
+  bool step(const Samples& samples, Time t0, Time t1, S tick_s, ImuIntegrator<S>* integrator, const Stretch<S>& stretch) {
+    const bool beside = integrator->wants_surroundings();
+    const auto set = [&](const Vec3<S>& slope_per_tick, Time t) {
+      const S u = S(t - t0) / S(t1 - t0);
+      *integrator->surroundings() = {slope_per_tick / tick_s, stretch.warmth0 + u * (stretch.warmth1 - stretch.warmth0),
+                                     stretch.time0 + u * (stretch.time1 - stretch.time0)};
+    };
+    SEGCAL_SLICES(place_) {
+      if (beside) set(gyro_slope_at<S>(samples, t0), t0);
+      integrator->start(reading_at<S>(samples, t0));
+      t_ = t0;
+      left_ = kSamples;
+      for (i_ = at_or_before(samples, t0) + 1; i_ < samples.size() && samples.time(i_) < t1; ++i_) {
+        if (beside) set(gyro_slope<S>(samples, i_), samples.time(i_));
+        integrator->step(corrected_reading<S>(samples, i_), S(samples.time(i_) - t_) * tick_s);
+        t_ = samples.time(i_);
+        if (--left_ > 0) continue;
+        left_ = kSamples;
+        SEGCAL_PAUSE(place_);
+      }
+      if (beside) set(gyro_slope_at<S>(samples, t1), t1);
+      integrator->step(reading_at<S>(samples, t1), S(t1 - t_) * tick_s);
+    }
+    SEGCAL_SLICES_END(place_);
+  }
+  void restart() { place_ = 0; }
+
+ private:
+  static constexpr int kSamples = 12;
+  Place place_ = 0;
+  std::int32_t i_ = 0, left_ = 0;
+  Time t_ = Time(0);
+};
+
+/// The same at once.
 template <class S, class Samples, class Time>
 void integrate_samples(const Samples& samples, Time t0, Time t1, S tick_s, ImuIntegrator<S>* integrator,
                        const Stretch<S>& stretch = {}) {
-  const bool beside = integrator->wants_surroundings();
-  const auto set = [&](const Vec3<S>& slope_per_tick, Time t) {
-    const S u = S(t - t0) / S(t1 - t0);
-    *integrator->surroundings() = {slope_per_tick / tick_s, stretch.warmth0 + u * (stretch.warmth1 - stretch.warmth0),
-                                   stretch.time0 + u * (stretch.time1 - stretch.time0)};
-  };
-  if (beside) set(gyro_slope_at<S>(samples, t0), t0);
-  integrator->start(reading_at<S>(samples, t0));
-  Time t = t0;
-  for (int i = at_or_before(samples, t0) + 1; i < samples.size() && samples.time(i) < t1; ++i) {
-    if (beside) set(gyro_slope<S>(samples, i), samples.time(i));
-    integrator->step(corrected_reading<S>(samples, i), S(samples.time(i) - t) * tick_s);
-    t = samples.time(i);
+  SampleIntegration<S, Time> integration;
+  while (!integration.step(samples, t0, t1, tick_s, integrator, stretch)) {
   }
-  if (beside) set(gyro_slope_at<S>(samples, t1), t1);
-  integrator->step(reading_at<S>(samples, t1), S(t1 - t) * tick_s);
 }
 
 }  // namespace SEGCAL_NS
