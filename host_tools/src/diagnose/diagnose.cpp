@@ -47,9 +47,34 @@ class Diagnoser {
   }
 
  private:
+  /// Effects are this class' business.
   static CoreOptions with_temperature(CoreOptions core, bool has) {
     core.has_temperature = has;
+    core.effects = 0;
+    core.terms.clear();
+    core.term_values.clear();
     return core;
+  }
+
+  /// Effects of the model that was given: estimated in every fit but the first, from its values.
+  void begin_with_known() {
+    std::size_t next = 0;
+    const std::vector<double>& values = options_.core.term_values;
+    const auto take = [this, &next, &values](std::size_t candidate) {
+      const TermGroup& g = catalogue_.candidates[candidate].columns;
+      known_.push_back(static_cast<int>(candidate));
+      for (int i = 0; i < g.count; ++i) start_[g.first + i] = next < values.size() ? values[next++] : 0;
+    };
+    const std::size_t listed = catalogue_.candidates.size();
+    for (std::size_t c = 0; c < listed; ++c) {
+      if ((options_.core.effects >> terms_[catalogue_.candidates[c].columns.first].bit & 1u) != 0) take(c);
+    }
+    for (const CoreTerm& term : options_.core.terms) {
+      terms_.push_back(term_info(term));
+      catalogue_.candidates.push_back({"unlisted", {static_cast<int>(terms_.size()) - 1, 1}, {terms_.back().size}, 0});
+      start_.push_back(0);
+      take(catalogue_.candidates.size() - 1);
+    }
   }
 
   void report(double fraction) {
@@ -95,8 +120,12 @@ class Diagnoser {
 
   /// Without effects.
   void fit_plain() {
-    terms_ = catalogue_.terms;
-    start_.assign(terms_.size(), 0);
+    if (terms_.empty()) {
+      terms_ = catalogue_.terms;
+      start_.assign(terms_.size(), 0);
+      begin_with_known();
+      given_terms_ = terms_.size();
+    }
     plain_ = fit(std::vector<bool>(terms_.size(), false));
   }
 
@@ -131,6 +160,10 @@ class Diagnoser {
   }
 
   void search() {
+    terms_.resize(given_terms_);
+    start_.resize(given_terms_);
+    SelectionOptions options;
+    options.known = known_;
     Problem last = plain_;
     const Refit refit = [this, &last](const std::vector<int>& accepted) {
       if (accepted.empty()) return plain_;
@@ -144,7 +177,7 @@ class Diagnoser {
       last = fit(estimated);
       return last;
     };
-    selection_ = select_effects(catalogue_.candidates, {}, refit);
+    selection_ = select_effects(catalogue_.candidates, options, refit);
     look_beyond();
   }
 
@@ -316,6 +349,8 @@ class Diagnoser {
   int fits_ = 0;
   std::vector<TermInfo> terms_;
   std::vector<double> start_;
+  std::vector<int> known_;
+  std::size_t given_terms_ = 0;
   Problem plain_;
   PixelNoise pixels_;
   Selection selection_;

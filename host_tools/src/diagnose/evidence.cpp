@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sensors/effect_catalogue.h"
+#include "sensors/effect_names.h"
 
 namespace host::diagnosis {
 namespace {
@@ -103,13 +103,22 @@ Catalogue core_catalogue(bool has_temperature) {
   return out;
 }
 
+TermInfo term_info(const CoreTerm& term) {
+  using namespace SEGCAL_NS;
+  const auto byte = [](int v) { return static_cast<std::uint8_t>(v); };
+  const Term t{static_cast<TermKind>(term.kind), byte(term.a), byte(term.b), byte(term.c)};
+  char name[64], unit[32];
+  write_term_name(t, name, sizeof name, unit, sizeof unit);
+  return {term, "", -1, name, unit, term_prior_sigma(t)};
+}
+
 std::vector<TermInfo> dictionary(bool has_temperature) {
   using namespace SEGCAL_NS;
   std::vector<TermInfo> out;
   const auto add = [&out](const Term& t) {
     int effect, parameter;
     if (find_effect(t, &effect, &parameter)) return;
-    out.push_back({{static_cast<int>(t.kind), t.a, t.b, t.c}, "", -1, "", "", term_prior_sigma(t)});
+    out.push_back(term_info({static_cast<int>(t.kind), t.a, t.b, t.c}));
   };
   const auto byte = [](Signal s) { return static_cast<std::uint8_t>(s); };
   for (int axis = 0; axis < 6; ++axis) {

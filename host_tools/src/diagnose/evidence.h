@@ -24,6 +24,9 @@ struct Catalogue {
 };
 Catalogue core_catalogue(bool has_temperature);
 
+/// A term of the dictionary with its name, unit and plausible magnitude.
+TermInfo term_info(const CoreTerm& term);
+
 /// Terms that the catalogue does not have: products of two signals on each axis of the IMU, polynomials on the image.
 std::vector<TermInfo> dictionary(bool has_temperature);
 

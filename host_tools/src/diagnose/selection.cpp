@@ -22,7 +22,8 @@ std::string number(const char* format, double value) {
 class Search {
  public:
   Search(const std::vector<Candidate>& candidates, const SelectionOptions& options, const Refit& refit)
-      : candidates_(candidates), given_(static_cast<int>(candidates.size())), options_(options), refit_(refit), why_(candidates.size()) {}
+      : candidates_(candidates), given_(static_cast<int>(candidates.size())), options_(options), refit_(refit), why_(candidates.size()),
+        chosen_(options.known) {}
 
   Selection run() {
     fit_again();
@@ -148,7 +149,8 @@ class Search {
   void step_back() {
     for (std::size_t i = 0; i + 1 < chosen_.size();) {
       const int c = chosen_[i];
-      if (significant(c, test_effect(out_.problem, candidates_[c], groups_but(c)))) {
+      const bool known = std::count(options_.known.begin(), options_.known.end(), c) > 0;
+      if (known || significant(c, test_effect(out_.problem, candidates_[c], groups_but(c)))) {
         ++i;
         continue;
       }

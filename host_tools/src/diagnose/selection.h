@@ -80,6 +80,7 @@ struct SelectionOptions {
   double log10_level = -2.7;     ///< of a false name in a recording: 2e-3
   double log10_disagree = -3;    ///< halves that differ by more than this contradict each other
   int most = 5;                  ///< effects
+  std::vector<int> known = {};   ///< candidates that are in the model from the start and stay
 };
 
 struct Accepted {
