@@ -3,7 +3,7 @@
 #include "marks.h"
 #include "print.h"
 #include "session.h"
-#if defined(__ARM_ARCH_PROFILE)
+#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
 #include "stack.h"
 #endif
 
@@ -18,7 +18,7 @@ static uint32_t closed_segments;
 
 /* Paint is renewed before each call whose stack is of interest. */
 static void measure_begin(void) {
-#if defined(__ARM_ARCH_PROFILE)
+#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
   static uint32_t painted;
   if (!painted) stack_paint();
   painted = 1;
@@ -91,7 +91,7 @@ static void print_results(void) {
   const segcal_result_t *r = &result;
   segcal_get_result(device, &result);
   print_number("state_bytes", (uint32_t)segcal_storage_bytes());
-#if defined(__ARM_ARCH_PROFILE)
+#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
   print_number("stack_painted_bytes", stack_high_water() - stack_in_use());
 #endif
   print_number("segments_closed", closed_segments);
