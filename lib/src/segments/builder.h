@@ -126,7 +126,8 @@ template <class S>
 void SegmentBuilder<S>::add_point(const TrackPoint<S>& point) {
   Segment<S>& s = *segment_;
   const int k = s.n_keyframes - 1;
-  if (s.n_observations >= kMaxObservations * (k + 1) / kMaxKeyframes) {
+  const float u = static_cast<float>(point.uv.x()), v = static_cast<float>(point.uv.y());
+  if (s.n_observations >= kMaxObservations * (k + 1) / kMaxKeyframes || !fits(u) || !fits(v)) {
     ++counts_.points_left_out;
     return;
   }
@@ -135,8 +136,7 @@ void SegmentBuilder<S>::add_point(const TrackPoint<S>& point) {
     ++counts_.landmarks_left_out;
     return;
   }
-  s.observation[s.n_observations++] = {static_cast<float>(point.uv.x()), static_cast<float>(point.uv.y()),
-                                       static_cast<std::uint16_t>(j), static_cast<std::uint8_t>(k),
+  s.observation[s.n_observations++] = {u, v, static_cast<std::uint16_t>(j), static_cast<std::uint8_t>(k),
                                        static_cast<std::uint8_t>(point.camera & 0x7F), 0};
   last_seen_[j] = static_cast<std::uint8_t>(k);
   ++seen_[j];

@@ -7,6 +7,7 @@
 #include "information/segment_information.h"
 #include "segments/imu_store.h"
 #include "segments/landmark.h"
+#include "segments/pixel.h"
 
 namespace SEGCAL_NS {
 
@@ -16,7 +17,7 @@ constexpr int kMaxObservations = SEGCAL_MAX_OBSERVATIONS;
 
 /// One image point of a landmark.
 struct Observation {
-  float u, v;                ///< px
+  StoredPixel u, v;          ///< px
   std::uint16_t landmark;    ///< index in the segment
   std::uint8_t keyframe;     ///< index in the segment
   std::uint8_t camera : 7;
