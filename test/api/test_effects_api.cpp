@@ -28,6 +28,7 @@ segcal_t* lived(Storage* storage, const segcal_config_t& config, double sensitiv
 std::vector<segcal_effect_score_t> scores(double sensitivity) {
   segcal_config_t config = SyntheticStream::config();
   config.watch_effects = SEGCAL_EFFECT_TIME_OFFSET | SEGCAL_EFFECT_GYRO_G_SENSITIVITY | SEGCAL_EFFECT_ACCEL_TEMPERATURE;
+  config.trigger_fraction = -1;  // a calibration of the device's own would begin the statistics anew
   Storage storage(0xFF);
   segcal_t* device = lived(&storage, config, sensitivity);
   std::vector<segcal_effect_score_t> out(SEGCAL_EFFECTS);

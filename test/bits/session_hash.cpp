@@ -62,7 +62,8 @@ void take_block(LogBlock type, const std::uint8_t* payload, std::size_t n, Devic
     case LogBlock::config: {
       segcal_config_t config;
       DeviceOptions<Real> options;
-      if (!read_config(payload, n, &config) || !options_from_config(config, &options)) stop("a configuration that is refused");
+      if (!read_config(payload, n, &config)) stop("a configuration of another layout");
+      if (!options_from_config(config, &options)) stop("a configuration that is refused");
       device->create(options);
       return;
     }

@@ -26,7 +26,7 @@ struct Capacities {
   std::uint32_t numbers[14];  // as the header has them, from the size of a number on
 };
 constexpr Capacities kProfiles[] = {
-    {"mcu", {4, 1, 8, 12, 40, 360, 876, 8, 40, 4, 8, 300, 3, 10}},
+    {"mcu", {4, 1, 8, 12, 40, 360, 868, 8, 40, 4, 8, 300, 1, 3}},
     {"mobile", {4, 2, 15, 20, 120, 2000, 2000, 11, 160, 8, 8, 1000, 36, 36}},
     {"host", {4, 2, 64, 32, 256, 6000, 8400, 11, 256, 16, 8, 2000, 64, 64}},
     {"mobile_double", {8, 2, 15, 20, 120, 2000, 2000, 11, 160, 8, 8, 1000, 36, 36}}};

@@ -425,8 +425,10 @@ bool Calibrator<S>::judge_step(S trial, const CalibratorOptions& options) {
   if (!(trial <= cost_ + rounding)) {
     restore();
     damping_ = damping_ > S(0) ? damping_ * S(4) : S(0.05);
-    if (damping_ > S(1e4)) fit_.converged = true;
-    return damping_ > S(1e4);
+    // A step that should gain less than this, and gains nothing, has met the rounding: damping it further cannot help.
+    const bool done = fall_ < S(options.converged) || damping_ > S(1e4);
+    if (done) fit_.converged = true;
+    return done;
   }
   const bool flat = cost_ - trial <= S(1e-3) * cost_;
   if (flat && fall_ < S(options.converged)) fit_.converged = true;
