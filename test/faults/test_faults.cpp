@@ -169,7 +169,7 @@ void setUp() {}
 void tearDown() {}
 
 int main(int argc, char** argv) {
-  test::select_cases(argc - 1, argv + 1);
+  test::select_cases(argc, argv);
   UNITY_BEGIN();
   RUN_TEST(sound_recordings_have_no_fault);
   RUN_TEST(effects_are_no_faults);

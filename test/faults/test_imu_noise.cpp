@@ -110,7 +110,7 @@ void setUp() {}
 void tearDown() {}
 
 int main(int argc, char** argv) {
-  test::select_cases(argc - 1, argv + 1);
+  test::select_cases(argc, argv);
   UNITY_BEGIN();
   RUN_TEST(stated_noise_is_found_under_any_motion);
   RUN_TEST(a_wrong_factor_is_found_on_its_sensor_alone);

@@ -53,7 +53,7 @@ void setUp() {}
 void tearDown() {}
 
 int main(int argc, char** argv) {
-  test::select_cases(argc - 1, argv + 1);
+  test::select_cases(argc, argv);
   const auto found = host::find_real_data();
   if (!found) {
     std::printf("skipped: no real recordings in ../shared/data or SEGCAL_DATA\n");

@@ -245,7 +245,7 @@ void setUp() {}
 void tearDown() {}
 
 int main(int argc, char** argv) {
-  test::select_cases(argc - 1, argv + 1);
+  test::select_cases(argc, argv);
   UNITY_BEGIN();
   RUN_TEST(every_effect_changes_the_recording_and_says_what_it_is);
   RUN_TEST(gyro_lag_is_a_first_order_low_pass);

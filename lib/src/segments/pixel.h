@@ -17,13 +17,16 @@ class PackedPixel {
   PackedPixel(float px) : steps_(static_cast<std::uint16_t>((px + kPixelMargin) * kPixelSteps + 0.5f)) {}  // NOLINT: as float
   operator float() const { return static_cast<float>(steps_) / kPixelSteps - kPixelMargin; }               // NOLINT: as float
 
+  /// False beyond the range, and for NaN.
+  static bool holds(float px) { return px >= -kPixelMargin && px < 65535.f / kPixelSteps - kPixelMargin; }
+
  private:
   std::uint16_t steps_;
 };
 
 #if SEGCAL_PIXEL_BITS == 16
 using StoredPixel = PackedPixel;
-inline bool fits(float px) { return px >= -kPixelMargin && px < 65535.f / kPixelSteps - kPixelMargin; }
+inline bool fits(float px) { return PackedPixel::holds(px); }
 #else
 using StoredPixel = float;
 inline bool fits(float) { return true; }
