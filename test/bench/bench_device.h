@@ -16,6 +16,17 @@
 
 namespace bench {
 
+/// What all benchmarks run on: 100 tracks of 6 to 45 frames, IMU 200 Hz, camera 10 Hz, so that the filter's window of 11 poses
+/// is always full.
+inline host::SimulationResult simulated_session() {
+  host::SimulationOptions options;
+  options.scenario = "rich";
+  options.seconds = 60;
+  options.seed = 1;
+  options.tracks.count = 100;
+  return host::simulate(options);
+}
+
 inline segcal_config_t config_of(const host::SimulationResult& session) {
   const host::CameraCalibration& camera = session.nominal.cameras[0];
   const Eigen::Quaterniond q(camera.R_CI);

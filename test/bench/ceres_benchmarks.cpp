@@ -5,21 +5,16 @@
 
 #include <algorithm>
 
+#include "bench_device.h"
 #include "reference/finish.h"
 #include "replay/kept_segments.h"
-#include "simulate/simulate.h"
 
 namespace {
 
 /// The eight segments that the core keeps, with its states after the calibration.
 const host::KeptSegments& kept() {
   static const host::KeptSegments result = [] {
-    host::SimulationOptions simulation;
-    simulation.scenario = "rich";
-    simulation.seconds = 60;
-    simulation.seed = 1;
-    simulation.tracks.count = 100;
-    const host::SimulationResult session = host::simulate(simulation);
+    const host::SimulationResult session = bench::simulated_session();
     host::ReplayOptions options;
     options.core.calibration = session.nominal;
     options.core.noise = session.recording.imu.noise;

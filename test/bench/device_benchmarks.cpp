@@ -12,16 +12,8 @@ using bench::BenchDevice;
 using bench::Portion;
 using bench::Stopwatch;
 
-/// 100 tracks of 6 to 45 frames, IMU 200 Hz, camera 10 Hz: the filter's window of 11 poses is always full.
 const host::SimulationResult& session() {
-  static const host::SimulationResult result = [] {
-    host::SimulationOptions options;
-    options.scenario = "rich";
-    options.seconds = 60;
-    options.seed = 1;
-    options.tracks.count = 100;
-    return host::simulate(options);
-  }();
+  static const host::SimulationResult result = bench::simulated_session();
   return result;
 }
 

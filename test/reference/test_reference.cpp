@@ -80,6 +80,19 @@ void test_segments_survive_the_file() {
   TEST_ASSERT_TRUE(text == host::kept_segments_json(host::read_kept_segments(folder.path())));
 }
 
+/// A calibration with an effect is another problem: an answer to the one without it would look like a disagreement.
+void test_effects_are_refused() {
+  host::KeptSegments kept;
+  kept.segments.resize(1);
+  kept.effects = {"time_offset.t_d"};
+  try {
+    host::reference_segments(kept, {});
+    TEST_FAIL_MESSAGE("no error");
+  } catch (const host::InputError& error) {
+    TEST_ASSERT_NOT_NULL(std::strstr(error.what(), "estimated time_offset.t_d as well"));
+  }
+}
+
 void test_missing_segments_are_an_input_error() {
   const test::TemporaryFolder folder("segcal_reference");
   try {
@@ -100,6 +113,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_one_segment);
   RUN_TEST(test_recordings_with_rest);
   RUN_TEST(test_segments_survive_the_file);
+  RUN_TEST(test_effects_are_refused);
   RUN_TEST(test_missing_segments_are_an_input_error);
   return UNITY_END();
 }

@@ -94,17 +94,22 @@ void add_compare_command(CLI::App& app, int& exit_code) {
   CLI::App* sub = app.add_subcommand("compare", "two results against each other and the truth: parameters in units of sigma, trajectories");
   sub->add_option("DIR_A", o.a, "folder that segcal wrote: result.json, trajectory.tum")->required();
   sub->add_option("DIR_B", o.b, "the other one")->required();
-  sub->add_option("--truth", o.truth, "truth.json of a simulation, or a trajectory: TUM, or EuRoC's data.csv; may be given twice")->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  sub->add_option("--truth", o.truth, "truth.json of a simulation, or a trajectory: TUM, or EuRoC's data.csv; may be given twice")
+      ->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   sub->add_option("--out", a->out, "folder for compare.json");
   sub->add_flag("--json", a->json, "print compare.json on standard output");
   sub->add_option("--sigmas", o.sigmas, "tolerance of each parameter, sigma")->capture_default_str()->check(CLI::PositiveNumber);
-  sub->add_option("--sigma-of", a->sigma_of, "whose sigma: of the difference of independent results, of a, or of b")->capture_default_str()->check(CLI::IsMember({"difference", "a", "b"}));
+  sub->add_option("--sigma-of", a->sigma_of, "whose sigma: of the difference of independent results, of a, or of b")
+      ->capture_default_str()->check(CLI::IsMember({"difference", "a", "b"}));
   sub->add_option("--sigma-ratio", a->sigma_ratio, "tolerance of sigma_A / sigma_B - 1")->check(CLI::NonNegativeNumber);
   sub->add_option("--position-rmse", a->position_m, "tolerance, m")->check(CLI::NonNegativeNumber);
   sub->add_option("--attitude-rmse", a->attitude_deg, "tolerance, deg")->check(CLI::NonNegativeNumber);
-  sub->add_option("--align", a->align, "what the trajectories' worlds may differ by: none, yaw (and position), se3")->capture_default_str()->check(CLI::IsMember({"none", "yaw", "se3"}));
-  sub->add_option("--time-shift", o.trajectory.largest_shift_s, "estimate a shift of the clocks within +- this, s; 0: none")->capture_default_str()->check(CLI::Range(0.0, 10.0));
-  sub->add_option("--largest-gap", o.trajectory.largest_gap_s, "the reference is not interpolated across more, s")->capture_default_str()->check(CLI::PositiveNumber);
+  sub->add_option("--align", a->align, "what the trajectories' worlds may differ by: none, yaw (and position), se3")
+      ->capture_default_str()->check(CLI::IsMember({"none", "yaw", "se3"}));
+  sub->add_option("--time-shift", o.trajectory.largest_shift_s, "estimate a shift of the clocks within +- this, s; 0: none")
+      ->capture_default_str()->check(CLI::Range(0.0, 10.0));
+  sub->add_option("--largest-gap", o.trajectory.largest_gap_s, "the reference is not interpolated across more, s")
+      ->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_option("--relative", o.trajectory.segment_m, "lengths of path for the relative pose error, m")->check(CLI::PositiveNumber);
   sub->footer(footer);
   sub->callback([a, &exit_code] { exit_code = run(*a); });

@@ -58,7 +58,8 @@ void add_convert_command(CLI::App& app, int& exit_code) {
   sub->add_option("--out", a->out, "the folder, or the file NAME.segcal, to write")->required();
   sub->add_option("--calib", a->calibration, "starting calibration that goes into the log (default: the recording's own)");
   sub->add_option("--cameras", a->cameras, "cameras that go into the log, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
-  sub->add_option("--pixel-sigma", a->pixel_sigma, "stated noise of a tracked corner per axis that goes into the log, px")->capture_default_str()->check(CLI::PositiveNumber);
+  sub->add_option("--pixel-sigma", a->pixel_sigma, "stated noise of a tracked corner per axis that goes into the log, px")
+      ->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_option("--profile", a->profile, "capacities that the log is for: mcu, mobile, host, mobile_double")->capture_default_str();
   sub->add_flag("--salvage", a->salvage, "of a damaged log: leave out the blocks that are not as the device wrote them, a line for each");
   sub->footer(R"(Examples:

@@ -61,13 +61,9 @@ std::vector<Cell> basin_cells(const StudyOptions& options) {
 }
 
 Json basin_run(const Json& parameters) {
-  SimulationOptions simulation;
-  simulation.scenario = parameters.at("scenario");
-  simulation.seconds = parameters.at("seconds");
-  simulation.seed = parameters.at("seed");
-  const SimulationResult session = simulate(simulation);
+  const SimulationResult session = simulate_cell(parameters);
   ReplayOptions options;
-  options.core.calibration = start_of(session, parameters.at("factor"), simulation.seed);
+  options.core.calibration = start_of(session, parameters.at("factor"), parameters.at("seed"));
   options.core.noise = session.recording.imu.noise;
   const CoreResult result = replay({session.recording}, options).result;
   double worst = 0;

@@ -45,6 +45,14 @@ SimulationResult simulate_session(const Dataset& dataset, std::uint64_t seed, in
   return simulate(options);
 }
 
+SimulationResult simulate_cell(const Json& parameters) {
+  SimulationOptions options;
+  options.scenario = parameters.at("scenario");
+  options.seconds = parameters.at("seconds");
+  options.seed = parameters.at("seed");
+  return simulate(options);
+}
+
 SimulationResult simulate_evaluation(std::uint64_t seed, int index, double session_s) {
   static const char* const scenario[] = {"nav", "arvr", "rich"};
   SimulationOptions options;

@@ -28,6 +28,9 @@ const Dataset& dataset_named(const std::string& name);
 /// Session `index` of a dataset. The device depends on `seed` alone, so that all datasets of a seed share it.
 SimulationResult simulate_session(const Dataset& dataset, std::uint64_t seed, int index, double session_s);
 
+/// The session of a cell with "scenario", "seconds" and "seed".
+SimulationResult simulate_cell(const Json& parameters);
+
 /// A session for the evaluation of a calibration: other motion, other landmarks, the same device. Walking, handling and
 /// shaking in turn, as the paper's sessions in the motion capture room are mixed.
 SimulationResult simulate_evaluation(std::uint64_t seed, int index, double session_s);

@@ -87,11 +87,7 @@ std::vector<Cell> degenerate_cells(const StudyOptions& options) {
 }
 
 Json degenerate_run(const Json& parameters) {
-  SimulationOptions simulation;
-  simulation.scenario = parameters.at("scenario");
-  simulation.seconds = parameters.at("seconds");
-  simulation.seed = parameters.at("seed");
-  const SimulationResult session = simulate(simulation);
+  const SimulationResult session = simulate_cell(parameters);
   ReplayOptions options;
   options.core.calibration = session.nominal;
   options.core.noise = session.recording.imu.noise;

@@ -45,7 +45,10 @@ void print_summary(const CoreResult& r) {
 
 ReferenceResult segments(Arguments& a) {
   const KeptSegments kept = read_kept_segments(a.segments_from);
-  if (!a.calibration.empty()) a.options.start = find_calibration(a.recordings.empty() ? "" : a.recordings.front(), a.calibration, static_cast<int>(kept.start.cameras.size()));
+  const std::string recording = a.recordings.empty() ? "" : a.recordings.front();
+  if (!a.calibration.empty()) {
+    a.options.start = find_calibration(recording, a.calibration, static_cast<int>(kept.start.cameras.size()));
+  }
   return reference_segments(kept, a.options);
 }
 
@@ -78,7 +81,8 @@ void add_reference_command(CLI::App& app, int& exit_code) {
                   "the iterations start (default: the prior's mean)");
   sub->add_option("--out", a->out, "folder for the result")->required();
   sub->add_option("--cameras", a->cameras, "cameras to use in a batch, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
-  sub->add_option("--pixel-sigma", a->options.pixel_sigma, "batch: stated noise of a tracked corner per axis, px")->capture_default_str()->check(CLI::PositiveNumber);
+  sub->add_option("--pixel-sigma", a->options.pixel_sigma, "batch: stated noise of a tracked corner per axis, px")
+      ->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_option("--threads", a->options.threads, "threads of the solver")->capture_default_str()->check(CLI::Range(1, 64));
   sub->callback([a, &exit_code] { exit_code = run(*a); });
 }

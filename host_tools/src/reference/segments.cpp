@@ -87,6 +87,10 @@ Problem problem_of(const KeptSegments& kept) {
 
 ReferenceResult reference_segments(const KeptSegments& kept, const ReferenceOptions& options) {
   if (kept.segments.empty()) throw InputError("kept_segments.json: holds no segment; nothing was kept in that replay");
+  if (!kept.effects.empty()) {
+    throw InputError("kept_segments.json: that calibration estimated " + kept.effects.front() +
+                     " as well, which the reference does not model; expected a replay without --enable and --model");
+  }
   reference::Problem problem = reference::problem_of(kept);
   if (options.start) problem.theta = *options.start;
   ReferenceResult out = reference::finish(&problem, options);

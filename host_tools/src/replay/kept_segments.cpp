@@ -161,6 +161,7 @@ KeptSegments read(const Json& json) {
   out.noise.accel_noise_density = out.model.accel_noise_density;
   out.noise.accel_random_walk = out.model.accel_random_walk;
   if (out.prior_sigma.size() != parameter_names(out.start).size()) throw InputError("prior.sigma: expected one per parameter");
+  out.effects = json.value("effects", std::vector<std::string>());
   for (const Json& s : json.at("segments")) out.segments.push_back(read_segment(s, out.start.cameras.size()));
   if (!out.segments.empty() && out.segments.front().join != "none") throw InputError("the first segment hangs on none");
   return out;
@@ -174,7 +175,9 @@ KeptSegments kept_segments(const ReplayResult& result) {
   out.start = result.start;
   out.noise = result.noise;
   for (const CoreParameter& p : result.result.parameters) out.prior_sigma.push_back(p.prior_sigma);
-  out.prior_sigma.resize(std::min(out.prior_sigma.size(), parameter_names(result.start).size()));  // without terms of effects
+  const std::size_t n_theta = std::min(out.prior_sigma.size(), parameter_names(result.start).size());
+  for (std::size_t i = n_theta; i < result.result.parameters.size(); ++i) out.effects.push_back(result.result.parameters[i].name);
+  out.prior_sigma.resize(n_theta);
   for (const CoreKept& k : result.kept) {
     if (k.place >= 0) out.segments.push_back(k);
   }
@@ -188,6 +191,7 @@ std::string kept_segments_json(const KeptSegments& kept) {
   for (const auto& [name, field] : model_fields()) json["model"][name] = kept.model.*field;
   json["imu_rate_hz"] = kept.noise.rate_hz;
   json["prior"] = {{"mean", calibration_json(kept.start)}, {"names", parameter_names(kept.start)}, {"sigma", kept.prior_sigma}};
+  json["effects"] = kept.effects;
   json["segments"] = Json::array();
   for (const CoreKept& k : kept.segments) json["segments"].push_back(segment_json(k));
   return json.dump() + "\n";

@@ -62,18 +62,21 @@ void take_device(const std::vector<Recording>& sessions, Arguments* a) {
   const DeviceSession& device = *sessions.front().device;
   for (const CLI::Option* option : a->of_device) {
     if (option->count() > 0) {
-      throw InputError(option->get_name() + ": the log holds the device's configuration; expected --calib FILE as well, to replay it with another one");
+      throw InputError(option->get_name() +
+                       ": the log holds the device's configuration; expected --calib FILE as well, to replay it with another one");
     }
   }
   for (const Recording& session : sessions) {
     if (session.device && session.device->config != device.config) {
-      throw InputError(session.root.string() + ": expected the configuration of " + sessions.front().root.string() + ", found another one");
+      throw InputError(session.root.string() + ": expected the configuration of " + sessions.front().root.string() +
+                       ", found another one");
     }
   }
   a->replay.core.device_config = device.config;
   if (a->profile->count() > 0) return;
   if (device.profile.empty()) {
-    throw InputError(sessions.front().root.string() + ": expected the capacities of profile mcu, mobile or host, found others; --profile chooses one, and the bits will differ");
+    throw InputError(sessions.front().root.string() + ": expected the capacities of profile mcu, mobile or host, found others; "
+                     "--profile chooses one, and the bits will differ");
   }
   a->replay.profile = device.profile;
 }
@@ -140,50 +143,65 @@ int run(Arguments a) {
   return result.calibrated && result.result.status == "calibrated" ? 0 : 1;
 }
 
-}  // namespace
-
-void add_replay_command(CLI::App& app, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
-  CLI::App* sub = app.add_subcommand("replay", "run recordings through the core: odometry, segments, calibration");
-  sub->add_option("recordings", a->recordings, "recordings in ASL layout (REC/mav0/...) or device logs (*.segcal); several are sessions in order")->required();
+void add_files(CLI::App* sub, Arguments* a) {
+  sub->add_option("recordings", a->recordings,
+                  "recordings in ASL layout (REC/mav0/...) or device logs (*.segcal); several are sessions in order")->required();
   sub->add_option("--calib", a->calibration, "starting calibration, Kalibr's camchain-imucam.yaml (default: the recording's own)");
-  sub->add_option("--out", a->out, "folder for result.json, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml, kept_segments.json")->required();
-  a->profile = sub->add_option("--profile", a->replay.profile, "capacities of the core, as compiled for firmware: mcu, mobile, host; mobile_double: mobile in double precision, to check float; of a device log: the device's")->capture_default_str();
-  sub->add_option("--metric", a->replay.core.metric, "what makes a segment informative: A, D, E or random; set_d: the set that tells most together")->capture_default_str();
-  sub->add_option("--segments", a->replay.core.segments, "segments to keep in the database")->capture_default_str()->check(CLI::PositiveNumber);
-  sub->add_option("--segment-seconds", a->replay.core.segment_s, "length of a segment, s")->capture_default_str()->check(CLI::Range(1.0, 30.0));
-  sub->add_flag("--adaptive-segments", a->replay.core.adaptive_segments,
+  sub->add_option("--out", a->out,
+                  "folder for result.json, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml, kept_segments.json")->required();
+  sub->add_flag("--json", a->json, "print result.json on standard output");
+}
+
+/// What is kept, and when a calibration is due.
+void add_database_options(CLI::App* sub, Arguments* a) {
+  CoreOptions& core = a->replay.core;
+  a->profile = sub->add_option("--profile", a->replay.profile,
+                               "capacities of the core, as compiled for firmware: mcu, mobile, host; mobile_double: mobile in double "
+                               "precision, to check float; of a device log: the device's")->capture_default_str();
+  sub->add_option("--metric", core.metric,
+                  "what makes a segment informative: A, D, E or random; set_d: the set that tells most together")->capture_default_str();
+  sub->add_option("--segments", core.segments, "segments to keep in the database")->capture_default_str()->check(CLI::PositiveNumber);
+  sub->add_option("--segment-seconds", core.segment_s, "length of a segment, s")->capture_default_str()->check(CLI::Range(1.0, 30.0));
+  sub->add_flag("--adaptive-segments", core.adaptive_segments,
                 "end quiet segments from half that length on, let lively ones go on up to twice");
   sub->add_option("--strategy", a->strategy, "single: each session starts with an empty database; multi: the best of all stay")
       ->capture_default_str()->check(CLI::IsMember({"single", "multi"}));
+  sub->add_option("--seed", core.seed, "of the random metric")->capture_default_str();
+  sub->add_option("--trigger-sigma", core.trigger_fraction,
+                  "calibrate in between, as soon as all predicted sigmas are below this fraction of the prior's; 0: at the end only")
+      ->capture_default_str()->check(CLI::Range(0.0, 0.99));
+  sub->add_flag("--keep-outdated", a->keep_outdated, "keep segments that newer ones contradict: theta is taken as constant");
+  sub->add_flag("--no-calibration", a->no_calibration, "odometry only: the trajectory with the starting calibration");
+}
+
+/// What the core believes of the sensors.
+void add_model_options(CLI::App* sub, Arguments* a) {
+  CoreOptions& core = a->replay.core;
   sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
-  sub->add_option("--pixel-sigma", a->replay.core.pixel_sigma, "stated noise of a tracked corner per axis, px")->capture_default_str()->check(CLI::PositiveNumber);
+  sub->add_option("--pixel-sigma", core.pixel_sigma, "stated noise of a tracked corner per axis, px")
+      ->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_option("--enable", a->effects,
                   "effect to estimate beside the calibration, as time_offset; repeatable. All of them: see below")
       ->allow_extra_args(false);
   sub->add_option("--model", a->model, "model.yaml: effects to estimate, with the values to start from");
-  sub->add_option("--seed", a->replay.core.seed, "of the random metric")->capture_default_str();
-  sub->add_option("--trigger-sigma", a->replay.core.trigger_fraction,
-                  "calibrate in between, as soon as all predicted sigmas are below this fraction of the prior's; 0: at the end only")
-      ->capture_default_str()->check(CLI::Range(0.0, 0.99));
-  sub->add_flag("--hold-calibration", a->replay.core.hold_calibration, "the odometry runs with the calibration as it is, without estimates of its own");
+  sub->add_flag("--hold-calibration", core.hold_calibration,
+                "the odometry runs with the calibration as it is, without estimates of its own");
   sub->add_flag("--joint-ekf", a->replay.joint_ekf,
                 "for comparison: no segments, the filter's own estimate of the calibration is the result");
-  sub->add_flag("--keep-outdated", a->keep_outdated, "keep segments that newer ones contradict: theta is taken as constant");
-  sub->add_flag("--no-calibration", a->no_calibration, "odometry only: the trajectory with the starting calibration");
+}
+
+void add_hash_options(CLI::App* sub, Arguments* a) {
   sub->add_flag("--hash", a->hash, "print one number over all bits of theta, its sigmas, the trajectory and the kept segments");
   sub->add_option("--verify-hash", a->verify_hash,
                   "compare that number with the one in FILE: a device log (at the places where the device wrote it), or a text that "
                   "holds 'result_hash' and the number")->type_name("FILE");
-  sub->add_flag("--json", a->json, "print result.json on standard output");
-  for (const char* name : {"--metric", "--segments", "--segment-seconds", "--adaptive-segments", "--strategy", "--cameras", "--pixel-sigma",
-                           "--seed", "--trigger-sigma", "--hold-calibration", "--joint-ekf", "--keep-outdated"}) {
-    a->of_device.push_back(sub->get_option(name));
-  }
-  sub->footer(R"(Example:
+}
+
+std::string replay_help() {
+  return R"(Example:
   segcal replay rec --calib start.yaml --out out && segcal report out
 
-Verdicts: observed, the sigma fell below 0.3 of the prior's; weak, below 0.8; fixed, the data cannot tell: the parameter
+Verdicts: observed, the sigma fell below 0.3 of the prior's; weak, below 0.5; fixed, the data cannot tell: the parameter
 stays where it was.
 
 The odometry estimates extrinsics, intrinsics and the IMU's scales, misalignments and rotation as states of its filter in
@@ -198,7 +216,23 @@ device made, so that it gives the device's bits:
 
 )" + effects_help() + R"(
 Exit code 1: the result is not `calibrated` (too little motion, or the model does not fit); with --verify-hash: the hash is
-another one.)");
+another one.)";
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* sub = app.add_subcommand("replay", "run recordings through the core: odometry, segments, calibration");
+  add_files(sub, a.get());
+  add_database_options(sub, a.get());
+  add_model_options(sub, a.get());
+  add_hash_options(sub, a.get());
+  for (const char* name : {"--metric", "--segments", "--segment-seconds", "--adaptive-segments", "--strategy", "--cameras", "--pixel-sigma",
+                           "--seed", "--trigger-sigma", "--hold-calibration", "--joint-ekf", "--keep-outdated"}) {
+    a->of_device.push_back(sub->get_option(name));
+  }
+  sub->footer(replay_help());
   sub->callback([a, &exit_code] { exit_code = run(*a); });
 }
 

@@ -39,7 +39,9 @@ std::array<std::pair<double, std::size_t>, 3> parse_axes(const std::string& axes
       continue;
     }
     const auto axis = static_cast<std::size_t>(c - 'x');
-    if (c < 'x' || c > 'z' || n == 3 || used[axis]) throw InputError("axes: expected x, y and z once each, with or without '-', as in yx-z, found '" + axes + "'");
+    if (c < 'x' || c > 'z' || n == 3 || used[axis]) {
+      throw InputError("axes: expected x, y and z once each, with or without '-', as in yx-z, found '" + axes + "'");
+    }
     used[axis] = true;
     out[n++] = {sign, axis};
     sign = 1;

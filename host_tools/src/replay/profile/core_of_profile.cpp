@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "replay/profile/config_of_profile.h"
+#include "replay/profile/read_device.h"
 
 #define SEGCAL_FACTORY_2(profile) make_core_##profile
 #define SEGCAL_FACTORY_1(profile) SEGCAL_FACTORY_2(profile)
@@ -11,37 +12,6 @@
 
 namespace host {
 namespace SEGCAL_NS {
-
-CoreState state_of(const segcal_state_t& s) {
-  CoreState out;
-  out.t_ns = s.t_ns;
-  for (int i = 0; i < 4; ++i) out.q_GI_wxyz(i) = s.q_GI[i];
-  for (int i = 0; i < 3; ++i) {
-    out.p_GI(i) = s.p_GI[i];
-    out.v_GI(i) = s.v_GI[i];
-    out.b_a(i) = s.b_a[i];
-    out.b_g(i) = s.b_g[i];
-  }
-  return out;
-}
-
-CoreSegment segment_of(const segcal_segment_t& s) {
-  CoreSegment out;
-  out.start_ns = s.start_ns;
-  out.end_ns = s.end_ns;
-  out.session = s.session;
-  out.serial = s.serial;
-  out.keyframes = s.keyframes;
-  out.landmarks = s.landmarks;
-  out.points = s.points;
-  out.rank = s.rank;
-  out.A = s.A;
-  out.D = s.D;
-  out.E = s.E;
-  out.gain_nats = s.gain_nats;
-  out.kept = s.kept != 0;
-  return out;
-}
 
 class ProfileCore final : public Core {
  public:
@@ -91,33 +61,7 @@ class ProfileCore final : public Core {
     return segcal_get_result(device_, &r) == SEGCAL_OK;
   }
 
-  CoreResult result() const override {
-    segcal_result_t r;
-    CoreResult out;
-    if (segcal_get_result(device_, &r) != SEGCAL_OK) return out;
-    static const char* const kStatus[] = {"insufficient", "calibrated", "failed"};
-    static const char* const kVerdict[] = {"fixed", "weak", "observed"};
-    out.status = kStatus[r.status];
-    for (int i = 0; i < r.n_parameters; ++i) {
-      const segcal_parameter_t& p = r.parameter[i];
-      out.parameters.push_back({p.name, p.unit, kVerdict[p.verdict], p.value, p.initial, p.sigma, p.prior_sigma});
-    }
-    for (int i = 0; i < r.n_directions; ++i) {
-      segcal_direction_t d;
-      if (segcal_get_direction(device_, i, &d) == SEGCAL_OK) out.unobservable.push_back(direction(d, r.n_parameters));
-    }
-    out.iterations = r.iterations;
-    out.segments = r.segments;
-    out.partitions = r.partitions;
-    out.image_points = r.image_points;
-    out.converged = r.converged != 0;
-    out.chi2 = r.chi2;
-    out.dof = r.dof;
-    out.noise_scale = r.noise_scale;
-    out.reprojection_rms_px = r.reprojection_rms_px;
-    out.reprojection_median_px = r.reprojection_median_px;
-    return out;
-  }
+  CoreResult result() const override { return result_of(device_); }
 
   Calibration calibration() const override {
     Calibration out = options_.calibration;
@@ -145,7 +89,7 @@ class ProfileCore final : public Core {
     *out = segment_of(s);
     std::vector<segcal_direction_t> directions(SEGCAL_MAX_DIRECTIONS);
     const int n = segcal_get_segment_directions(device_, directions.data(), SEGCAL_MAX_DIRECTIONS);
-    for (int i = 0; i < n; ++i) out->not_excited.push_back(direction(directions[i], parameters()));
+    for (int i = 0; i < n; ++i) out->not_excited.push_back(direction_of(directions[i], parameters()));
     out->sigma.resize(SEGCAL_MAX_PARAMETERS);
     out->sigma.resize(std::max(0, segcal_get_segment_sigmas(device_, out->sigma.data(), SEGCAL_MAX_PARAMETERS)));
     return true;
@@ -156,7 +100,7 @@ class ProfileCore final : public Core {
     for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
       segcal_segment_t s;
       if (segcal_get_segment(device_, slot, &s) != SEGCAL_OK || !s.kept) continue;
-      out.push_back(kept_slot(slot, s));
+      out.push_back(kept_of(device_, slot, s));
     }
     return out;
   }
@@ -248,59 +192,6 @@ class ProfileCore final : public Core {
       if ((options_.effects >> e & 1u) != 0 && segcal_get_effect(e, &effect) == SEGCAL_OK) n += effect.n_parameters;
     }
     return n + static_cast<int>(options_.terms.size());
-  }
-
-  static CoreDirection direction(const segcal_direction_t& d, int n) {
-    return {std::vector<double>(d.weight, d.weight + n), d.relative_sigma};
-  }
-
-  CoreKept kept_slot(int slot, const segcal_segment_t& s) const {
-    CoreKept kept;
-    kept.segment = segment_of(s);
-    std::vector<segcal_state_t> states(s.keyframes);
-    states.resize(std::max(0, segcal_get_keyframes(device_, slot, states.data(), s.keyframes)));
-    for (const segcal_state_t& x : states) kept.keyframes.push_back(state_of(x));
-    std::vector<segcal_point_residual_t> points(s.points);
-    points.resize(std::max(0, segcal_get_point_residuals(device_, slot, points.data(), s.points)));
-    for (const segcal_point_residual_t& r : points) kept.points.push_back({r.t_ns, r.camera, r.u, r.v});
-    std::vector<segcal_imu_residual_t> imu(s.keyframes);
-    imu.resize(std::max(0, segcal_get_imu_residuals(device_, slot, imu.data(), s.keyframes)));
-    for (const segcal_imu_residual_t& r : imu) {
-      kept.imu.push_back({r.t_ns, Eigen::Vector3d(r.rotation[0], r.rotation[1], r.rotation[2]),
-                          Eigen::Vector3d(r.velocity[0], r.velocity[1], r.velocity[2]),
-                          Eigen::Vector3d(r.position[0], r.position[1], r.position[2])});
-    }
-    add_measurements(slot, s, &kept);
-    return kept;
-  }
-
-  /// What the calibration had of a segment.
-  void add_measurements(int slot, const segcal_segment_t& s, CoreKept* kept) const {
-    segcal_link_t link{};
-    if (segcal_get_link(device_, slot, &link) == SEGCAL_OK) {
-      static const char* const kJoin[] = {"none", "imu", "bias"};
-      kept->place = link.place;
-      kept->join = kJoin[link.join];
-      kept->gap_s = link.gap_s;
-      kept->lead_ns = link.lead_ns;
-      kept->turned_only = link.turned_only != 0;
-    }
-    std::vector<segcal_landmark_t> landmarks(s.landmarks);
-    landmarks.resize(std::max(0, segcal_get_landmarks(device_, slot, landmarks.data(), s.landmarks)));
-    for (const segcal_landmark_t& l : landmarks) {
-      kept->landmarks.push_back({l.track_id, l.tie, Eigen::Vector3d(l.anchor[0], l.anchor[1], l.anchor[2]),
-                                 Eigen::Vector3d(l.direction[0], l.direction[1], l.direction[2]), l.inverse_distance});
-    }
-    std::vector<segcal_measured_point_t> points(s.points);
-    points.resize(std::max(0, segcal_get_points(device_, slot, points.data(), s.points)));
-    for (const segcal_measured_point_t& z : points) {
-      kept->measured.push_back({z.landmark, z.keyframe, z.camera, z.u, z.v, z.rejected != 0});
-    }
-    std::vector<segcal_imu_t> samples(SEGCAL_MAX_IMU_SAMPLES);
-    samples.resize(std::max(0, segcal_get_samples(device_, slot, samples.data(), SEGCAL_MAX_IMU_SAMPLES)));
-    for (const segcal_imu_t& z : samples) {
-      kept->samples.push_back({z.t_ns, {z.gyro[0], z.gyro[1], z.gyro[2]}, {z.accel[0], z.accel[1], z.accel[2]}, 0});
-    }
   }
 
   struct Free {
