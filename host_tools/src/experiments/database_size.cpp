@@ -11,6 +11,46 @@ namespace {
 constexpr int largest_size = 15;  // what profile mobile holds
 constexpr int everything = 0;     // stands for all segments
 
+/// All sessions of one use case with one size of the database.
+struct Group {
+  std::vector<double> cm, deg, against_all, sigma_ratio, squares;
+  int calibrated = 0, runs = 0;
+
+  /// `base`: what all segments of the same session give.
+  void add(const Json& result, const Json& base) {
+    for (std::size_t i = 0; i < result.at("position_cm").size(); ++i) {
+      cm.push_back(result.at("position_cm").at(i));
+      deg.push_back(result.at("attitude_deg").at(i));
+      against_all.push_back(cm.back() / base.at("position_cm").at(i).get<double>());
+    }
+    const Json &a = result.at("parameters"), &b = base.at("parameters");
+    for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) {
+      const double sigma = a[i].at("sigma");
+      sigma_ratio.push_back(sigma / b[i].at("sigma").get<double>());
+      if (a[i].at("verdict") == "fixed") continue;
+      const double error = (a[i].at("value").get<double>() - a[i].at("truth").get<double>()) / sigma;
+      squares.push_back(error * error);
+    }
+    ++runs;
+    calibrated += result.at("status") == "calibrated";
+  }
+};
+
+/// By use case and size.
+std::map<std::pair<std::string, int>, Group> groups_of(const std::vector<CellResult>& cells) {
+  const auto place = [](const CellResult& c) { return c.parameters.at("dataset").get<std::string>() + c.parameters.at("session").dump(); };
+  std::map<std::string, Json> all;  // by dataset and session
+  for (const CellResult& c : cells) {
+    if (c.parameters.at("segments") == everything) all[place(c)] = c.result;
+  }
+  std::map<std::pair<std::string, int>, Group> groups;
+  for (const CellResult& c : cells) {
+    const std::string scenario = dataset_named(c.parameters.at("dataset")).scenario;
+    groups[{scenario, c.parameters.at("segments")}].add(c.result, all.at(place(c)));
+  }
+  return groups;
+}
+
 }  // namespace
 
 std::vector<Cell> database_size_cells(const StudyOptions& options) {
@@ -51,36 +91,6 @@ Json database_size_run(const Json& parameters) {
 }
 
 Findings database_size_gather(const std::vector<CellResult>& cells) {
-  struct Group {
-    std::vector<double> cm, deg, against_all, sigma_ratio, squares;
-    int calibrated = 0, runs = 0;
-  };
-  std::map<std::string, Json> all;  // by dataset and session
-  const auto place = [](const CellResult& c) { return c.parameters.at("dataset").get<std::string>() + c.parameters.at("session").dump(); };
-  for (const CellResult& c : cells) {
-    if (c.parameters.at("segments") == everything) all[place(c)] = c.result;
-  }
-  std::map<std::pair<std::string, int>, Group> groups;
-  for (const CellResult& c : cells) {
-    const std::string scenario = dataset_named(c.parameters.at("dataset")).scenario;
-    Group& g = groups[{scenario, c.parameters.at("segments")}];
-    const Json& base = all.at(place(c));
-    for (std::size_t i = 0; i < c.result.at("position_cm").size(); ++i) {
-      g.cm.push_back(c.result.at("position_cm").at(i));
-      g.deg.push_back(c.result.at("attitude_deg").at(i));
-      g.against_all.push_back(g.cm.back() / base.at("position_cm").at(i).get<double>());
-    }
-    const Json &a = c.result.at("parameters"), &b = base.at("parameters");
-    for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) {
-      const double sigma = a[i].at("sigma");
-      g.sigma_ratio.push_back(sigma / b[i].at("sigma").get<double>());
-      if (a[i].at("verdict") == "fixed") continue;
-      const double error = (a[i].at("value").get<double>() - a[i].at("truth").get<double>()) / sigma;
-      g.squares.push_back(error * error);
-    }
-    ++g.runs;
-    g.calibrated += c.result.at("status") == "calibrated";
-  }
   Findings out;
   Table table{"Database size", "A-optimality, segments of 4 s, each session by itself. Size 0: all segments, up to 64. Ratios against "
               "all: position, median over the same pairs; sigmas, geometric mean over parameters and sessions.",
@@ -88,20 +98,15 @@ Findings database_size_gather(const std::vector<CellResult>& cells) {
                {"sigmas against all", "-"}, {"mean (error/sigma)^2", "-"}, {"calibrated", "-"}, {"sessions", "-"}}, {}};
   Figure rmse{"Position RMSE", "lines", "segments", "RMSE against all [-]", true, {}};
   Figure sigma{"Sigmas", "lines", "segments", "sigma against all [-]", true, {}};
-  std::map<std::string, Series> rmse_lines, sigma_lines;
-  for (const auto& [key, g] : groups) {
-    table.rows.push_back({key.first, key.second, median(g.cm), median(g.deg), median(g.against_all), geometric_mean(g.sigma_ratio),
-                          mean(g.squares), g.calibrated, g.runs});
+  for (const auto& [key, g] : groups_of(cells)) {  // in the order of use cases
+    const double position = median(g.against_all), sigmas = geometric_mean(g.sigma_ratio);
+    table.rows.push_back({key.first, key.second, median(g.cm), median(g.deg), position, sigmas, mean(g.squares), g.calibrated, g.runs});
     if (key.second == everything) continue;
-    rmse_lines[key.first].x.push_back(key.second);
-    rmse_lines[key.first].y.push_back(median(g.against_all));
-    sigma_lines[key.first].x.push_back(key.second);
-    sigma_lines[key.first].y.push_back(geometric_mean(g.sigma_ratio));
-  }
-  for (auto& [name, line] : rmse_lines) {
-    line.name = sigma_lines[name].name = name;
-    rmse.series.push_back(line);
-    sigma.series.push_back(sigma_lines[name]);
+    for (Figure* figure : {&rmse, &sigma}) {
+      if (figure->series.empty() || figure->series.back().name != key.first) figure->series.push_back({key.first, {}, {}});
+      figure->series.back().x.push_back(key.second);
+      figure->series.back().y.push_back(figure == &rmse ? position : sigmas);
+    }
   }
   out.tables = {table};
   out.figures = {rmse, sigma};

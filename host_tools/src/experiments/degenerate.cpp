@@ -52,6 +52,7 @@ struct Record {
   double squares = 0, largest = 0;
   std::string worst_seed;
   int released() const { return observed + weak; }
+  double mean_square() const { return released() ? squares / released() : 0; }
 };
 
 void add(Record& r, const Json& p, const std::string& seed, bool named) {
@@ -69,6 +70,52 @@ void add(Record& r, const Json& p, const std::string& seed, bool named) {
   r.largest = std::abs(error);
   r.worst_seed = seed;
 }
+
+/// All seeds of one motion.
+struct MotionRecord {
+  std::vector<std::string> names;   ///< of parameters, as they come
+  std::map<std::string, Record> parameters;
+  std::map<std::string, int> statuses;
+};
+
+std::map<std::string, MotionRecord> records_of(const std::vector<CellResult>& cells) {
+  std::map<std::string, MotionRecord> out;
+  for (const CellResult& c : cells) {
+    MotionRecord& motion = out[c.parameters.at("scenario").get<std::string>()];
+    ++motion.statuses[c.result.at("status").get<std::string>()];
+    const auto named = c.result.at("named").get<std::set<std::string>>();
+    for (const Json& p : c.result.at("parameters")) {
+      const std::string name = p.at("name");
+      if (!motion.parameters.count(name)) motion.names.push_back(name);
+      add(motion.parameters[name], p, c.parameters.at("seed").dump(), named.count(name) > 0);
+    }
+  }
+  return out;
+}
+
+/// What the limits are about, over the parameters of one motion.
+struct Summary {
+  double largest = 0;       ///< mean (error/sigma)^2
+  std::string of;
+  int released = 0, unnamed = 0, moved = 0;
+
+  void add(const std::string& name, const Record& r, bool blind) {
+    if (blind) released += r.released();
+    if (blind) unnamed += r.not_named;
+    moved += r.moved_though_fixed;
+    // The mean of a few squares says nothing: at least ten seeds must have released it.
+    if (r.released() < 10 || r.mean_square() <= largest) return;
+    largest = r.mean_square();
+    of = name;
+  }
+
+  void put_limits(const std::string& scenario, std::vector<Limit>* limits) const {
+    limits->push_back({"largest mean (error/sigma)^2, " + scenario, largest, largest_mean_square, "-", false});
+    limits->push_back({"blind parameters released, " + scenario, static_cast<double>(released), 0, "-", false});
+    limits->push_back({"blind parameters not named, " + scenario, static_cast<double>(unnamed), 0, "-", false});
+    limits->push_back({"fixed parameters that moved, " + scenario, static_cast<double>(moved), 0, "-", false});
+  }
+};
 
 }  // namespace
 
@@ -100,60 +147,36 @@ Json degenerate_run(const Json& parameters) {
 }
 
 Findings degenerate_gather(const std::vector<CellResult>& cells) {
-  std::map<std::string, std::vector<std::string>> order;             // names as they come
-  std::map<std::pair<std::string, std::string>, Record> records;
-  std::map<std::string, std::map<std::string, int>> statuses;
-  for (const CellResult& c : cells) {
-    const std::string scenario = c.parameters.at("scenario");
-    ++statuses[scenario][c.result.at("status").get<std::string>()];
-    const auto named = c.result.at("named").get<std::set<std::string>>();
-    for (const Json& p : c.result.at("parameters")) {
-      const std::string name = p.at("name");
-      auto& names = order[scenario];
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-      add(records[{scenario, name}], p, c.parameters.at("seed").dump(), named.count(name) > 0);
-    }
-  }
   Findings out;
   Table table{"Parameters", "blind: the motion alone cannot tell it. Released: observed or weak. Errors are of released values.",
               {{"motion", ""}, {"parameter", ""}, {"blind", ""}, {"observed", "-"}, {"weak", "-"}, {"fixed", "-"},
                {"not named", "-"}, {"mean (error/sigma)^2 of released", "-"}, {"largest error", "sigma"}, {"its seed", "-"}}, {}};
-  Table summary{"Motions", "", {{"motion", ""}, {"calibrated", "-"}, {"insufficient", "-"}, {"failed", "-"},
-                {"largest mean (error/sigma)^2", "-"}, {"of", ""}, {"blind parameters released", "-"}, {"blind and not named", "-"}}, {}};
+  Table motions_table{"Motions", "", {{"motion", ""}, {"calibrated", "-"}, {"insufficient", "-"}, {"failed", "-"},
+                      {"largest mean (error/sigma)^2", "-"}, {"of", ""}, {"blind parameters released", "-"}, {"blind and not named", "-"}}, {}};
   Figure figure{"Mean (error/sigma)^2 of what is released", "bars", "parameter", "mean (error/sigma)^2 [-]", false, {}};
+  std::map<std::string, MotionRecord> records = records_of(cells);
   for (const Motion& m : motions()) {
-    if (!statuses.count(m.scenario)) continue;
-    double largest = 0;
-    std::string worst;
-    int released = 0, unnamed = 0;
+    if (!records.count(m.scenario)) continue;
+    MotionRecord& motion = records[m.scenario];
+    Summary summary;
     Series bars{m.scenario, {}, {}};
-    for (const std::string& name : order[m.scenario]) {
-      const Record& r = records[{m.scenario, name}];
+    for (const std::string& name : motion.names) {
+      const Record& r = motion.parameters[name];
       const bool blind = std::find(m.blind.begin(), m.blind.end(), name) != m.blind.end();
-      const double squares = r.released() ? r.squares / r.released() : 0;
+      summary.add(name, r, blind);
       table.rows.push_back({m.scenario, name, blind ? "blind" : "", r.observed, r.weak, r.fixed, r.not_named,
-                            r.released() ? Json(squares) : Json(nullptr), r.largest, r.worst_seed});
-      if (blind) released += r.released();
-      if (blind) unnamed += r.not_named;
-      if (r.released()) {
-        bars.x.push_back(name);
-        bars.y.push_back(squares);
-      }
-      // The mean of a few squares says nothing: at least ten seeds must have released it.
-      if (r.released() >= 10 && squares > largest) {
-        largest = squares;
-        worst = name;
-      }
+                            r.released() ? Json(r.mean_square()) : Json(nullptr), r.largest, r.worst_seed});
+      if (!r.released()) continue;
+      bars.x.push_back(name);
+      bars.y.push_back(r.mean_square());
     }
-    auto& s = statuses[m.scenario];
-    summary.rows.push_back({m.scenario, s["calibrated"], s["insufficient"], s["failed"], largest, worst, released, unnamed});
+    auto& s = motion.statuses;
+    motions_table.rows.push_back({m.scenario, s["calibrated"], s["insufficient"], s["failed"], summary.largest, summary.of,
+                                  summary.released, summary.unnamed});
     if (!bars.x.empty()) figure.series.push_back(bars);
-    const std::string suffix = std::string(", ") + m.scenario;
-    out.limits.push_back({"largest mean (error/sigma)^2" + suffix, largest, largest_mean_square, "-", false});
-    out.limits.push_back({"blind parameters released" + suffix, static_cast<double>(released), 0, "-", false});
-    out.limits.push_back({"blind parameters not named" + suffix, static_cast<double>(unnamed), 0, "-", false});
+    summary.put_limits(m.scenario, &out.limits);
   }
-  out.tables = {table, summary};
+  out.tables = {table, motions_table};
   out.figures = {figure};
   return out;
 }

@@ -26,6 +26,38 @@ double sigma_ratio(const Json& a, const Json& b) {
   return geometric_mean(ratios);
 }
 
+/// Dataset and seed -> strategy -> what follows each session.
+using Runs = std::map<std::pair<std::string, std::string>, std::map<std::string, Json>>;
+
+/// One strategy after one session, over all runs.
+struct After {
+  std::vector<double> cm, deg, so_far, of_session, sigma_so_far, sigma_of_session;
+
+  After(const Runs& runs, const char* strategy, std::size_t session) {
+    for (const auto& [key, by_strategy] : runs) {
+      add(by_strategy.at(strategy).at(session), by_strategy.at("all_so_far").at(session), by_strategy.at("all_of_session").at(session));
+    }
+  }
+
+  void add(const Json& one, const Json& a, const Json& b) {
+    for (std::size_t i = 0; i < one.at("position_cm").size(); ++i) {
+      const double error = one.at("position_cm").at(i);
+      cm.push_back(error);
+      deg.push_back(one.at("attitude_deg").at(i));
+      so_far.push_back(error / a.at("position_cm").at(i).get<double>());
+      of_session.push_back(error / b.at("position_cm").at(i).get<double>());
+    }
+    sigma_so_far.push_back(sigma_ratio(one.at("sigma"), a.at("sigma")));
+    sigma_of_session.push_back(sigma_ratio(one.at("sigma"), b.at("sigma")));
+  }
+};
+
+void put_limits(const After& after_two, std::vector<Limit>* limits) {
+  limits->push_back({"multi after two sessions, position against all_so_far", median(after_two.so_far), most_ratio_after_two, "-", false});
+  limits->push_back({"multi after two sessions, position against all_of_session", median(after_two.of_session), most_ratio_after_two,
+                     "-", false});
+}
+
 }  // namespace
 
 std::vector<Cell> sessions_cells(const StudyOptions& options) {
@@ -68,8 +100,7 @@ Json sessions_run(const Json& parameters) {
 }
 
 Findings sessions_gather(const std::vector<CellResult>& cells) {
-  // [dataset, seed] -> strategy -> after each session
-  std::map<std::pair<std::string, std::string>, std::map<std::string, Json>> runs;
+  Runs runs;
   std::size_t sessions = 0;
   for (const CellResult& c : cells) {
     const Json& after = c.result.at("after_session");
@@ -87,30 +118,14 @@ Findings sessions_gather(const std::vector<CellResult>& cells) {
   for (const Strategy& s : strategies) {
     Series line{s.name, {}, {}}, sigma_line{s.name, {}, {}};
     for (std::size_t k = 0; k < sessions; ++k) {
-      std::vector<double> cm, deg, so_far, of_session, sigma_so_far, sigma_of_session;
-      for (auto& [key, by_strategy] : runs) {
-        const Json& one = by_strategy.at(s.name).at(k);
-        const Json &a = by_strategy.at("all_so_far").at(k), &b = by_strategy.at("all_of_session").at(k);
-        for (std::size_t i = 0; i < one.at("position_cm").size(); ++i) {
-          const double error = one.at("position_cm").at(i);
-          cm.push_back(error);
-          deg.push_back(one.at("attitude_deg").at(i));
-          so_far.push_back(error / a.at("position_cm").at(i).get<double>());
-          of_session.push_back(error / b.at("position_cm").at(i).get<double>());
-        }
-        sigma_so_far.push_back(sigma_ratio(one.at("sigma"), a.at("sigma")));
-        sigma_of_session.push_back(sigma_ratio(one.at("sigma"), b.at("sigma")));
-      }
-      table.rows.push_back({k + 1, s.name, median(cm), median(deg), median(so_far), median(of_session), median(sigma_so_far),
-                            median(sigma_of_session)});
+      const After after(runs, s.name, k);
+      table.rows.push_back({k + 1, s.name, median(after.cm), median(after.deg), median(after.so_far), median(after.of_session),
+                            median(after.sigma_so_far), median(after.sigma_of_session)});
       line.x.push_back(k + 1);
-      line.y.push_back(median(cm));
+      line.y.push_back(median(after.cm));
       sigma_line.x.push_back(k + 1);
-      sigma_line.y.push_back(median(sigma_so_far));
-      if (k == 1 && std::string(s.name) == "multi") {
-        out.limits.push_back({"multi after two sessions, position against all_so_far", median(so_far), most_ratio_after_two, "-", false});
-        out.limits.push_back({"multi after two sessions, position against all_of_session", median(of_session), most_ratio_after_two, "-", false});
-      }
+      sigma_line.y.push_back(median(after.sigma_so_far));
+      if (k == 1 && std::string(s.name) == "multi") put_limits(after, &out.limits);
     }
     rmse.series.push_back(line);
     sigma.series.push_back(sigma_line);
