@@ -5,8 +5,8 @@
 // and on the m rows of B, so the cost is 2 m per entry, and columns left of the block's first non-zero one are not touched.
 //
 // Both passes over the rows are "y += a x" along a row. They run in strips of columns whose sums stay in registers, as
-// vectors of 16 bytes that every target has or splits up (SEGCAL_SCALAR_KERNELS: plain numbers instead). No sum depends on
-// how: every build gives the same bits.
+// vectors of 16 or 32 bytes that every target has or splits up (SEGCAL_SCALAR_KERNELS: plain numbers instead). Each column
+// has its own sum, in the order of the rows: every build gives the same bits.
 #pragma once
 
 #include "math/elementary.h"
@@ -54,19 +54,24 @@ struct ColumnGap {
   int first = 0, last = 0;
 };
 
-// Vector registers of 16 bytes, or strips of single numbers: the bits are the same, each column has its own order of
-// summation. Without such registers the compiler's vector type would live in memory.
+// Vector registers, or strips of single numbers. Without such registers the compiler's vector type would live in memory.
 #if !defined(SEGCAL_SCALAR_KERNELS) && !defined(__SSE2__) && !defined(__ARM_NEON) && \
     !(defined(__ARM_FEATURE_MVE) && (__ARM_FEATURE_MVE & 2))
 #define SEGCAL_SCALAR_KERNELS
 #endif
 
-/// Vectors of 16 bytes: a type of the compiler, so that the strips below are not left to its guesses.
+/// Vectors of 16 bytes, or 32 where the compiler may use AVX: a type of the compiler, so that the strips below are not left to
+/// its guesses.
 template <class S>
 struct Lanes {
-  static constexpr int kCount = 16 / static_cast<int>(sizeof(S));
+#ifdef __AVX__
+  static constexpr int kBytes = 32;
+#else
+  static constexpr int kBytes = 16;
+#endif
+  static constexpr int kCount = kBytes / static_cast<int>(sizeof(S));
 #ifndef SEGCAL_SCALAR_KERNELS
-  typedef S Vector __attribute__((vector_size(16)));
+  typedef S Vector __attribute__((vector_size(kBytes)));
   static Vector load(const S* p) {
     Vector v;
     __builtin_memcpy(&v, p, sizeof v);
