@@ -23,7 +23,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   liveliness_.reset();
   last_ = SegmentSummary<S>{};
   calibrated_ = knew_enough_ = own_odometry_ = false;
-  scoring_ = calibrating_ = dropped_ = false;
+  scoring_ = calibrating_ = dropped_ = settled_ = false;
   window_ = n_taking_part_ = i_ = round_ = 0;
   score_place_ = calibrate_place_ = inner_place_ = 0;
   spare_ = nullptr;
