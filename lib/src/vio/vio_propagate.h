@@ -64,13 +64,24 @@ void stack_link(Window<S>* w, int old_pose, int new_pose) {
   place_link(w, kMotionColumns, 0, kMotionColumns, old_pose, new_pose);
 }
 
-/// Eliminates the old motion and folds what is left.
+/// Where reduce_link() leaves its rows.
 template <class S>
-void fold_link(Window<S>* w, int old_pose, int new_pose) {
+S* link_rows_in(Window<S>* w) {
+  return w->block + kMotionColumns * kBlockStride + kMotionColumns;
+}
+
+/// Eliminates the old motion; what is left, kLinkRows rows, is to be folded.
+template <class S>
+void reduce_link(Window<S>* w, int old_pose, int new_pose) {
   stack_link(w, old_pose, new_pose);
   const int width = w->columns() + 1 + kMotionColumns;
   reflect_leading_columns(w->block, kMotionColumns + kLinkRows, kBlockStride, width, kMotionColumns);
-  fold_block(w, w->block + kMotionColumns * kBlockStride + kMotionColumns, kLinkRows, 0);
+}
+
+template <class S>
+void fold_link(Window<S>* w, int old_pose, int new_pose) {
+  reduce_link(w, old_pose, new_pose);
+  fold_block(w, link_rows_in(w), kLinkRows, 0);
 }
 
 /// Whitened link rows between the newest state and `x1`; Jacobians at first estimates, x1's at `first`. False: no
