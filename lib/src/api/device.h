@@ -124,7 +124,8 @@ class Device {
   Segment<S>& open_slot() { return scoring_ ? *spare_ : database_.building(); }
   void begin_score();
   bool score_step();
-  void offer();
+  void settle(const Segment<S>& segment);
+  void end_score();
   void finish_score();
   bool knows_enough();
   void begin_calibration(const Calibration<S>& theta);
@@ -191,7 +192,8 @@ class Device {
   Agreement<S> agreement_;
   Segment<S>* taking_part_[kMaxSegments];
   std::int32_t n_taking_part_, i_, round_;
-  bool dropped_;
+  bool dropped_, settled_;
+  JointInformation<S> sums_;
 };
 
 }  // namespace SEGCAL_NS

@@ -9,8 +9,10 @@ namespace SEGCAL_NS {
 /// One slice of the work that waits; false if there is none.
 template <class S>
 bool Device<S>::step() {
-  if (scoring_) {
-    score_step();
+  if (vio_.start_pending()) {
+    vio_.start_step(imu_);
+  } else if (scoring_) {
+    scoring_ = !score_step();
   } else if (calibrating_) {
     calibrating_ = !calibrate_step();
   } else {
@@ -22,12 +24,13 @@ bool Device<S>::step() {
 template <class S>
 int Device<S>::background(int slices) {
   while (slices > 0 && step()) --slices;
-  return scoring_ || calibrating_ ? 1 : 0;
+  return vio_.start_pending() || scoring_ || calibrating_ ? 1 : 0;
 }
 
 template <class S>
 void Device<S>::read_filter(Release<S>* out, InformationAnalysis<S>* analysis) {
   finish_score();  // analysis_ is lent below
+  vio_.finish_start(imu_);  // it works in the filter's triangle
   if (!vio_.knows_sensors()) return release_prior(prior_, out);
   const Calibration<S>& theta = vio_.calibration();
   PackedTriangle<S> R(analysis_.W, theta.columns() + 1);  // free between two scores
@@ -58,8 +61,6 @@ void Device<S>::begin_calibration(const Calibration<S>& theta) {
   ++faults_.calibrations;
   start_theta_ = theta;
   n_taking_part_ = database_.in_order(taking_part_);
-  calibrator_.begin(taking_part_, n_taking_part_, prior_, theta, options_.model);
-  calibrator_.accept_all();
   eliminator_.restart();
   cost_.restart();
   calibrate_place_ = inner_place_ = 0;
@@ -80,9 +81,14 @@ bool Device<S>::calibrate_step() {
   rough.converged = rough.settled = 0.1;
   SEGCAL_SLICES(calibrate_place_) {
     for (round_ = 0;; ++round_) {
+      calibrator_.begin(taking_part_, n_taking_part_, prior_, start_theta_, options_.model);
+      SEGCAL_PAUSE(calibrate_place_);
+      calibrator_.accept_all();
+      SEGCAL_PAUSE(calibrate_place_);
       SEGCAL_AWAIT(calibrate_place_, calibrator_.run_step(rough, &eliminator_));
+      SEGCAL_PAUSE(calibrate_place_);
       // Corners that are still far off once the model fits are no noise: they are left out, and the rest fits again.
-      calibrator_.reject_outliers(S(5));
+      SEGCAL_AWAIT(calibrate_place_, calibrator_.reject_outliers_step(S(5)));
       SEGCAL_PAUSE(calibrate_place_);
       SEGCAL_AWAIT(calibrate_place_, calibrator_.run_step(CalibratorOptions{}, &eliminator_));
       if (round_ == kOutdatedRounds) break;
@@ -90,12 +96,11 @@ bool Device<S>::calibrate_step() {
       SEGCAL_AWAIT(calibrate_place_, drop_outdated_step());
       if (!dropped_) break;
       n_taking_part_ = database_.in_order(taking_part_);
-      calibrator_.begin(taking_part_, n_taking_part_, prior_, start_theta_, options_.model);
-      calibrator_.accept_all();
-      SEGCAL_PAUSE(calibrate_place_);
     }
+    SEGCAL_PAUSE(calibrate_place_);
     begin_analysis_with_prior(calibrator_.theta_triangle(), prior_.sigma, &joint_);
     SEGCAL_AWAIT(calibrate_place_, analyse_with_prior_step(theta_.columns(), &joint_));
+    SEGCAL_PAUSE(calibrate_place_);
     judge(&calibrator_, prior_, ReleaseRules<S>{}, &release_);
     calibrated_ = true;
     if (release_.status == Status::failed) SEGCAL_AWAIT(calibrate_place_, drop_misfits_step());

@@ -23,7 +23,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   liveliness_.reset();
   last_ = SegmentSummary<S>{};
   calibrated_ = knew_enough_ = own_odometry_ = false;
-  scoring_ = calibrating_ = dropped_ = false;
+  scoring_ = calibrating_ = dropped_ = settled_ = false;
   window_ = n_taking_part_ = i_ = round_ = 0;
   score_place_ = calibrate_place_ = inner_place_ = 0;
   spare_ = nullptr;
@@ -163,7 +163,10 @@ Taken Device<S>::process_frame() {
   pending_count_ = 0;
   if (imu_.oldest() > pending_time_) return Taken::waiting;
   use_odometry(false);
-  switch (vio_.push_frame(pending_time_, pending_, n, imu_)) {
+  const std::int32_t late_starts = vio_.statistics().late_starts;
+  const VioStatus status = vio_.push_frame(pending_time_, pending_, n, imu_);
+  faults_.slices_late += static_cast<std::uint32_t>(vio_.statistics().late_starts - late_starts);
+  switch (status) {
     case VioStatus::skipped: return Taken::skipped;
     case VioStatus::lost:
       end_segment(false);

@@ -77,14 +77,22 @@ class Calibrator {
   const Ties<S>& ties() const { return partitions_.ties(); }
   /// Leaves out image points whose residual is longer than `limit` times the noise that the fit shows; earlier marks are
   /// taken back. Between runs, so that each run has one smooth cost.
-  void reject_outliers(S limit) {
+  bool reject_outliers_step(S limit) {
     const S ratio = fit_.dof > S(0) ? fit_.chi2 / fit_.dof : S(1);
     const S scaled = limit * square_root(ratio > S(1) ? ratio : S(1));
-    for (int i = 0; i < count_; ++i) {
-      mark_outliers(theta_, model_, scaled, segment_[i]);
-      segment_[i]->wide_depth_prior = !translation_shows(*segment_[i], theta_, model_);
+    SEGCAL_SLICES(place_) {
+      for (i_ = 0; i_ < count_; ++i_) {
+        mark_outliers(theta_, model_, scaled, segment_[i_]);
+        segment_[i_]->wide_depth_prior = !translation_shows(*segment_[i_], theta_, model_);
+        SEGCAL_PAUSE(place_);
+      }
+      form_partitions();  // without a tie whose points are gone
     }
-    form_partitions();  // without a tie whose points are gone
+    SEGCAL_SLICES_END(place_);
+  }
+  void reject_outliers(S limit) {
+    while (!reject_outliers_step(limit)) {
+    }
   }
   /// The first run of a calibration takes the wide prior everywhere: which segments only turned shows when it has settled.
   void accept_all() {
@@ -249,9 +257,14 @@ bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, 
   PackedTriangle<S> G = global_.triangle();
   SEGCAL_SLICES(inner_place_) {
     G = begin_linearisation(damping, candidates, with_prior);
+    for (i_ = 0; i_ < partitions_.ties().count(); ++i_) {
+      fit_.dof -= S(kLandmarkColumns) - tie_prior_share(i_);
+      SEGCAL_PAUSE(inner_place_);
+    }
     eliminator->restart();
     for (i_ = 0; i_ < count_; ++i_) {
       segment_[i_]->turned_only = !translation_shows(*segment_[i_], theta_, model_);
+      SEGCAL_PAUSE(inner_place_);
       SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping, candidates));
       SEGCAL_AWAIT(inner_place_, chain_.add_step(eliminator, link_[i_].join != Join::none, link_[i_].passes_on,
                                                  i_ > 0 && !candidates ? &memory_.left[i_ - 1] : nullptr, &G));
@@ -262,7 +275,7 @@ bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, 
   SEGCAL_SLICES_END(inner_place_);
 }
 
-/// Priors, damping and degrees of freedom of what is not any segment's.
+/// Priors and damping of what is not any segment's, and theta's degrees of freedom.
 template <class S>
 PackedTriangle<S> Calibrator<S>::begin_linearisation(S damping, const CandidateTerms* candidates, bool with_prior) {
   const int ties = partitions_.ties().count();
@@ -273,7 +286,6 @@ PackedTriangle<S> Calibrator<S>::begin_linearisation(S damping, const CandidateT
   chain_.begin(global_.columns());
   fit_.image_points = 0;
   fit_.dof = count_ > 0 ? -S(theta_.columns()) : S(0);
-  for (int t = 0; t < ties; ++t) fit_.dof -= S(kLandmarkColumns) - tie_prior_share(t);
   return global_.triangle();
 }
 
@@ -320,6 +332,7 @@ bool Calibrator<S>::step_back_step(SegmentEliminator<S>* eliminator, S damping) 
       if (link_[i_].join != Join::none) {
         SEGCAL_AWAIT(inner_place_, chain_.solve_guest_step(eliminator, link_[i_].passes_on, memory_.left[i_ - 1], last_keyframe_step_,
                                                            global_step_, guest_step_));
+        SEGCAL_PAUSE(inner_place_);
       }
       gather_step(*eliminator, i_);
       SEGCAL_AWAIT(inner_place_, eliminator->back_substitute_step(*segment_[i_], guest(i_), theta_, model_, damping, step_,
@@ -409,6 +422,7 @@ bool Calibrator<S>::iterate_step(SegmentEliminator<S>* eliminator, const Calibra
     SEGCAL_AWAIT(iterate_place_, linearise_step(eliminator, damping_));
     solve_theta();
     save();
+    SEGCAL_PAUSE(iterate_place_);
     SEGCAL_AWAIT(iterate_place_, step_back_step(eliminator, damping_));
     add_step(&theta_, theta_step_);
     SEGCAL_AWAIT(iterate_place_, refine_landmarks_step());

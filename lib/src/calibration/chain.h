@@ -40,13 +40,17 @@ class Chain {
       // What came from the left stands in the rows of "last" of the segment before: its separator is our guest.
       take_from_left();
       if (has_guest && left) keep(left);
-      if (passes_on) fold_segment_rows(segment, segment->layout().last(), kStateColumns);
-      SEGCAL_PAUSE(place_);
-      if (has_guest) fold_segment_rows(segment, segment->layout().guest(), 0);
-      SEGCAL_PAUSE(place_);
+      for (row_ = 0; passes_on && row_ < kStateColumns; ++row_) {
+        fold_segment_row(segment, row_, segment->layout().last(), kStateColumns);
+        if (row_ % kRowsPerSlice == kRowsPerSlice - 1) SEGCAL_PAUSE(place_);
+      }
+      for (row_ = 0; has_guest && row_ < kStateColumns; ++row_) {
+        fold_segment_row(segment, row_, segment->layout().guest(), 0);
+        if (row_ % kRowsPerSlice == kRowsPerSlice - 1) SEGCAL_PAUSE(place_);
+      }
       for (row_ = 0; row_ <= n_global_; ++row_) {
         fold_global(segment, row_, global);
-        if (row_ % 16 == 15) SEGCAL_PAUSE(place_);
+        if (row_ % kRowsPerSlice == kRowsPerSlice - 1) SEGCAL_PAUSE(place_);
       }
       if (!passes_on) link().clear();
     }
@@ -59,9 +63,14 @@ class Chain {
                    const S* global_step, S* guest_step) {
     SEGCAL_SLICES(place_) {
       restore(left);
-      if (passes_on) fold_segment_rows(segment, segment->layout().last(), kStateColumns);
-      SEGCAL_PAUSE(place_);
-      fold_segment_rows(segment, segment->layout().guest(), 0);
+      for (row_ = 0; passes_on && row_ < kStateColumns; ++row_) {
+        fold_segment_row(segment, row_, segment->layout().last(), kStateColumns);
+        if (row_ % kRowsPerSlice == kRowsPerSlice - 1) SEGCAL_PAUSE(place_);
+      }
+      for (row_ = 0; row_ < kStateColumns; ++row_) {
+        fold_segment_row(segment, row_, segment->layout().guest(), 0);
+        if (row_ % kRowsPerSlice == kRowsPerSlice - 1) SEGCAL_PAUSE(place_);
+      }
       solve(last_step, global_step, guest_step);
     }
     SEGCAL_SLICES_END(place_);
@@ -98,20 +107,18 @@ class Chain {
     }
   }
 
-  /// Folds 15 rows of the segment's R that begin at column `from`; they stand at column `to` of the link triangle.
-  void fold_segment_rows(SegmentEliminator<S>* segment, int from, int to) {
-    PackedTriangle<S> R = segment->reduced().R(), L = link();
+  /// Folds row i of the 15 of the segment's R that begin at column `from`; they stand at column `to` of the link triangle.
+  void fold_segment_row(SegmentEliminator<S>* segment, int i, int from, int to) {
+    PackedTriangle<S> L = link();
+    const S* r = segment->reduced().R().row(from + i);
     const int guest = segment->layout().guest(), theta = segment->layout().theta();
-    for (int i = 0; i < kStateColumns; ++i) {
-      const S* r = R.row(from + i);
-      for (int c = 0; c < width(); ++c) block_[c] = S(0);
-      for (int c = i; c < kStateColumns; ++c) block_[to + c] = r[from + c];
-      if (from != guest) {
-        for (int c = guest; c < theta; ++c) block_[c - guest] = r[c];
-      }
-      segment->reduced().to_global_order(r, 0, block_ + 2 * kStateColumns);
-      fold_rows(L, block_, 1, width(), 0, width());
+    for (int c = 0; c < width(); ++c) block_[c] = S(0);
+    for (int c = i; c < kStateColumns; ++c) block_[to + c] = r[from + c];
+    if (from != guest) {
+      for (int c = guest; c < theta; ++c) block_[c - guest] = r[c];
     }
+    segment->reduced().to_global_order(r, 0, block_ + 2 * kStateColumns);
+    fold_rows(L, block_, 1, width(), 0, width());
   }
 
   /// The columns of "last" are zero there.
@@ -153,6 +160,7 @@ class Chain {
     fold_rows(*global, block_, 1, n, first, n);
   }
 
+  static constexpr int kRowsPerSlice = 5;
   int n_global_ = 0;
   Place place_ = 0;
   std::int32_t row_ = 0;

@@ -23,8 +23,9 @@ State<S> predicted(const ImuIntegral<S>& I, const State<S>& x0, const Vec3<S>& g
 template <class S>
 ImuIntegral<S> integral_between(const Window<S>& w, const VioOptions<S>& options, const ImuHistory<S>& imu,
                                 const State<S>& x0, std::int64_t t0, std::int64_t t1) {
-  ImuIntegrator<S> integrator(w.theta.imu, x0.b_a, x0.b_g, noise_in(imu, options.noise, t0, t1), &w.theta.effects);
-  imu.integrate(t0, t1, &integrator);
+  const ImuUntil<S> samples(imu, imu.newest(), imu.warmth());
+  ImuIntegrator<S> integrator(w.theta.imu, x0.b_a, x0.b_g, noise_in(samples, options.noise, t0, t1), &w.theta.effects);
+  samples.integrate(t0, t1, &integrator);
   return integrator.result();
 }
 
@@ -64,13 +65,24 @@ void stack_link(Window<S>* w, int old_pose, int new_pose) {
   place_link(w, kMotionColumns, 0, kMotionColumns, old_pose, new_pose);
 }
 
-/// Eliminates the old motion and folds what is left.
+/// Where reduce_link() leaves its rows.
 template <class S>
-void fold_link(Window<S>* w, int old_pose, int new_pose) {
+S* link_rows_in(Window<S>* w) {
+  return w->block + kMotionColumns * kBlockStride + kMotionColumns;
+}
+
+/// Eliminates the old motion; what is left, kLinkRows rows, is to be folded.
+template <class S>
+void reduce_link(Window<S>* w, int old_pose, int new_pose) {
   stack_link(w, old_pose, new_pose);
   const int width = w->columns() + 1 + kMotionColumns;
   reflect_leading_columns(w->block, kMotionColumns + kLinkRows, kBlockStride, width, kMotionColumns);
-  fold_block(w, w->block + kMotionColumns * kBlockStride + kMotionColumns, kLinkRows, 0);
+}
+
+template <class S>
+void fold_link(Window<S>* w, int old_pose, int new_pose) {
+  reduce_link(w, old_pose, new_pose);
+  fold_block(w, link_rows_in(w), kLinkRows, 0);
 }
 
 /// Whitened link rows between the newest state and `x1`; Jacobians at first estimates, x1's at `first`. False: no
