@@ -12,7 +12,7 @@
 namespace host::experiments {
 namespace {
 
-constexpr double most_seconds = 60;      // wall clock per recording of 60 s, one core
+constexpr double most_seconds = 60;      // s per recording of 60 s, one core
 constexpr double least_gap_closed = 0.9;
 
 std::string joined(const std::vector<std::string>& names, const char* nothing) {
@@ -75,7 +75,7 @@ void add_limits(std::map<std::string, Counts>& g, double slowest, Findings& out)
         share(g["outside"].right_beyond, g["outside"].n), 1, true);
   limit("weak motion: recordings with a false name", g["weak"].n ? g["weak"].false_name : std::nan(""), 0, false);
   limit("weak motion: share that says what it cannot tell", share(g["weak"].cannot, g["weak"].n), 1, true);
-  out.limits.push_back({"slowest recording of 60 s", slowest, most_seconds, "s", false});
+  out.limits.push_back({"slowest recording of 60 s, processor time", slowest, most_seconds, "s", false});
 }
 
 }  // namespace
@@ -113,6 +113,7 @@ Findings hidden_gather(const std::vector<CellResult>& cells) {
       missed.rows.push_back({effects.empty() ? there : effects, joined(j.named, "nothing"), j.verdict, j.gap_closed, cell.parameters.at("seed")});
     }
   }
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return group_of(a.first) < group_of(b.first); });
   for (const auto& key : order) {
     const Counts& c = rows[key];
     table.rows.push_back({key.first, key.second, c.n, c.exact, c.false_name, c.in_sigma, c.closed, c.silent, c.cannot});

@@ -12,7 +12,7 @@
 namespace host::experiments {
 
 /// {"verdict", "judged", "named": [...], "values": {"effect.parameter": [value, sigma]}, "pairs": [...], "gap_closed",
-/// "cannot_tell", "faults": [...], "statistics": {name: s}, "sentence", "seconds"}.
+/// "cannot_tell", "faults": [...], "statistics": {name: s}, "sentence", "seconds"}: of the processor.
 Json diagnosed(const Recording& session, const Calibration& start);
 
 /// The truth of a session: {"names": [...], "values": {"effect.parameter": value}}.
