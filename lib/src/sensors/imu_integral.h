@@ -155,16 +155,7 @@ class ImuIntegrator {
 constexpr int kTermPasses = 4;
 
 template <class S>
-bool any_imu_term(const EffectTerms<S>& terms) {
-  for (int i = 0; i < terms.count(); ++i) {
-    if (terms.term[i].of_imu()) return true;
-  }
-  return false;
-}
-
-template <class S>
 void ImuIntegrator<S>::take_off_terms(const InertialReading<S>& r, Corrected* c) const {
-  if (!any_imu_term(*terms_)) return;
   for (int pass = 0; pass < kTermPasses; ++pass) {
     const SignalValues<S> at = signals(*c);
     Vec3<S> gyro = r.gyro - b_g_, accel = r.accel - b_a_;
