@@ -26,12 +26,12 @@ double camera_square(const CoreKept& k) {
   return k.points.empty() ? 0 : sum / (2.0 * static_cast<double>(k.points.size()));
 }
 
-const CoreKept* same_time(const std::vector<CoreKept>& kept, std::int64_t start_ns) {
-  const CoreKept* best = nullptr;
+/// The segment of the other fit that begins within a tenth of this one's length; null: none, the fits cut the time differently.
+const CoreKept* same_time(const std::vector<CoreKept>& kept, const CoreSegment& segment) {
   for (const CoreKept& k : kept) {
-    if (!best || std::abs(k.segment.start_ns - start_ns) < std::abs(best->segment.start_ns - start_ns)) best = &k;
+    if (10 * std::abs(k.segment.start_ns - segment.start_ns) < segment.end_ns - segment.start_ns) return &k;
   }
-  return best;
+  return nullptr;
 }
 
 /// Mean over the points of each keyframe, px, and the IMU's whitened residuals.
@@ -57,8 +57,8 @@ Json window_json(const CoreKept& k, double pixel_sigma, std::int64_t zero_ns) {
   return {{"t", t}, {"u_px", u}, {"v_px", v}, {"t_imu", ti}, {"gyro", gyro}, {"accel", accel}};
 }
 
-/// The longest track whose residuals are largest: measured and simulated image points.
-Json track_json(const CoreKept& k, double pixel_sigma) {
+/// The long track whose residuals are largest, or that of `wanted`: measured and simulated image points.
+Json track_json(const CoreKept& k, double pixel_sigma, const Json* wanted = nullptr) {
   std::vector<double> square(k.landmarks.size(), 0);
   std::vector<std::vector<std::array<double, 4>>> points(k.landmarks.size());
   auto residual = k.points.begin();
@@ -70,18 +70,18 @@ Json track_json(const CoreKept& k, double pixel_sigma) {
     square[p.landmark] += du * du + dv * dv;
     points[p.landmark].push_back({p.u, p.v, p.u + du, p.v + dv});
   }
-  std::size_t worst = 0;
+  std::size_t chosen = wanted ? square.size() : 0;
   for (std::size_t j = 0; j < square.size(); ++j) {
-    if (points[j].size() >= 8 && square[j] > square[worst]) worst = j;
+    if (wanted ? k.landmarks[j].track_id == *wanted : points[j].size() >= 8 && square[j] > square[chosen]) chosen = j;
   }
   Json measured = Json::array(), simulated = Json::array();
-  if (!points.empty()) {
-    for (const auto& p : points[worst]) {
+  if (chosen < points.size()) {
+    for (const auto& p : points[chosen]) {
       measured.push_back({p[0], p[1]});
       simulated.push_back({p[2], p[3]});
     }
   }
-  return {{"track_id", k.landmarks.empty() ? 0 : k.landmarks[worst].track_id}, {"measured", measured}, {"simulated", simulated}};
+  return {{"track_id", chosen < k.landmarks.size() ? k.landmarks[chosen].track_id : 0}, {"measured", measured}, {"simulated", simulated}};
 }
 
 Json windows_json(const Diagnosis& d, std::int64_t zero_ns) {
@@ -95,9 +95,9 @@ Json windows_json(const Diagnosis& d, std::int64_t zero_ns) {
                    {"end_s", 1e-9 * static_cast<double>(k.segment.end_ns - zero_ns)},
                    {"before", window_json(k, d.fit_before.model.pixel_sigma, zero_ns)},
                    {"track_before", track_json(k, d.fit_before.model.pixel_sigma)}};
-    if (const CoreKept* after = same_time(d.fit_after.kept, k.segment.start_ns)) {
+    if (const CoreKept* after = same_time(d.fit_after.kept, k.segment)) {
       window["after"] = window_json(*after, d.fit_after.model.pixel_sigma, zero_ns);
-      window["track_after"] = track_json(*after, d.fit_after.model.pixel_sigma);
+      window["track_after"] = track_json(*after, d.fit_after.model.pixel_sigma, &window["track_before"]["track_id"]);
     }
     out.push_back(window);
   }
@@ -128,7 +128,7 @@ void write_diagnosis(const std::filesystem::path& folder, const Diagnosis& d, co
     write_camchain(folder / "camchain-imucam.yaml", last.calibration);
     write_imu_yaml(folder / "imu.yaml", last.calibration, d.noise);
   }
-  write_file(folder / "model.yaml", model_yaml(last));
+  write_file(folder / "model.yaml", model_yaml(d.model.empty() ? d.fit_before : last));  // what got no name is not in it
   write_file(folder / "segcal_effects.h", effects_header(d));
   write_file(folder / "diagnosis_data.json", diagnosis_data_json(d, sessions));
   write_file(folder / "diagnosis.json", diagnosis_json(d) + "\n");  // last: its presence says the rest is there

@@ -15,6 +15,9 @@ namespace {
 /// Of the held-out excess that the accepted effects must remove together for a name. The best wrong effect removes a part: of
 /// a gyroscope's hysteresis, gyro_lag 83 %. A right one leaves what its own uncertainty leaves, 2 sigmas of which count as none.
 constexpr double kNamesFrom = 0.9;
+/// And of which no more may be left for something else: a right effect leaves what its values are wrong by in a linearisation,
+/// a tenth of them (effect_test.cpp), squared; small hysteresis leaves 4 % beside gyro_lag and gyro_nonlinearity.
+constexpr double kMostRest = 0.02;
 
 /// In proportion to what the squares of each sensor's residuals fell by.
 void share_among_sensors(const ReplayResult& last, Diagnosis* out) {
@@ -60,7 +63,7 @@ class Report {
     effect.gap_closed = std::clamp(held_out_gap_of(h_.selection.problem, h_.selection.candidates, h_.selection.accepted, i).closed(), 0.0, 1.0);
     if (!names) {
       char why[80];
-      std::snprintf(why, sizeof why, "the excess falls by only %.0f %%", 100 * std::max(0.0, closed));
+      std::snprintf(why, sizeof why, "the excess falls by only %.0f %%, the rest is something else", 100 * std::max(0.0, closed));
       out_->rejected.push_back({effect.name == "unlisted" ? effect.words : effect.name, why});
       return;
     }
@@ -116,7 +119,7 @@ void report_gap(const HeldOut& held_out, const ReplayResult& last, Diagnosis* ou
   const Selection& s = held_out.selection;
   const Gap gap = held_out_gap(s.problem, s.candidates, s.accepted, held_out.floor, s.leftover);
   const double unit = gap.dof > 0 ? 1 / (gap.dof * gap.floor) : 0;
-  const bool names = gap.before > 0 && gap.closed() >= kNamesFrom;
+  const bool names = gap.before > 0 && gap.closed() >= kNamesFrom && gap.rest <= kMostRest * gap.before;
   out->before.total = gap.before * unit;
   out->after.total = (names ? gap.after : gap.before) * unit;
   out->after_sigma = gap.after_sigma * unit;

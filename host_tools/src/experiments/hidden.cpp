@@ -22,12 +22,13 @@ std::string joined(const std::vector<std::string>& names, const char* nothing) {
 }
 
 struct Counts {
-  int n = 0, exact = 0, false_name = 0, in_sigma = 0, closed = 0, cannot = 0, silent = 0, right_beyond = 0;
+  int n = 0, exact = 0, in_pair = 0, false_name = 0, in_sigma = 0, closed = 0, cannot = 0, silent = 0, right_beyond = 0;
 };
 
 void add(Counts& c, const Judged& j) {
   ++c.n;
   c.exact += j.exact;
+  c.in_pair += j.in_pair;
   c.false_name += j.false_name;
   c.in_sigma += j.exact && j.in_three_sigma;
   c.closed += j.exact && j.gap_closed >= least_gap_closed;
@@ -88,8 +89,9 @@ Json hidden_run(const Json& parameters) {
 }
 
 Findings hidden_gather(const std::vector<CellResult>& cells) {
-  Table table{"Hidden effects", "named exactly: what is there and nothing else. The rest counts recordings named exactly.",
-              {{"group", ""}, {"there", ""}, {"recordings", "-"}, {"named exactly", "-"}, {"false name", "-"},
+  Table table{"Hidden effects", "named exactly: what is there and nothing else. As a pair: the same, but with another effect that the motion does not tell "
+              "from it. Sigmas and gaps count recordings named exactly.",
+              {{"group", ""}, {"there", ""}, {"recordings", "-"}, {"named exactly", "-"}, {"as a pair", "-"}, {"false name", "-"},
                {"within 3 sigma", "-"}, {"gap closed by 90 %", "-"}, {"nothing named", "-"}, {"cannot tell", "-"}}, {}};
   Table missed{"Not named exactly", "", {{"there", ""}, {"said", ""}, {"verdict", ""}, {"gap closed", "-"}, {"seed", "-"}}, {}};
   std::map<std::string, Counts> groups;
@@ -116,7 +118,7 @@ Findings hidden_gather(const std::vector<CellResult>& cells) {
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return group_of(a.first) < group_of(b.first); });
   for (const auto& key : order) {
     const Counts& c = rows[key];
-    table.rows.push_back({key.first, key.second, c.n, c.exact, c.false_name, c.in_sigma, c.closed, c.silent, c.cannot});
+    table.rows.push_back({key.first, key.second, c.n, c.exact, c.in_pair, c.false_name, c.in_sigma, c.closed, c.silent, c.cannot});
   }
   Findings out;
   out.tables = {table, confusion(all), missed};

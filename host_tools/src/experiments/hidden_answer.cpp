@@ -20,6 +20,16 @@ std::string full_name(const std::string& effect, const std::string& parameter) {
   return complete ? parameter : effect + "." + parameter;
 }
 
+/// Are both the same when for each pair the one that is there is taken?
+bool right_but_for_pairs(const std::set<std::string>& there, std::set<std::string> said, const Json& pairs) {
+  for (const Json& pair : pairs) {
+    const std::string named = pair[0], other = pair[1];
+    if (there.count(named) > 0 || there.count(other) == 0 || said.erase(named) == 0) continue;
+    said.insert(other);
+  }
+  return !pairs.empty() && there == said;
+}
+
 }  // namespace
 
 Json diagnosed(const Recording& session, const Calibration& start) {
@@ -69,7 +79,8 @@ Judged judged(const CellResult& cell) {
   out.truth.assign(there.begin(), there.end());
   out.named.assign(said.begin(), said.end());
   out.exact = there == said && answer.at("pairs").empty();
-  for (const std::string& name : said) out.false_name = out.false_name || (name != unlisted && there.count(name) == 0);
+  out.in_pair = !out.exact && right_but_for_pairs(there, said, answer.at("pairs"));
+  for (const std::string& name : said) out.false_name = out.false_name || (name != unlisted && there.count(name) == 0 && !out.in_pair);
   for (const auto& [name, value] : truth.at("values").items()) {
     const bool given = answer.at("values").contains(name) && answer.at("values")[name][1].is_number();
     if (!given || is_fault(name.substr(0, name.find('.')))) continue;
