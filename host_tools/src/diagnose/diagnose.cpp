@@ -44,7 +44,6 @@ class Diagnoser {
       if (judgeable()) {
         find_effects();
         measure_gap();
-        find_where();
       }
     }
     conclude(&out_);
@@ -263,6 +262,7 @@ class Diagnoser {
   void measure_gap() {
     const HeldOut held_out{selection_, terms_, noise_floor()};
     report_gap(held_out, evidence_.result(), &out_);
+    find_where();
     if (noisy_pixels_ && out_.after.total <= 0.1 * out_.before.total) name_pixel_noise();
     add_noise_gap(noise_effects_, &out_);
   }
@@ -279,6 +279,7 @@ class Diagnoser {
     for (const Recording& r : sessions_) imu.push_back(r.imu);
     out_.where = find_structure(residual_lists(out_.fit_before.kept, imu), kStructure, 2);
     const std::vector<Structure> after = find_structure(residual_lists(evidence_.result().kept, imu), kAll, kCauses);
+    refuse_where_structure_is_left(after, &out_);
     for (const Structure& s : out_.where) {
       const auto same = std::find_if(after.begin(), after.end(), [&s](const Structure& a) {
         return a.sensor == s.sensor && a.axis == s.axis && a.against == s.against;

@@ -47,6 +47,19 @@ std::set<Family> families_of(const std::string& effect, const CoreTerm& term) {
   return {term.kind < 3 ? Family::gyro : term.kind < 6 ? Family::accel : Family::lens};
 }
 
+/// log10 p, over all tests, of structure that takes a name back: one right name of a hundred is lost. What is left beside the
+/// right effect, as large as 5 ms or 2e-3 rad s/m, was above 0.1; beside gyro_lag in the place of a hysteresis 3e-3.
+constexpr double kStructureLeft = -2;
+
+/// Whose effects would make residuals follow this.
+std::set<Family> families_behind(const Structure& s) {
+  const auto begins = [&s](const char* words) { return s.against.rfind(words, 0) == 0; };
+  if (begins("force")) return {Family::accel};
+  if (begins("image motion") || begins("image row") || begins("rate") || begins("change of rate")) return {Family::gyro, Family::timing};
+  if (begins("image") || begins("distance")) return {Family::lens};
+  return {};
+}
+
 class Report {
  public:
   Report(const HeldOut& held_out, Diagnosis* out) : h_(held_out), out_(out) {
@@ -127,6 +140,32 @@ void report_gap(const HeldOut& held_out, const ReplayResult& last, Diagnosis* ou
   Report report(held_out, out);
   for (std::size_t i = 0; i < s.accepted.size(); ++i) report.add(i, names, gap.closed());
   share_among_sensors(last, out);
+  out->gap_closed = out->before.total > 0 ? std::clamp(1 - out->after.total / out->before.total, 0.0, 1.0) : 0;
+}
+
+void refuse_where_structure_is_left(const std::vector<Structure>& left, Diagnosis* out) {
+  for (const Structure& s : left) {
+    if (s.log10_p >= kStructureLeft) continue;
+    const std::set<Family> behind = families_behind(s);
+    const auto refused = [&behind, out](const DiagnosedEffect& e) {
+      const auto term = std::find_if(out->model.begin(), out->model.end(), [&e](const ModelTerm& t) { return t.effect == e.name; });
+      if (term == out->model.end()) return false;
+      for (Family f : families_of(e.name, term->term)) {
+        if (behind.count(f) > 0) return true;
+      }
+      return false;
+    };
+    for (std::size_t i = out->effects.size(); i-- > 0;) {
+      const DiagnosedEffect e = out->effects[i];
+      if (!refused(e)) continue;
+      out->rejected.push_back({e.name, "with it " + s.sensor + " " + s.axis + " still follows " + s.against});
+      out->after.total = std::min(out->before.total, out->after.total + e.gap_closed * out->before.total);
+      out->effects.erase(out->effects.begin() + static_cast<std::ptrdiff_t>(i));
+      out->model.erase(std::remove_if(out->model.begin(), out->model.end(), [&e](const ModelTerm& t) { return t.effect == e.name; }),
+                       out->model.end());
+    }
+  }
+  if (out->effects.empty()) out->after.total = out->before.total;
   out->gap_closed = out->before.total > 0 ? std::clamp(1 - out->after.total / out->before.total, 0.0, 1.0) : 0;
 }
 
