@@ -43,6 +43,7 @@ std::set<Family> families_of(const std::string& effect, const CoreTerm& term) {
   if (effect == "time_offset") return {Family::timing, Family::gyro};
   if (effect == "rolling_shutter") return {Family::timing};
   if (effect == "gyro_lag") return {Family::gyro};
+  if (effect == "accel_axis_offset") return {Family::accel};
   if (effect == "calibration_shift") return {Family::none};
   return {term.kind < 3 ? Family::gyro : term.kind < 6 ? Family::accel : Family::lens};
 }
@@ -144,6 +145,8 @@ void report_gap(const HeldOut& held_out, const ReplayResult& last, Diagnosis* ou
 }
 
 void refuse_where_structure_is_left(const std::vector<Structure>& left, Diagnosis* out) {
+  double sum = 0;  // the gap is shared in proportion to what each effect takes off chi2 beside the others
+  for (const DiagnosedEffect& e : out->effects) sum += e.statistic;
   for (const Structure& s : left) {
     if (s.log10_p >= kStructureLeft) continue;
     const std::set<Family> behind = families_behind(s);
@@ -159,7 +162,7 @@ void refuse_where_structure_is_left(const std::vector<Structure>& left, Diagnosi
       const DiagnosedEffect e = out->effects[i];
       if (!refused(e)) continue;
       out->rejected.push_back({e.name, "with it " + s.sensor + " " + s.axis + " still follows " + s.against});
-      out->after.total = std::min(out->before.total, out->after.total + e.gap_closed * out->before.total);
+      out->after.total = std::min(out->before.total, out->after.total + e.statistic / sum * out->before.total);
       out->effects.erase(out->effects.begin() + static_cast<std::ptrdiff_t>(i));
       out->model.erase(std::remove_if(out->model.begin(), out->model.end(), [&e](const ModelTerm& t) { return t.effect == e.name; }),
                        out->model.end());
