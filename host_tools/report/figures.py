@@ -62,9 +62,12 @@ def rounded(values, decimals):
 
 
 def styled(figure, height):
+    # Titles of subplots stand where the legend would end: it goes to the figure's edge, with room for three lines on a phone.
+    titled = bool(figure.layout.annotations)
+    place = dict(yref="container", yanchor="top", y=0.995) if titled else dict(yanchor="bottom", y=1.0)
     figure.update_layout(
-        height=height, template="plotly_white", margin=dict(l=58, r=12, t=60, b=44), font=dict(size=13),
-        legend=dict(orientation="h", yanchor="bottom", y=1.0, x=0, itemsizing="constant"), hovermode="closest",
+        height=height + (50 if titled else 0), template="plotly_white", margin=dict(l=58, r=12, t=110 if titled else 60, b=44),
+        font=dict(size=13), legend=dict(orientation="h", x=0, itemsizing="constant", **place), hovermode="closest",
         dragmode=False)  # a finger on a figure scrolls the page
     figure.update_xaxes(automargin=True)
     figure.update_yaxes(automargin=True)

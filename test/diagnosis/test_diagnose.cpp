@@ -14,11 +14,12 @@ namespace {
 
 using host::Diagnosis;
 
-Diagnosis diagnosed(const std::string& scenario, double seconds, std::uint64_t seed, const std::string& effect) {
+Diagnosis diagnosed(const std::string& scenario, double seconds, std::uint64_t seed, const std::string& effect, double pixel_noise_px = 0.5) {
   host::SimulationOptions options;
   options.scenario = scenario;
   options.seconds = seconds;
   options.seed = seed;
+  options.tracks.pixel_noise_px = pixel_noise_px;
   if (!effect.empty()) options.effects.push_back(host::sim::parse_effect(effect));
   const host::SimulationResult session = host::simulate(options);
   host::DiagnoseOptions diagnose;
@@ -76,6 +77,13 @@ void test_gyro_lag() { expect_named("gyro_lag=0.004", "gyro_lag", "gyro_lag.tau"
 /// 2 %: outliers are told from noise where its tails begin.
 void test_pixel_noise() { expect_named("pixel_noise=2", "pixel_noise", "pixel_noise.factor", 2, 0.04); }
 
+/// More noise stated than there is, 0.5 px and not 0.3, is no fault.
+void test_less_pixel_noise_than_stated() {
+  const Diagnosis quiet = diagnosed("rich", 40, 1, "", 0.3);
+  TEST_ASSERT_EQUAL_STRING_MESSAGE("consistent", quiet.verdict.c_str(), quiet.sentence.c_str());
+  TEST_ASSERT_TRUE(quiet.effects.empty());
+}
+
 /// 0.7 deg about one axis, in the middle; the instant is found to a segment.
 void test_extrinsic_step() {
   const Diagnosis d = diagnosed("rich", 40, 1, "calibration_shift=cam0.r_CI,20,0.012,0,0");
@@ -105,6 +113,7 @@ int main() {
   RUN_TEST(test_g_sensitivity);
   RUN_TEST(test_gyro_lag);
   RUN_TEST(test_pixel_noise);
+  RUN_TEST(test_less_pixel_noise_than_stated);
   RUN_TEST(test_extrinsic_step);
   RUN_TEST(test_still_is_not_judged);
   return UNITY_END();

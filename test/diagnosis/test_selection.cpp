@@ -65,6 +65,35 @@ void test_tail_probabilities() {
   TEST_ASSERT_DOUBLE_WITHIN(1e-6, 60, upper_quantile(log10_upper_tail(60, 9), 9));
 }
 
+/// F of 1 and n degrees is Student's t squared: n = 1 is Cauchy's, n = 2 has 1 - t / sqrt(2 + t^2) outside +-t; of 2 and n it
+/// is (1 + 2 f / n)^(-n/2); and with many degrees chi-square's.
+void test_tail_of_a_ratio() {
+  for (const double f : {0.01, 0.5, 1.0, 3.0, 40.0, 1e4, 1e8}) {
+    const double t = std::sqrt(f), cauchy = 2 / M_PI * std::atan(1 / t), two = 2 / (2 + f + t * std::sqrt(2 + f));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, std::log10(cauchy), log10_upper_tail_of_ratio(f, 1, 1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, std::log10(two), log10_upper_tail_of_ratio(f, 1, 2));
+    for (const int n : {3, 14, 120}) TEST_ASSERT_DOUBLE_WITHIN(1e-9, -0.5 * n * std::log10(1 + 2 * f / n), log10_upper_tail_of_ratio(f, 2, n));
+  }
+  TEST_ASSERT_DOUBLE_WITHIN(0.01, log10_upper_tail(30, 3), log10_upper_tail_of_ratio(10, 3, 1000000));
+  TEST_ASSERT_EQUAL_DOUBLE(0, log10_upper_tail_of_ratio(0, 1, 4));
+}
+
+/// Five stretches, in each of which an effect has another value, of mean zero: nothing that holds for the recording. Judged by
+/// chi-square seven of these would get a name, for the halves refuse the rest. With F, 300 * 2e-3 are allowed.
+void test_few_stretches_that_disagree() {
+  int named = 0;
+  for (int seed = 0; seed < 300; ++seed) {
+    LinearRecording recording;
+    recording.add("offset", 1, 1);
+    recording.segments = 5;
+    test::Random value(5000 + seed);
+    recording.outside = [&value](int, const Eigen::MatrixXd& J, Eigen::VectorXd* r) { *r += 0.5 * value.normal() * J.col(6); };
+    named += selected(recording, 1500 + seed).accepted.empty() ? 0 : 1;
+  }
+  std::printf("values that scatter over five stretches: %d of 300 named\n", named);
+  TEST_ASSERT_LESS_OR_EQUAL_INT(2, named);
+}
+
 /// Without an effect p is uniform: of 300 draws, each tenth of it holds 30 +- 5.2.
 void test_null_p_values_are_uniform() {
   const LinearRecording recording = catalogue();
@@ -225,6 +254,8 @@ void test_noise_larger_than_stated() {
 int main() {
   UNITY_BEGIN();
   RUN_TEST(test_tail_probabilities);
+  RUN_TEST(test_tail_of_a_ratio);
+  RUN_TEST(test_few_stretches_that_disagree);
   RUN_TEST(test_null_p_values_are_uniform);
   RUN_TEST(test_no_effect_no_name);
   RUN_TEST(test_one_effect);

@@ -2,6 +2,7 @@
 #include "../support/cast.h"
 #include "../support/cases.h"
 #include "../support/path.h"
+#include "sensors/effect_catalogue.h"
 
 using namespace SEGCAL_NS;
 using test::Id;
@@ -68,6 +69,24 @@ void test_integral_follows_the_path() {
   test::check_near(id, "rotation", 0, r.head<3>().norm(), 6e-5);
   test::check_near(id, "velocity", 0, r.segment<3>(3).norm(), 6e-4);
   test::check_near(id, "position", 0, r.segment<3>(6).norm(), 6e-4);
+}
+
+/// A constant reading with a large effect on it, for a tenth of a second. Each pass leaves 2 k x of the effect, after four
+/// (2 k x)^4 k x^2: 1.7e-5 rad/s of 3 rad/s and 1.3e-4 m/s^2 of 10 m/s^2.
+void test_large_terms_are_taken_off() {
+  const double dt = 0.005, rate = 3, force = 10, k_w = 0.017, k_f = 6e-3;
+  EffectTerms<double> terms;
+  terms.add(effect_term(5, 2), k_w);   // gyro_nonlinearity.z
+  terms.add(effect_term(6, 0), k_f);   // accel_nonlinearity.x
+  ImuIntegrator<double> integrator(ImuCalibration<double>(), Vec3<double>::Zero(), Vec3<double>::Zero(), ImuNoise<double>(), &terms);
+  const InertialReading<double> reading{{0, 0, rate + k_w * rate * rate}, {force + k_f * force * force, 0, 0}};
+  integrator.start(reading);
+  for (int i = 0; i < 20; ++i) integrator.step(reading, dt);
+  const ImuIntegral<double> integral = integrator.result();
+  const Id id = Id().add("check", "large terms");
+  test::check_near(id, "rotation", rate * 0.1, so3_log<double>(integral.dR).z(), 0.1 * 2e-5);
+  // In a circle: |dv| = f t sin(w t / 2) / (w t / 2).
+  test::check_near(id, "velocity", force * 0.1 * std::sin(0.15) / 0.15, integral.dv.norm(), 0.1 * 1.6e-4);
 }
 
 void test_integral_is_of_second_order() {
@@ -230,6 +249,7 @@ int main(int argc, char** argv) {
   test::select_cases(argc, argv);
   UNITY_BEGIN();
   RUN_TEST(test_integral_follows_the_path);
+  RUN_TEST(test_large_terms_are_taken_off);
   RUN_TEST(test_integral_is_of_second_order);
   RUN_TEST(test_integral_in_float);
   RUN_TEST(test_stored_samples_are_corrected);

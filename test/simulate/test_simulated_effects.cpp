@@ -5,12 +5,15 @@
 
 #include "simulate/camera_simulator.h"
 #include "simulate/device.h"
+#include "simulate/effect_model.h"
 #include "simulate/effect_names.h"
 #include "simulate/effects_camera.h"
 #include "simulate/effects_imu.h"
 #include "simulate/scenarios.h"
 #include "simulate/simulate.h"
 #include "../support/cases.h"
+#include "../replay/temporary_folder.h"
+#include "file_output.h"
 #include "unity.h"
 
 using Eigen::Vector2d;
@@ -239,6 +242,41 @@ void wrong_effects_are_refused() {
     test::check_true(test::Id().add("text", text), "is refused", refused(text));
 }
 
+host::sim::Effects of_model(const std::string& effects) {
+  const test::TemporaryFolder folder("simulated_model");
+  host::write_file(folder.path() / "model.yaml", "format: 1\n" + effects);
+  return host::sim::effects_of_model(folder.path() / "model.yaml");
+}
+
+/// What a replay or a diagnosis writes; parameters by name, whatever their order, others zero.
+void a_model_file_gives_its_effects() {
+  const auto effects = of_model("effects:\n  - name: time_offset\n    parameters:\n"
+                                "      - {name: \"t_d\", value: 0.003, sigma: 1e-5, unit: \"s\", verdict: observed}\n"
+                                "  - name: tangential_residual\n    parameters:\n      - {name: \"p2\", value: -0.002}\n");
+  TEST_ASSERT_EQUAL_INT(2, static_cast<int>(effects.size()));
+  const host::sim::EffectTruth offset = effects[0]->truth(), lens = effects[1]->truth();
+  TEST_ASSERT_EQUAL_STRING("time_offset", offset.name.c_str());
+  TEST_ASSERT_EQUAL_DOUBLE(0.003, offset.parameters[0].value);
+  TEST_ASSERT_EQUAL_STRING("tangential_residual", lens.name.c_str());
+  TEST_ASSERT_EQUAL_DOUBLE(0, lens.parameters[0].value);
+  TEST_ASSERT_EQUAL_DOUBLE(-0.002, lens.parameters[1].value);
+  TEST_ASSERT_TRUE(of_model("effects: []\n").empty());
+}
+
+void a_wrong_model_file_is_refused_with_its_line() {
+  for (const char* text : {"effects:\n  - name: no_such\n", "effects:\n  - name: term\n",
+                           "effects:\n  - {name: time_offset, parameters: [{name: tau, value: 1}]}\n",
+                           "effects:\n  - {name: gyro_lag, parameters: [{name: tau, value: -1}]}\n"}) {
+    std::string said;
+    try {
+      of_model(text);
+    } catch (const host::InputError& error) {
+      said = error.what();
+    }
+    test::check_true(test::Id().add("text", text), "names file and line", said.find("model.yaml:3") != std::string::npos);
+  }
+}
+
 }  // namespace
 
 void setUp() {}
@@ -258,5 +296,7 @@ int main(int argc, char** argv) {
   RUN_TEST(a_shock_leaves_what_was_before);
   RUN_TEST(temperature_is_recorded_when_needed);
   RUN_TEST(wrong_effects_are_refused);
+  RUN_TEST(a_model_file_gives_its_effects);
+  RUN_TEST(a_wrong_model_file_is_refused_with_its_line);
   return UNITY_END();
 }

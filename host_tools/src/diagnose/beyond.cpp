@@ -12,6 +12,7 @@ constexpr int kMostTerms = 3;
 constexpr std::size_t kBatch = 30;     ///< columns of one linearisation beside those that are estimated
 constexpr double kHandicap = 2;        ///< decades: a term without physics behind it needs more evidence than an effect
 constexpr double kLevel = -2.7;
+constexpr std::size_t kAskHalves = 5;
 
 }  // namespace
 
@@ -20,34 +21,58 @@ Beyond::Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<dou
 
 void Beyond::run(const Fit& fit) {
   for (int i = 0; i < kMostTerms; ++i) {
-    const Best best = search(fit);
+    const Best best = search();
     if (!best.found) return;
     add(best.term, fit);
     drop_superfluous(fit);
   }
 }
 
-/// The most significant term that both halves tell of, at the last fit.
-Beyond::Best Beyond::search(const Fit&) {
-  Best best;
-  const double trials = std::log10(static_cast<double>(dictionary_.size())) + kHandicap;
+/// The most significant term that both halves tell of, at the last fit. All are tested on all rows; the halves are asked
+/// about the best few.
+Beyond::Best Beyond::search() {
+  std::vector<Best> worth;
   for (std::size_t from = 0; from < dictionary_.size(); from += kBatch) {
-    const std::vector<TermInfo> batch(dictionary_.begin() + static_cast<std::ptrdiff_t>(from),
-                                      dictionary_.begin() + static_cast<std::ptrdiff_t>(std::min(from + kBatch, dictionary_.size())));
-    Problem problem = evidence_->at_last_fit(batch);
-    problem.noise = selection_->problem.noise;
-    const int taken = static_cast<int>(evidence_->taken().size());
-    const std::vector<TermGroup> free = taken > 0 ? std::vector<TermGroup>{{0, taken}} : std::vector<TermGroup>{};
+    const std::size_t to = std::min(from + kBatch, dictionary_.size());
+    const std::vector<TermInfo> batch(dictionary_.begin() + static_cast<std::ptrdiff_t>(from), dictionary_.begin() + static_cast<std::ptrdiff_t>(to));
+    const Problem problem = problem_with(batch, false);
     for (std::size_t i = 0; i < batch.size(); ++i) {
-      const Candidate candidate{"unlisted", {taken + static_cast<int>(i), 1}, {batch[i].size}, 0};
-      EffectTest test = test_effect(problem, candidate, free);
-      if (test.seen == 0 || test.log10_p + trials >= std::min(kLevel, best.log10_p)) continue;
-      const HalvesTest halves = test_halves(problem, candidate, free);
-      if (halves.log10_p_disagree < SelectionOptions{}.log10_disagree || halves.gain < 0.25 * test.statistic) continue;
-      best = {batch[i], test.log10_p + trials, true};
+      const EffectTest test = test_effect(problem, candidate_at(i, batch[i]), taken());
+      const double p = test.log10_p + std::log10(static_cast<double>(dictionary_.size())) + kHandicap;
+      if (test.seen > 0 && p < kLevel) worth.push_back({batch[i], p, true});
     }
   }
-  return best;
+  std::sort(worth.begin(), worth.end(), [](const Best& a, const Best& b) { return a.log10_p < b.log10_p; });
+  if (worth.size() > kAskHalves) worth.resize(kAskHalves);
+  for (const Best& b : worth) {
+    const Problem problem = problem_with({b.term}, true);
+    if (holds(problem, candidate_at(0, b.term))) return b;
+  }
+  return {};
+}
+
+/// As for an effect of the catalogue: significant against its own scatter, the same in both halves, and of use to the other.
+bool Beyond::holds(const Problem& problem, const Candidate& candidate) const {
+  const EffectTest test = test_effect(problem, candidate, taken());
+  const Scatter scatter = scatter_over_time(problem, candidate, taken());
+  if (scatter.log10_p(test.statistic, test.seen) + std::log10(static_cast<double>(dictionary_.size())) + kHandicap >= kLevel) return false;
+  const HalvesTest halves = test_halves(problem, candidate, taken());
+  return halves.log10_p_disagree >= SelectionOptions{}.log10_disagree && halves.gain >= 0.25 * test.statistic;
+}
+
+Problem Beyond::problem_with(const std::vector<TermInfo>& candidates, bool halves) {
+  Problem out = evidence_->at_last_fit(candidates, halves);
+  out.noise = selection_->problem.noise;
+  return out;
+}
+
+Candidate Beyond::candidate_at(std::size_t i, const TermInfo& term) const {
+  return {"unlisted", {static_cast<int>(evidence_->taken().size() + i), 1}, {term.size}, 0};
+}
+
+std::vector<TermGroup> Beyond::taken() const {
+  const int n = static_cast<int>(evidence_->taken().size());
+  return n > 0 ? std::vector<TermGroup>{{0, n}} : std::vector<TermGroup>{};
 }
 
 void Beyond::add(const TermInfo& term, const Fit& fit) {

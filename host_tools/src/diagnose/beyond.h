@@ -20,7 +20,11 @@ class Beyond {
     double log10_p = 0;
     bool found = false;
   };
-  Best search(const Fit& fit);
+  Best search();
+  bool holds(const Problem& problem, const Candidate& candidate) const;
+  Problem problem_with(const std::vector<TermInfo>& candidates, bool halves);
+  Candidate candidate_at(std::size_t i, const TermInfo& term) const;
+  std::vector<TermGroup> taken() const;
   void add(const TermInfo& term, const Fit& fit);
   void drop_superfluous(const Fit& fit);
   void refit(const Fit& fit);

@@ -36,7 +36,38 @@ double log_upper_fraction(double a, double x) {
   return log_kernel(a, x) + std::log(h);
 }
 
+/// Continued fraction of the incomplete beta function (Lentz); converges quickly for x < (a + 1) / (a + b + 2).
+double beta_fraction(double a, double b, double x) {
+  constexpr double tiny = 1e-300;
+  const auto kept_off_zero = [](double v) { return std::abs(v) < tiny ? tiny : v; };
+  double c = 1, d = 1 / kept_off_zero(1 - (a + b) * x / (a + 1)), h = d;
+  for (int m = 1; m < 1000; ++m) {
+    const double even = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m));
+    d = 1 / kept_off_zero(1 + even * d);
+    c = kept_off_zero(1 + even / c);
+    h *= d * c;
+    const double odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
+    d = 1 / kept_off_zero(1 + odd * d);
+    c = kept_off_zero(1 + odd / c);
+    h *= d * c;
+    if (std::abs(d * c - 1) < 1e-15) break;
+  }
+  return h;
+}
+
+/// ln of x^a (1 - x)^b / (a B(a, b)).
+double log_beta_kernel(double a, double b, double x) {
+  return a * std::log(x) + b * std::log1p(-x) - std::log(a) + std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b);
+}
+
 }  // namespace
+
+double log10_upper_tail_of_ratio(double ratio, int m, int n) {
+  if (m <= 0 || n <= 0 || !(ratio > 0)) return 0;
+  const double a = 0.5 * n, b = 0.5 * m, x = n / (n + m * ratio);
+  if (x < (a + 1) / (a + b + 2)) return (log_beta_kernel(a, b, x) + std::log(beta_fraction(a, b, x))) / std::log(10.0);
+  return std::log10(1 - std::exp(log_beta_kernel(b, a, 1 - x)) * beta_fraction(b, a, 1 - x));
+}
 
 double log10_upper_tail(double s, int dof) {
   if (dof <= 0 || !(s > 0)) return 0;

@@ -7,6 +7,7 @@
 #include "diagnose/fault.h"
 #include "diagnose/gap.h"
 #include "diagnose/imu_noise.h"
+#include "diagnose/pixel_noise.h"
 #include "diagnose/structure.h"
 #include "replay/replay.h"
 

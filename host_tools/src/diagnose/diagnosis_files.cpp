@@ -26,62 +26,86 @@ double camera_square(const CoreKept& k) {
   return k.points.empty() ? 0 : sum / (2.0 * static_cast<double>(k.points.size()));
 }
 
-const CoreKept* same_time(const std::vector<CoreKept>& kept, std::int64_t start_ns) {
-  const CoreKept* best = nullptr;
-  for (const CoreKept& k : kept) {
-    if (!best || std::abs(k.segment.start_ns - start_ns) < std::abs(best->segment.start_ns - start_ns)) best = &k;
-  }
-  return best;
-}
+/// A stretch of time. Two fits need not cut the time into the same segments: it is looked up in all of each.
+struct Stretch {
+  std::int64_t start_ns, end_ns, zero_ns;
+  bool holds(std::int64_t t_ns) const { return t_ns >= start_ns && t_ns <= end_ns; }
+  double seconds(std::int64_t t_ns) const { return 1e-9 * static_cast<double>(t_ns - zero_ns); }
+};
 
 /// Mean over the points of each keyframe, px, and the IMU's whitened residuals.
-Json window_json(const CoreKept& k, double pixel_sigma, std::int64_t zero_ns) {
+Json window_json(const ReplayResult& fit, const Stretch& stretch) {
   std::map<std::int64_t, std::array<double, 3>> image;  // sums and count
-  for (const CorePointResidual& r : k.points) {
-    auto& sum = image[r.t_ns];
-    sum[0] += r.u_sigma * pixel_sigma;
-    sum[1] += r.v_sigma * pixel_sigma;
-    sum[2] += 1;
+  std::map<std::int64_t, const CoreImuResidual*> imu;
+  for (const CoreKept& k : fit.kept) {
+    for (const CorePointResidual& r : k.points) {
+      if (!stretch.holds(r.t_ns)) continue;
+      auto& sum = image[r.t_ns];
+      sum[0] += r.u_sigma * fit.model.pixel_sigma;
+      sum[1] += r.v_sigma * fit.model.pixel_sigma;
+      sum[2] += 1;
+    }
+    for (const CoreImuResidual& r : k.imu) {
+      if (stretch.holds(r.t_ns)) imu[r.t_ns] = &r;
+    }
   }
   Json t = Json::array(), u = Json::array(), v = Json::array(), ti = Json::array(), gyro = Json::array(), accel = Json::array();
   for (const auto& [t_ns, sum] : image) {
-    t.push_back(1e-9 * static_cast<double>(t_ns - zero_ns));
+    t.push_back(stretch.seconds(t_ns));
     u.push_back(sum[0] / sum[2]);
     v.push_back(sum[1] / sum[2]);
   }
-  for (const CoreImuResidual& r : k.imu) {
-    ti.push_back(1e-9 * static_cast<double>(r.t_ns - zero_ns));
-    gyro.push_back({r.rotation.x(), r.rotation.y(), r.rotation.z()});
-    accel.push_back({r.velocity.x(), r.velocity.y(), r.velocity.z()});
+  for (const auto& [t_ns, r] : imu) {
+    ti.push_back(stretch.seconds(t_ns));
+    gyro.push_back({r->rotation.x(), r->rotation.y(), r->rotation.z()});
+    accel.push_back({r->velocity.x(), r->velocity.y(), r->velocity.z()});
   }
   return {{"t", t}, {"u_px", u}, {"v_px", v}, {"t_imu", ti}, {"gyro", gyro}, {"accel", accel}};
 }
 
-/// The longest track whose residuals are largest: measured and simulated image points.
-Json track_json(const CoreKept& k, double pixel_sigma) {
-  std::vector<double> square(k.landmarks.size(), 0);
-  std::vector<std::vector<std::array<double, 4>>> points(k.landmarks.size());
-  auto residual = k.points.begin();
-  for (const CorePoint& p : k.measured) {
-    if (residual == k.points.end()) break;
-    if (p.rejected || residual->camera != p.camera || residual->t_ns != k.keyframes[p.keyframe].t_ns) continue;
-    const double du = residual->u_sigma * pixel_sigma, dv = residual->v_sigma * pixel_sigma;
-    ++residual;
-    square[p.landmark] += du * du + dv * dv;
-    points[p.landmark].push_back({p.u, p.v, p.u + du, p.v + dv});
+/// One corner's measured and simulated image points in a stretch, in order of time.
+struct Track {
+  std::map<std::int64_t, std::array<double, 4>> points;
+  double square = 0;
+};
+
+std::map<std::uint32_t, Track> tracks_of(const ReplayResult& fit, const Stretch& stretch) {
+  std::map<std::uint32_t, Track> out;
+  for (const CoreKept& k : fit.kept) {
+    for (const diagnosis::SeenPoint& s : diagnosis::seen_points(k)) {
+      if (!stretch.holds(s.residual->t_ns) || s.point->camera != 0) continue;
+      const double du = s.residual->u_sigma * fit.model.pixel_sigma, dv = s.residual->v_sigma * fit.model.pixel_sigma;
+      Track& track = out[k.landmarks[s.point->landmark].track_id];
+      track.square += du * du + dv * dv;
+      track.points[s.residual->t_ns] = {s.point->u, s.point->v, s.point->u + du, s.point->v + dv};
+    }
   }
-  std::size_t worst = 0;
-  for (std::size_t j = 0; j < square.size(); ++j) {
-    if (points[j].size() >= 8 && square[j] > square[worst]) worst = j;
+  return out;
+}
+
+/// The long track whose residuals are largest; 0: there is none.
+std::uint32_t worst_track(const ReplayResult& fit, const Stretch& stretch) {
+  std::uint32_t worst = 0;
+  double most = 0;
+  for (const auto& [id, track] : tracks_of(fit, stretch)) {
+    if (track.points.size() < 8 || track.square <= most) continue;
+    most = track.square;
+    worst = id;
   }
+  return worst;
+}
+
+Json track_json(const ReplayResult& fit, const Stretch& stretch, std::uint32_t id) {
   Json measured = Json::array(), simulated = Json::array();
-  if (!points.empty()) {
-    for (const auto& p : points[worst]) {
+  const auto tracks = tracks_of(fit, stretch);
+  const auto track = tracks.find(id);
+  if (track != tracks.end()) {
+    for (const auto& [t_ns, p] : track->second.points) {
       measured.push_back({p[0], p[1]});
       simulated.push_back({p[2], p[3]});
     }
   }
-  return {{"track_id", k.landmarks.empty() ? 0 : k.landmarks[worst].track_id}, {"measured", measured}, {"simulated", simulated}};
+  return {{"track_id", id}, {"measured", measured}, {"simulated", simulated}};
 }
 
 Json windows_json(const Diagnosis& d, std::int64_t zero_ns) {
@@ -90,14 +114,15 @@ Json windows_json(const Diagnosis& d, std::int64_t zero_ns) {
   std::sort(order.begin(), order.end(), [](const SegmentError& a, const SegmentError& b) { return a.camera > b.camera; });
   Json out = Json::array();
   for (std::size_t i = 0; i < std::min(kWorstWindows, order.size()); ++i) {
-    const CoreKept& k = *order[i].kept;
-    Json window = {{"start_s", 1e-9 * static_cast<double>(k.segment.start_ns - zero_ns)},
-                   {"end_s", 1e-9 * static_cast<double>(k.segment.end_ns - zero_ns)},
-                   {"before", window_json(k, d.fit_before.model.pixel_sigma, zero_ns)},
-                   {"track_before", track_json(k, d.fit_before.model.pixel_sigma)}};
-    if (const CoreKept* after = same_time(d.fit_after.kept, k.segment.start_ns)) {
-      window["after"] = window_json(*after, d.fit_after.model.pixel_sigma, zero_ns);
-      window["track_after"] = track_json(*after, d.fit_after.model.pixel_sigma);
+    const CoreSegment& segment = order[i].kept->segment;
+    const Stretch stretch{segment.start_ns, segment.end_ns, zero_ns};
+    const std::uint32_t track = worst_track(d.fit_before, stretch);
+    Json window = {{"start_s", stretch.seconds(stretch.start_ns)}, {"end_s", stretch.seconds(stretch.end_ns)}};
+    window["before"] = window_json(d.fit_before, stretch);
+    window["track_before"] = track_json(d.fit_before, stretch, track);
+    if (!d.fit_after.kept.empty()) {
+      window["after"] = window_json(d.fit_after, stretch);
+      window["track_after"] = track_json(d.fit_after, stretch, track);
     }
     out.push_back(window);
   }
@@ -128,7 +153,7 @@ void write_diagnosis(const std::filesystem::path& folder, const Diagnosis& d, co
     write_camchain(folder / "camchain-imucam.yaml", last.calibration);
     write_imu_yaml(folder / "imu.yaml", last.calibration, d.noise);
   }
-  write_file(folder / "model.yaml", model_yaml(last));
+  write_file(folder / "model.yaml", model_yaml(d.model.empty() ? d.fit_before : last));  // what got no name is not in it
   write_file(folder / "segcal_effects.h", effects_header(d));
   write_file(folder / "diagnosis_data.json", diagnosis_data_json(d, sessions));
   write_file(folder / "diagnosis.json", diagnosis_json(d) + "\n");  // last: its presence says the rest is there

@@ -19,9 +19,6 @@ constexpr double kSeen = 3;
 /// Share of a value that its linearisation far away may be wrong by: halves that differ by less agree.
 constexpr double kCurvature = 0.1;
 
-/// log10 p from which on pieces of a recording disagree about an effect.
-constexpr double kScatters = -2;
-
 Marginal marginal(const Problem& problem, const Rows& rows, const Candidate& candidate, const std::vector<TermGroup>& free) {
   std::vector<TermGroup> groups = free;
   groups.push_back(candidate.columns);
@@ -96,9 +93,13 @@ EffectTest test_effect(const Problem& problem, const Candidate& candidate, const
   return out;
 }
 
-double scatter_over_time(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free) {
+double Scatter::log10_p(double statistic, int seen) const {
+  return dof > 0 ? log10_upper_tail_of_ratio(statistic / (factor * std::max(1, seen)), seen, dof) : log10_upper_tail(statistic, seen);
+}
+
+Scatter scatter_over_time(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free) {
   const int pieces = static_cast<int>(problem.pieces.size()), m = candidate.columns.count;
-  if (pieces < 4) return 1;
+  if (pieces < 4) return {};
   std::vector<TermGroup> groups = free;
   groups.push_back(candidate.columns);
   std::vector<Rows> shared, own;
@@ -109,7 +110,8 @@ double scatter_over_time(const Problem& problem, const Candidate& candidate, con
   const Solved one = cost_and_rank(problem, shared), each = cost_and_rank(problem, own);
   const double noise = dispersion(problem, groups), drop = (one.cost - each.cost) / noise;
   const int dof = each.rank - one.rank;
-  return dof > 0 && log10_upper_tail(drop, dof) < kScatters ? std::max(1.0, drop / dof) : 1;
+  if (dof <= 0) return {};
+  return {std::max(1.0, drop / dof), dof};
 }
 
 HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free) {

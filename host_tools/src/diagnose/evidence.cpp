@@ -15,6 +15,10 @@ using Eigen::VectorXd;
 /// dropped. With larger noise they are taken, and what is missing in the model can be asked for.
 constexpr double kInflatePixels = 2, kInflateImu = 4;
 constexpr int kMostInflations = 3;
+/// Segments of a recording: as long as the core's, but not so long that a short recording has few of them. What is named must
+/// hold in each of them (Scatter), with the tail of F at 1 and n - 1 degrees of freedom: for p = 1e-4 an effect of one
+/// parameter needs 1.9 times the statistic that chi-square would ask for with 15 segments, 50 times with four.
+constexpr double kSegments = 15, kShortestSegment = 2;
 /// Segments dropped of all that tell something; with more the fit is made with larger noise.
 constexpr double kDroppedShare = 0.25;
 
@@ -78,10 +82,20 @@ void reorder(const std::vector<int>& place, Problem* problem) {
   for (Piece& p : problem->pieces) reorder(place, &p.rows, problem->n_theta);
 }
 
-void inflate(CoreOptions* core) {
-  core->pixel_sigma *= kInflatePixels;
-  core->noise.gyro_noise_density *= kInflateImu;
-  core->noise.accel_noise_density *= kInflateImu;
+CoreOptions inflated(CoreOptions core, int times) {
+  core.pixel_sigma *= std::pow(kInflatePixels, times);
+  core.noise.gyro_noise_density *= std::pow(kInflateImu, times);
+  core.noise.accel_noise_density *= std::pow(kInflateImu, times);
+  return core;
+}
+
+double seconds_of(const std::vector<Recording>& sessions) {
+  double sum = 0;
+  for (const Recording& r : sessions) {
+    const auto& frames = r.cameras.front().frames;
+    if (!frames.empty()) sum += 1e-9 * static_cast<double>(frames.back().t_ns - frames.front().t_ns);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -154,6 +168,7 @@ Evidence::Evidence(const std::vector<Recording>& sessions, const CoreOptions& op
   options_.outdated_level = -1;  // a step of the calibration is to be found, not forgotten
   options_.watched_effects = 1;       // segments that do not follow their IMU samples stay: it may be the effect
   options_.segments = profile == "host" ? 64 : options_.segments;
+  options_.segment_s = std::max(std::min(options_.segment_s, kShortestSegment), std::min(options_.segment_s, seconds_of(sessions) / kSegments));
 }
 
 Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated, const std::vector<double>& start) {
@@ -173,9 +188,13 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
     }
     replay_options.core.term_values.push_back(start[i]);
   }
-  for (int trial = 0; trial < kMostInflations && !try_fit(replay_options); ++trial) inflate(&replay_options.core);
+  const CoreOptions stated = replay_options.core;
+  for (inflations_ = std::max(0, inflations_ - 1);; ++inflations_) {  // an effect more: smaller noise may do
+    replay_options.core = inflated(stated, inflations_);
+    if (try_fit(replay_options) || inflations_ + 1 == kMostInflations) break;
+  }
   taken_ = taken;
-  Problem mixed = gather(taken, asked);
+  Problem mixed = gather(asked, true);
   std::vector<int> place(terms.size());  // of each term among [taken | asked]
   int next_taken = 0, next_asked = static_cast<int>(taken.size());
   for (std::size_t i = 0; i < terms.size(); ++i) place[i] = estimated[i] ? next_taken++ : next_asked++;
@@ -211,15 +230,14 @@ Rows Evidence::rows_of(const std::vector<std::uint32_t>& serials, const std::vec
   return out;
 }
 
-/// All rows, the halves and the pieces; columns [theta | taken | candidates].
-Problem Evidence::gather(const std::vector<TermInfo>& taken, const std::vector<TermInfo>& candidates) {
+/// Columns [theta | taken | candidates].
+Problem Evidence::gather(const std::vector<TermInfo>& candidates, bool in_parts) {
   Problem out;
   const std::vector<CoreParameter>& parameters = result_.result.parameters;
-  out.n_theta = n_theta_ = static_cast<int>(parameters.size() - taken.size());
-  taken_values_ = VectorXd(static_cast<Eigen::Index>(taken.size()));
-  for (std::size_t i = 0; i < taken.size(); ++i) taken_values_(static_cast<Eigen::Index>(i)) = parameters[n_theta_ + i].value;
+  out.n_theta = n_theta_ = static_cast<int>(parameters.size() - taken_.size());
+  taken_values_ = VectorXd(static_cast<Eigen::Index>(taken_.size()));
+  for (std::size_t i = 0; i < taken_.size(); ++i) taken_values_(static_cast<Eigen::Index>(i)) = parameters[n_theta_ + i].value;
   out.prior = prior_of(result_.result, n_theta_);
-  out.blocks = blocks_of(result_.calibration);
   out.noise = std::pow(options_.pixel_sigma / result_.model.pixel_sigma, 2);
   std::vector<std::uint32_t> all, half[2];
   const std::vector<CoreKept> kept = segments();
@@ -228,16 +246,21 @@ Problem Evidence::gather(const std::vector<TermInfo>& taken, const std::vector<T
     const CoreSegment& s = kept[i].segment;
     all.push_back(s.serial);
     half[is_held_out(i) ? 1 : 0].push_back(s.serial);
+    if (!in_parts) continue;
     out.pieces.push_back({rows_of({s.serial}, candidates), 1e-9 * static_cast<double>(s.start_ns - zero_ns),
                           1e-9 * static_cast<double>(s.end_ns - zero_ns), is_held_out(i)});
   }
+  if (in_parts) out.blocks = blocks_of(result_.calibration);
   if (half[1].empty()) return out;
   out.all = rows_of(all, candidates);
+  if (!in_parts) return out;
   out.train = rows_of(half[0], candidates);
   out.held_out = rows_of(half[1], candidates);
   return out;
 }
 
-Problem Evidence::at_last_fit(const std::vector<TermInfo>& candidates) { return gather(taken_, candidates); }
+Problem Evidence::at_last_fit(const std::vector<TermInfo>& candidates, bool in_parts) {
+  return gather(candidates, in_parts);
+}
 
 }  // namespace host::diagnosis

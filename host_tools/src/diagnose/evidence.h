@@ -40,8 +40,9 @@ class Evidence {
   /// theta, then `terms` in their order.
   Problem fit(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated, const std::vector<double>& start);
   const ReplayResult& result() const { return result_; }
-  /// The same fit's rows with other candidates; columns are theta, the terms that were estimated, `candidates`.
-  Problem at_last_fit(const std::vector<TermInfo>& candidates);
+  /// The same fit's rows with other candidates; columns are theta, the terms that were estimated, `candidates`. Halves
+  /// and pieces only `in_parts`: many candidates are asked about without.
+  Problem at_last_fit(const std::vector<TermInfo>& candidates, bool in_parts);
   const std::vector<TermInfo>& taken() const { return taken_; }
   /// Kept segments in the order of time.
   std::vector<CoreKept> segments() const;
@@ -49,7 +50,7 @@ class Evidence {
 
  private:
   bool try_fit(const ReplayOptions& options);
-  Problem gather(const std::vector<TermInfo>& taken, const std::vector<TermInfo>& candidates);
+  Problem gather(const std::vector<TermInfo>& candidates, bool in_parts);
   Rows rows_of(const std::vector<std::uint32_t>& serials, const std::vector<TermInfo>& candidates);
 
   const std::vector<Recording>& sessions_;
@@ -61,6 +62,7 @@ class Evidence {
   std::vector<TermInfo> taken_;
   Eigen::VectorXd taken_values_;
   int n_theta_ = 0;
+  int inflations_ = 0;             ///< that the last fit needed
 };
 
 }  // namespace host::diagnosis

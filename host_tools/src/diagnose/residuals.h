@@ -22,6 +22,13 @@ struct ResidualList {
   std::vector<int> series;                      ///< residuals with the same number follow each other in time
 };
 
+/// A point's residual with the measured point; the core's getters leave out rejected points in the same order.
+struct SeenPoint {
+  const CorePoint* point;
+  const CorePointResidual* residual;
+};
+std::vector<SeenPoint> seen_points(const CoreKept& kept);
+
 std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, const std::vector<ImuData>& imu);
 
 /// Sums of squares by sensor.
@@ -30,14 +37,5 @@ struct SensorSquares {
   int camera_count = 0, gyro_count = 0, accel_count = 0;
 };
 SensorSquares sensor_squares(const std::vector<CoreKept>& kept);
-
-/// The noise of the image points alone, over the stated one: half the mean square of the differences between residuals of
-/// near neighbours in one image. What is smooth in the image, as all effects are, drops out, and so does the pose.
-struct PixelNoise {
-  double factor = 1;             ///< of the sigma
-  double sigma = 0;              ///< of the factor
-  int pairs = 0;
-};
-PixelNoise pixel_noise(const std::vector<CoreKept>& kept);
 
 }  // namespace host::diagnosis

@@ -76,10 +76,10 @@ class Search {
 
   /// An effect whose value differs from piece to piece by more than its noise is judged against that.
   void calm(int c, EffectTest* test) {
-    const double scatter = scatter_over_time(out_.problem, candidates_[c], groups_but(-1));
-    if (scatter <= 1) return;
-    test->statistic /= scatter;
-    test->log10_p = log10_upper_tail(test->statistic, test->seen);
+    const Scatter scatter = scatter_over_time(out_.problem, candidates_[c], groups_but(-1));
+    if (scatter.dof == 0) return;
+    test->log10_p = scatter.log10_p(test->statistic, test->seen);
+    test->statistic /= scatter.factor;
     if (!significant(c, *test)) why_[c] = "its value is not the same throughout the recording";
   }
 
@@ -126,10 +126,9 @@ class Search {
     const Problem without = out_.problem;
     out_.problem = with_shift(without, *step);
     const Candidate candidate = shift_candidate(out_.problem, *step);
-    const double scatter = scatter_over_time(out_.problem, candidate, groups_but(-1));
+    const Scatter scatter = scatter_over_time(out_.problem, candidate, groups_but(-1));
     const HalvesTest halves = test_halves(out_.problem, candidate, groups_but(-1));
-    const double calm = log10_upper_tail(step->test.statistic / scatter, step->test.seen) + std::log10(step->trials);
-    if (calm >= options_.log10_level || halves.log10_p_disagree < options_.log10_disagree || !helps(halves, step->test)) {
+    if (calmed(*step, scatter) >= options_.log10_level || halves.log10_p_disagree < options_.log10_disagree || !helps(halves, step->test)) {
       out_.problem = without;
       shift_refused_ = true;
       return;
@@ -142,6 +141,13 @@ class Search {
     chosen_.push_back(static_cast<int>(candidates_.size()) - 1);
   }
 
+  /// The pieces that know a step's size are those after it, often few; the test of F would cost most steps. It is taken where
+  /// the scatter is more than chance gives in one of a hundred.
+  static double calmed(const Shift& step, const Scatter& scatter) {
+    const bool by_chance = log10_upper_tail(scatter.factor * scatter.dof, scatter.dof) > -2;
+    const double p = by_chance ? step.test.log10_p : scatter.log10_p(step.test.statistic, step.test.seen);
+    return p + std::log10(step.trials);
+  }
   static bool helps(const HalvesTest& halves, const EffectTest& test) { return halves.gain > kHelps * test.statistic; }
   bool dropped_before(int c) const { return std::count(dropped_.begin(), dropped_.end(), c) > 0; }
 

@@ -69,9 +69,15 @@ struct HalvesTest {
 };
 HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
 
-/// Where each piece has a value of its own, how much better is the fit? A chi-square number over its degrees of freedom, if
-/// the value is the same everywhere; 1 where chance explains it (p above 1 %), and without pieces.
-double scatter_over_time(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
+/// Where each piece has a value of its own, how much better is the fit?
+struct Scatter {
+  double factor = 1;             ///< a chi-square number over its degrees of freedom, at least 1
+  int dof = 0;                   ///< of which it was estimated; 0: fewer than four pieces
+  /// An effect's statistic is judged against the scatter of its own value: real tracks and motions disagree with themselves
+  /// by more than their noise, and from a few pieces that is only roughly known.
+  double log10_p(double statistic, int seen) const;
+};
+Scatter scatter_over_time(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
 
 /// chi2/dof of the model with these effects free, at least the known noise.
 double dispersion(const Problem& problem, const std::vector<TermGroup>& free);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <set>
 
 #include "diagnose/diagnose.h"
@@ -19,17 +20,29 @@ std::string full_name(const std::string& effect, const std::string& parameter) {
   return complete ? parameter : effect + "." + parameter;
 }
 
+/// Are both the same when for each pair the one that is there is taken?
+bool right_but_for_pairs(const std::set<std::string>& there, std::set<std::string> said, const Json& pairs) {
+  for (const Json& pair : pairs) {
+    const std::string named = pair[0], other = pair[1];
+    if (there.count(named) > 0 || there.count(other) == 0 || said.erase(named) == 0) continue;
+    said.insert(other);
+  }
+  return !pairs.empty() && there == said;
+}
+
 }  // namespace
 
 Json diagnosed(const Recording& session, const Calibration& start) {
   DiagnoseOptions options;
   options.core.calibration = start;
   options.core.noise = session.imu.noise;
+  const std::clock_t start_clock = std::clock();  // other work on the machine is not this one's time
   const Diagnosis d = diagnose({session}, options);
+  const double seconds = static_cast<double>(std::clock() - start_clock) / CLOCKS_PER_SEC;
   Json out = {{"verdict", d.verdict}, {"judged", d.judged}, {"named", Json::array()}, {"values", Json::object()},
               {"pairs", Json::array()}, {"gap_closed", d.gap_closed}, {"excess_before", d.before.total},
               {"excess_after", d.after.total}, {"cannot_tell", d.cannot_tell.size()}, {"faults", Json::array()},
-              {"statistics", Json::object()}, {"sentence", d.sentence}, {"seconds", d.seconds}};
+              {"statistics", Json::object()}, {"sentence", d.sentence}, {"seconds", seconds}};
   for (const DiagnosedEffect& e : d.effects) {
     out["named"].push_back(e.name);
     for (const DiagnosedParameter& p : e.parameters) out["values"][full_name(e.name, p.name)] = {p.value, p.sigma};
@@ -66,7 +79,8 @@ Judged judged(const CellResult& cell) {
   out.truth.assign(there.begin(), there.end());
   out.named.assign(said.begin(), said.end());
   out.exact = there == said && answer.at("pairs").empty();
-  for (const std::string& name : said) out.false_name = out.false_name || (name != unlisted && there.count(name) == 0);
+  out.in_pair = !out.exact && right_but_for_pairs(there, said, answer.at("pairs"));
+  for (const std::string& name : said) out.false_name = out.false_name || (name != unlisted && there.count(name) == 0 && !out.in_pair);
   for (const auto& [name, value] : truth.at("values").items()) {
     const bool given = answer.at("values").contains(name) && answer.at("values")[name][1].is_number();
     if (!given || is_fault(name.substr(0, name.find('.')))) continue;

@@ -12,7 +12,7 @@
 namespace host::experiments {
 
 /// {"verdict", "judged", "named": [...], "values": {"effect.parameter": [value, sigma]}, "pairs": [...], "gap_closed",
-/// "cannot_tell", "faults": [...], "statistics": {name: s}, "sentence", "seconds"}.
+/// "cannot_tell", "faults": [...], "statistics": {name: s}, "sentence", "seconds"}: of the processor.
 Json diagnosed(const Recording& session, const Calibration& start);
 
 /// The truth of a session: {"names": [...], "values": {"effect.parameter": value}}.
@@ -22,6 +22,7 @@ Json hidden_truth(const std::vector<sim::EffectTruth>& effects);
 struct Judged {
   std::vector<std::string> truth, named;   ///< without data faults' sensors; "unlisted" for a term without a name
   bool exact = false;        ///< named what is there, and nothing else
+  bool in_pair = false;      ///< not exact, but what is there is what is named or what this motion does not tell from it
   bool false_name = false;   ///< an effect of the catalogue that is not there
   bool in_three_sigma = true;
   double worst_sigmas = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "file_output.h"
 #include "simulate/effect_names.h"
@@ -118,6 +119,31 @@ void add_outside(Draw& draw, int n) {
   }
 }
 
+/// The name of its effects: cells of one kind.
+std::string kind_of(const Cell& cell) {
+  std::string kind = cell.parameters.at("group");
+  for (const Json& text : cell.parameters.at("effects")) {
+    const std::string effect = text;
+    kind += " " + effect.substr(0, effect.find('='));
+  }
+  return kind;
+}
+
+/// Every kind early and late: a study that is stopped has seen something of everything.
+std::vector<Cell> spread(const std::vector<Cell>& cells) {
+  std::map<std::string, int> count, seen;
+  for (const Cell& c : cells) ++count[kind_of(c)];
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::string kind = kind_of(cells[i]);
+    order.emplace_back((seen[kind]++ + 0.5) / count[kind], i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<Cell> out;
+  for (const auto& [place, i] : order) out.push_back(cells[i]);
+  return out;
+}
+
 }  // namespace
 
 const std::vector<HiddenSize>& hidden_sizes() {
@@ -174,7 +200,7 @@ std::vector<Cell> hidden_cases(const StudyOptions& options) {
     if (i >= 5) effects.push_back(drawn("time_offset", 1, draw.random()));
     draw.add(G::weak, i % 2 ? "rotation" : "still", "fov", effects);
   }
-  return draw.cells();
+  return spread(draw.cells());
 }
 
 SimulationResult hidden_session(const Json& parameters) {

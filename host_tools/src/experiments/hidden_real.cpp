@@ -35,10 +35,17 @@ const std::vector<RealCase>& real_cases() {
   return all;
 }
 
-/// Middle of the frames: the IMU's log is much longer than the images.
-std::int64_t middle_of_frames_ns(const Recording& recording) {
+constexpr double turning = 0.05;                  // rad/s: above what a device at rest reads
+
+/// Middle of the time in which the device turns and there are images: what changes while it stands shows nowhere.
+std::int64_t middle_of_motion_ns(const Recording& recording) {
   const auto& frames = recording.cameras[0].frames;
-  return frames.front().t_ns + (frames.back().t_ns - frames.front().t_ns) / 2;
+  std::vector<std::int64_t> moving;
+  for (const ImuSample& s : recording.imu.samples) {
+    const bool seen = s.t_ns >= frames.front().t_ns && s.t_ns <= frames.back().t_ns;
+    if (seen && std::hypot(s.gyro[0], s.gyro[1], s.gyro[2]) > turning) moving.push_back(s.t_ns);
+  }
+  return moving.empty() ? frames.front().t_ns : moving[moving.size() / 2];
 }
 
 /// The limit that clips the given share of one axis' samples while there are images.
@@ -61,7 +68,7 @@ double disturb_recording(const std::string& name, Recording& recording, Calibrat
     disturb::shift_camera_stamps(recording, shift);
     return -shift;
   }
-  if (name == "gyro_z_scaled_after_half") disturb::scale(recording, disturb::Sensor::gyro, {1, 1, 1.01}, middle_of_frames_ns(recording));
+  if (name == "gyro_z_scaled_after_half") disturb::scale(recording, disturb::Sensor::gyro, {1, 1, 1.01}, middle_of_motion_ns(recording));
   if (name == "every_50th_dropped") disturb::drop_imu_samples(recording, 50);
   if (name == "g_sensitivity") disturb::add_g_sensitivity(recording, 3e-4 * Eigen::Matrix3d::Identity());
   if (name == "accel_clipped") disturb::clip(recording, 0, clip_limit(recording));

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "../commands.h"
+#include "effect_model.h"
 #include "effect_names.h"
 #include "scenarios.h"
 #include "simulate.h"
@@ -24,6 +25,8 @@ constexpr const char* examples = R"(Examples:
   segcal simulate --out stereo --scenario rich --cameras 2 --distortion radtan --pixel-noise 0.3
   segcal simulate --out late --effect time_offset=0.003 --effect gyro_lag=0.004
       a device that departs from the model: REC/truth/truth.json says by what, `segcal diagnose late --out d` is to find it
+  segcal simulate --out twin --model d/model.yaml
+      the same departure from the model, in another device
   segcal simulate --out mh03 --trajectory groundtruth.csv --imu imu.csv --seconds 100
       landmarks simulated along a recorded motion, with the real IMU samples
 
@@ -35,6 +38,7 @@ struct Command {
   std::filesystem::path out;
   std::string distortion = "fov";
   std::vector<std::string> effects, faults;
+  std::filesystem::path model;
   std::vector<double> temperature;
 };
 
@@ -55,7 +59,7 @@ std::vector<std::string> scenario_names() {
 void check_output(const Command& command) {
   namespace fs = std::filesystem;
   const fs::path out = fs::weakly_canonical(command.out);
-  for (const fs::path& input : {command.options.trajectory_file, command.options.imu_file}) {
+  for (const fs::path& input : {command.options.trajectory_file, command.options.imu_file, command.model}) {
     if (input.empty()) continue;
     const fs::path inside = fs::weakly_canonical(input).lexically_relative(out);
     if (!inside.empty() && *inside.begin() != "..")
@@ -126,6 +130,7 @@ void add_effect_options(CLI::App& app, Command& command) {
                  "NAME=v1,v2,...: an effect that the calibrated model has no parameter for; repeatable. Values of the sizes\n"
                  "that show in a minute of rich motion, and their names and units:\n" + sim::effect_help(sim::EffectKind::catalogue))
       ->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--model", command.model, "model.yaml of a diagnosis or a replay: its effects, with its values, before those of --effect");
   app.add_option("--fault", command.faults,
                  "NAME=v1,...: a fault of wiring, units or clocks; repeatable:\n" + sim::effect_help(sim::EffectKind::fault))
       ->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -136,6 +141,7 @@ void add_effect_options(CLI::App& app, Command& command) {
 }
 
 void take_effects(Command& command) {
+  if (!command.model.empty()) command.options.effects = sim::effects_of_model(command.model);
   for (const auto* list : {&command.effects, &command.faults})
     for (const std::string& text : *list) command.options.effects.push_back(sim::parse_effect(text));
   const std::vector<double>& t = command.temperature;

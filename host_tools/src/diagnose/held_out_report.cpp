@@ -1,0 +1,188 @@
+#include "diagnose/held_out_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+
+#include "diagnose/answer.h"
+#include "diagnose/catalogue.h"
+
+namespace host::diagnosis {
+namespace {
+
+/// Of the held-out excess that the accepted effects must remove together for a name. The best wrong effect removes a part: of
+/// a gyroscope's hysteresis, gyro_lag 83 %. A right one leaves what its own uncertainty leaves, 2 sigmas of which count as none.
+constexpr double kNamesFrom = 0.9;
+/// And of which no more may be left for something else: a right effect leaves what its values are wrong by in a linearisation,
+/// a tenth of them (effect_test.cpp), squared; small hysteresis leaves 4 % beside gyro_lag and gyro_nonlinearity.
+constexpr double kMostRest = 0.02;
+
+/// In proportion to what the squares of each sensor's residuals fell by.
+void share_among_sensors(const ReplayResult& last, Diagnosis* out) {
+  const SensorSquares before = sensor_squares(out->fit_before.kept), after = sensor_squares(last.kept);
+  const double ratio = out->fit_before.model.pixel_sigma / last.model.pixel_sigma;
+  double share[3] = {std::max(0.0, before.camera * ratio * ratio - after.camera), std::max(0.0, before.gyro - after.gyro),
+                     std::max(0.0, before.accel - after.accel)};
+  const double sum = share[0] + share[1] + share[2];
+  for (int i = 0; i < 3; ++i) share[i] = sum > 0 ? share[i] / sum : (i == 0 ? 1 : 0);
+  for (SensorShares* s : {&out->before, &out->after}) {
+    s->camera = s->total * share[0];
+    s->gyro = s->total * share[1];
+    s->accel = s->total * share[2];
+  }
+  out->noise_floor.camera = out->noise_floor.total;
+  out->noise_floor.gyro = out->noise_floor.accel = 1;
+}
+
+enum class Family { lens, timing, gyro, accel, none };
+
+/// What an effect is about. A gyroscope that is late looks like a camera that is early: time_offset counts with both.
+std::set<Family> families_of(const std::string& effect, const CoreTerm& term) {
+  if (effect == "time_offset") return {Family::timing, Family::gyro};
+  if (effect == "rolling_shutter") return {Family::timing};
+  if (effect == "gyro_lag") return {Family::gyro};
+  if (effect == "accel_axis_offset") return {Family::accel};
+  if (effect == "calibration_shift") return {Family::none};
+  return {term.kind < 3 ? Family::gyro : term.kind < 6 ? Family::accel : Family::lens};
+}
+
+/// log10 p, over all tests, of structure that takes a name back: one right name of a hundred is lost. What is left beside the
+/// right effect, as large as 5 ms or 2e-3 rad s/m, was above 0.1; beside gyro_lag in the place of a hysteresis 3e-3.
+constexpr double kStructureLeft = -2;
+
+/// Whose effects would make residuals follow this.
+std::set<Family> families_behind(const Structure& s) {
+  const auto begins = [&s](const char* words) { return s.against.rfind(words, 0) == 0; };
+  if (begins("force")) return {Family::accel};
+  if (begins("image motion") || begins("image row") || begins("rate") || begins("change of rate")) return {Family::gyro, Family::timing};
+  if (begins("image") || begins("distance")) return {Family::lens};
+  return {};
+}
+
+class Report {
+ public:
+  Report(const HeldOut& held_out, Diagnosis* out) : h_(held_out), out_(out) {
+    for (const Accepted& a : h_.selection.accepted) {
+      if (candidate(a).name != "unlisted") continue;
+      for (Family f : families_of("", first_term(a))) nameless_[f] += a.test.statistic;
+    }
+  }
+
+  void add(std::size_t i, bool names, double closed) {
+    const Accepted& a = h_.selection.accepted[i];
+    const bool step = candidate(a).name == "calibration_shift";
+    DiagnosedEffect effect = step ? named(h_.selection.shift, a) : named(candidate(a), a, h_.terms);
+    effect.gap_closed = std::clamp(held_out_gap_of(h_.selection.problem, h_.selection.candidates, h_.selection.accepted, i).closed(), 0.0, 1.0);
+    if (!names) {
+      char why[80];
+      std::snprintf(why, sizeof why, "the excess falls by only %.0f %%, the rest is something else", 100 * std::max(0.0, closed));
+      out_->rejected.push_back({effect.name == "unlisted" ? effect.words : effect.name, why});
+      return;
+    }
+    if (!step) add_to_model(a, effect);
+    if (!step && effect.name != "unlisted") take_back_name(a, &effect);
+    find_pairs(a, &effect);
+    out_->effects.push_back(effect);
+  }
+
+ private:
+  const Candidate& candidate(const Accepted& a) const { return h_.selection.candidates[a.candidate]; }
+  const CoreTerm& first_term(const Accepted& a) const { return h_.terms[candidate(a).columns.first].term; }
+
+  void add_to_model(const Accepted& a, const DiagnosedEffect& effect) {
+    const TermGroup& g = candidate(a).columns;
+    for (int k = 0; k < g.count; ++k) {
+      const TermInfo& t = h_.terms[g.first + k];
+      out_->model.push_back({t.effect, t.bit, t.term, effect.parameters[k]});
+    }
+  }
+
+  /// An effect beside which a term without a name is needed in the same sensor may be the lowest order of something else: the
+  /// radial and tangential parts of a lens that is decentred in a way that neither says. It keeps its name only if it
+  /// explains nine tenths of what both do; it stays in the model in any case.
+  void take_back_name(const Accepted& a, DiagnosedEffect* effect) {
+    for (Family f : families_of(effect->name, first_term(a))) {
+      const auto other = nameless_.find(f);
+      if (other == nameless_.end() || a.test.statistic >= kNamesFrom * (a.test.statistic + other->second)) continue;
+      out_->rejected.push_back({effect->name, "it is needed, but only beside a term without a name in the same sensor"});
+      effect->words = "unlisted effect, of which " + effect->name + " is a part";
+      effect->name = "unlisted";
+      return;
+    }
+  }
+
+  void find_pairs(const Accepted& a, DiagnosedEffect* effect) const {
+    if (effect->name == "unlisted") return;
+    for (const Pair& pair : h_.selection.pairs) {
+      if (pair.accepted != a.candidate) continue;
+      effect->or_else.push_back(h_.selection.candidates[pair.other].name);
+      effect->separates = separates(effect->name, effect->or_else.back());
+    }
+  }
+
+  const HeldOut& h_;
+  Diagnosis* out_;
+  std::map<Family, double> nameless_;  ///< statistics of terms without a name
+};
+
+}  // namespace
+
+void report_gap(const HeldOut& held_out, const ReplayResult& last, Diagnosis* out) {
+  const Selection& s = held_out.selection;
+  const Gap gap = held_out_gap(s.problem, s.candidates, s.accepted, held_out.floor, s.leftover);
+  const double unit = gap.dof > 0 ? 1 / (gap.dof * gap.floor) : 0;
+  const bool names = gap.before > 0 && gap.closed() >= kNamesFrom && gap.rest <= kMostRest * gap.before;
+  out->before.total = gap.before * unit;
+  out->after.total = (names ? gap.after : gap.before) * unit;
+  out->after_sigma = gap.after_sigma * unit;
+  out->noise_floor.total = gap.floor;
+  Report report(held_out, out);
+  for (std::size_t i = 0; i < s.accepted.size(); ++i) report.add(i, names, gap.closed());
+  share_among_sensors(last, out);
+  out->gap_closed = out->before.total > 0 ? std::clamp(1 - out->after.total / out->before.total, 0.0, 1.0) : 0;
+}
+
+void refuse_where_structure_is_left(const std::vector<Structure>& left, Diagnosis* out) {
+  double sum = 0;  // the gap is shared in proportion to what each effect takes off chi2 beside the others
+  for (const DiagnosedEffect& e : out->effects) sum += e.statistic;
+  for (const Structure& s : left) {
+    if (s.log10_p >= kStructureLeft) continue;
+    const std::set<Family> behind = families_behind(s);
+    const auto refused = [&behind, out](const DiagnosedEffect& e) {
+      const auto term = std::find_if(out->model.begin(), out->model.end(), [&e](const ModelTerm& t) { return t.effect == e.name; });
+      if (term == out->model.end()) return false;
+      for (Family f : families_of(e.name, term->term)) {
+        if (behind.count(f) > 0) return true;
+      }
+      return false;
+    };
+    for (std::size_t i = out->effects.size(); i-- > 0;) {
+      const DiagnosedEffect e = out->effects[i];
+      if (!refused(e)) continue;
+      out->rejected.push_back({e.name, "with it " + s.sensor + " " + s.axis + " still follows " + s.against});
+      out->after.total = std::min(out->before.total, out->after.total + e.statistic / sum * out->before.total);
+      out->effects.erase(out->effects.begin() + static_cast<std::ptrdiff_t>(i));
+      out->model.erase(std::remove_if(out->model.begin(), out->model.end(), [&e](const ModelTerm& t) { return t.effect == e.name; }),
+                       out->model.end());
+    }
+  }
+  if (out->effects.empty()) out->after.total = out->before.total;
+  out->gap_closed = out->before.total > 0 ? std::clamp(1 - out->after.total / out->before.total, 0.0, 1.0) : 0;
+}
+
+void add_noise_gap(const std::vector<DiagnosedEffect>& noise, Diagnosis* out) {
+  for (DiagnosedEffect e : noise) {
+    e.gap_closed = 1;
+    for (const DiagnosedParameter& p : e.parameters) {
+      const double excess = std::abs(p.value * p.value - 1);
+      (p.name[0] == 'p' ? out->before.camera : p.name[0] == 'g' ? out->before.gyro : out->before.accel) += excess;
+      out->before.total += excess;
+    }
+    out->effects.push_back(e);
+  }
+  out->gap_closed = out->before.total > 0 ? std::clamp(1 - out->after.total / out->before.total, 0.0, 1.0) : 0;
+}
+
+}  // namespace host::diagnosis

@@ -1,0 +1,65 @@
+// Which accepted effects keep their names when the residuals of the last fit are looked at.
+#include "../support/cases.h"
+#include "diagnose/held_out_report.h"
+
+extern "C" void setUp() {}
+extern "C" void tearDown() {}
+
+namespace {
+
+using host::Diagnosis;
+using host::diagnosis::refuse_where_structure_is_left;
+using host::diagnosis::Structure;
+
+/// Two effects that have closed a gap of 1 together, the gyroscope's lag four fifths of it.
+Diagnosis explained() {
+  Diagnosis d;
+  for (const auto& [name, kind, statistic] : {std::tuple{"gyro_lag", 11, 400.0}, std::tuple{"radial_residual", 9, 100.0}}) {
+    host::DiagnosedEffect e;
+    e.name = name;
+    e.statistic = statistic;
+    e.gap_closed = 1;
+    d.effects.push_back(e);
+    d.model.push_back({name, 0, {kind, 0, 0, 0}, {}});
+  }
+  d.before.total = 1;
+  d.gap_closed = 1;
+  return d;
+}
+
+Structure structure(const char* against, double log10_p) { return {"camera", "u", against, "", 0.03, log10_p, {}, {}, {}}; }
+
+void test_no_structure_takes_nothing() {
+  Diagnosis d = explained();
+  refuse_where_structure_is_left({structure("rate x", -1.9), structure("time", -9)}, &d);
+  TEST_ASSERT_EQUAL_INT(2, static_cast<int>(d.effects.size()));
+  TEST_ASSERT_EQUAL_DOUBLE(1, d.gap_closed);
+}
+
+/// What follows a turn takes the gyroscope's effect and leaves the lens'.
+void test_structure_takes_the_effect_of_its_cause() {
+  Diagnosis d = explained();
+  refuse_where_structure_is_left({structure("rate x", -2.5)}, &d);
+  TEST_ASSERT_EQUAL_INT(1, static_cast<int>(d.effects.size()));
+  TEST_ASSERT_EQUAL_STRING("radial_residual", d.effects[0].name.c_str());
+  TEST_ASSERT_EQUAL_INT(1, static_cast<int>(d.model.size()));
+  TEST_ASSERT_EQUAL_STRING("gyro_lag", d.rejected[0].name.c_str());
+  TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.2, d.gap_closed);
+}
+
+void test_structure_of_everything_leaves_the_gap_open() {
+  Diagnosis d = explained();
+  refuse_where_structure_is_left({structure("image motion x", -4), structure("image x", -4)}, &d);
+  TEST_ASSERT_TRUE(d.effects.empty() && d.model.empty());
+  TEST_ASSERT_EQUAL_DOUBLE(0, d.gap_closed);
+}
+
+}  // namespace
+
+int main() {
+  UNITY_BEGIN();
+  RUN_TEST(test_no_structure_takes_nothing);
+  RUN_TEST(test_structure_takes_the_effect_of_its_cause);
+  RUN_TEST(test_structure_of_everything_leaves_the_gap_open);
+  return UNITY_END();
+}
