@@ -100,7 +100,7 @@ class SegmentEliminator {
   void damp_pose(int k, S damping);
   bool run_chain_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                       const MeasurementModel<S>& model, S damping);
-  void link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta, const MeasurementModel<S>& model);
+  void link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model);
   void link_keyframes(const Segment<S>& segment, int k, const MeasurementModel<S>& model);
   void start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model);
   void move_landmark(Segment<S>* segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping, const S* step);
@@ -250,8 +250,12 @@ template <class S>
 bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                                           const MeasurementModel<S>& model, S damping) {
   SEGCAL_SLICES(inner_place_) {
+    if (guest.join == Join::imu) {
+      SEGCAL_AWAIT(inner_place_, link_.step(segment, 0, theta, guest.state.b_a, guest.state.b_g, model.imu, &imu_terms_));
+      SEGCAL_PAUSE(inner_place_);
+    }
     if (guest.join != Join::none) {
-      link_guest(segment, guest, theta, model);
+      link_guest(segment, guest, model);
       SEGCAL_AWAIT(inner_place_, chain_.hand_over_step(&reduced_));
     }
     start_chain(segment, guest, model);
@@ -275,22 +279,21 @@ bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const Guest
 template <class S>
 void SegmentEliminator<S>::link_keyframes(const Segment<S>& segment, int k, const MeasurementModel<S>& model) {
   const State<S>* x = segment.states.x;
-  const ImuIntegral<S> I = link_.result();
-  ImuRows<S> rows;
+  const ImuIntegral<S>& I = link_.result();
+  ImuRows<S>& rows = chain_.lend_rows();
   link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model.g, &rows);
   link_term_columns(rows, &imu_terms_);
   whiten(I, model.imu, &rows, &imu_terms_);
   chain_.add_link(rows, imu_terms_, &reduced_);
 }
 
-/// The link or the walk from the guest to the first keyframe.
+/// The link, integrated already, or the walk from the guest to the first keyframe.
 template <class S>
-void SegmentEliminator<S>::link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                                      const MeasurementModel<S>& model) {
+void SegmentEliminator<S>::link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model) {
   const State<S>& x = segment.states.x[0];
   if (guest.join == Join::imu) {
-    const ImuIntegral<S> I = segment.integrate(0, theta, guest.state.b_a, guest.state.b_g, model.imu, &imu_terms_);
-    ImuRows<S> rows;
+    const ImuIntegral<S>& I = link_.result();
+    ImuRows<S>& rows = chain_.lend_rows();
     link_rows(I, guest.state, x, guest.state, x, model.g, &rows);
     link_term_columns(rows, &imu_terms_);
     if (whiten(I, model.imu, &rows, &imu_terms_)) chain_.add_guest_link(rows, imu_terms_, &reduced_);

@@ -110,14 +110,14 @@ class LinkIntegration {
   bool step(const Segment<S>& s, int k, const Calibration<S>& theta, const Vec3<S>& b_a, const Vec3<S>& b_g,
             const ImuNoise<S>& noise, ImuTermColumns<S>* columns = nullptr) {
     SEGCAL_SLICES(place_) {
-      integrator_ = ImuIntegrator<S>(theta.imu, b_a, b_g, noise, &theta.effects, columns);
+      integrator_.begin(theta.imu, b_a, b_g, noise, &theta.effects, columns);
       samples_.restart();
       SEGCAL_AWAIT(place_, samples_.step(s.imu, s.link_start(k), s.t_us[k], S(1e-6), &integrator_,
                                          integrator_.wants_surroundings() ? s.stretch(k, theta) : Stretch<S>{}));
     }
     SEGCAL_SLICES_END(place_);
   }
-  ImuIntegral<S> result() { return integrator_.result(); }
+  const ImuIntegral<S>& result() { return integrator_.result(); }
   void restart() { place_ = 0; }
 
  private:

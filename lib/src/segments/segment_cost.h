@@ -56,14 +56,13 @@ int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model,
   return marked;
 }
 
-/// Cost of what ties the first keyframe down.
+/// Cost of what ties the first keyframe down. `link`: integrated from the guest, for Join::imu.
 template <class S>
-S start_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta, const MeasurementModel<S>& model) {
+S start_cost(const Segment<S>& segment, const GuestLink<S>& guest, LinkIntegration<S>* link, const MeasurementModel<S>& model) {
   const State<S>* x = segment.states.x;
   S total = (x[0].v_GI / model.velocity_sigma).squaredNorm();
   if (guest.join == Join::imu) {
-    const ImuIntegral<S> I = segment.integrate(0, theta, guest.state.b_a, guest.state.b_g, model.imu);
-    total += link_cost(I, guest.state, x[0], model);
+    total += link_cost(link->result(), guest.state, x[0], model);
   } else if (guest.join == Join::bias) {
     total += (x[0].b_a - guest.state.b_a).squaredNorm() / (model.imu.accel_walk * model.imu.accel_walk * guest.gap_s);
     total += (x[0].b_g - guest.state.b_g).squaredNorm() / (model.imu.gyro_walk * model.imu.gyro_walk * guest.gap_s);
@@ -81,9 +80,12 @@ class CostSteps {
   bool inertial_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                      const MeasurementModel<S>& model) {
     SEGCAL_SLICES(place_) {
-      inertial_ = start_cost(segment, guest, theta, model);
-      SEGCAL_PAUSE(place_);
       link_.restart();
+      if (guest.join == Join::imu) {
+        SEGCAL_AWAIT(place_, link_.step(segment, 0, theta, guest.state.b_a, guest.state.b_g, model.imu));
+      }
+      inertial_ = start_cost(segment, guest, &link_, model);
+      SEGCAL_PAUSE(place_);
       for (k_ = 0; k_ + 1 < segment.n_keyframes; ++k_) {
         SEGCAL_AWAIT(place_, link_.step(segment, k_ + 1, theta, segment.states.x[k_].b_a, segment.states.x[k_].b_g, model.imu));
         inertial_ += link_cost(link_.result(), segment.states.x[k_], segment.states.x[k_ + 1], model);

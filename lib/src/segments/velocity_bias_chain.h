@@ -9,6 +9,8 @@
 // which costs an integration of the samples and saves the memory that the full rows would take.
 #pragma once
 
+#include <new>
+
 #include "math/resumable.h"
 #include "segments/reduced_system.h"
 
@@ -33,6 +35,11 @@ class VelocityBiasChain {
     handed_ = hand_until_ = 0;
     place_ = 0;
     for (S& v : now_) v = S(0);
+  }
+  /// Memory for the rows of the next link, until they are added: what is handed over stands there only later.
+  ImuRows<S>& lend_rows() {
+    static_assert(sizeof(ImuRows<S>) <= sizeof(spread_), "the rows of a link are too many to lend memory for");
+    return *new (spread_) ImuRows<S>;
   }
   /// Links folded so far.
   int links() const { return links_; }
@@ -212,7 +219,7 @@ class VelocityBiasChain {
   Place place_ = 0;
   S now_[kVelocityBiasColumns * kWidth];
   S block_[kBlockSize];
-  S spread_[kPoseColumns * kReducedColumns];
+  alignas(ImuRows<S>) S spread_[kPoseColumns * kReducedColumns];
   S kept_[kMaxKeyframes * kVelocityBiasColumns * kSolved];
 };
 
