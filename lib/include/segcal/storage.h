@@ -13,6 +13,7 @@
 #define SEGCAL_WIDE_COLUMNS (SEGCAL_SENSOR_COLUMNS + SEGCAL_MAX_EFFECT_COLUMNS)
 #define SEGCAL_TIE_COLUMNS (3u * SEGCAL_MAX_TIES)
 #define SEGCAL_PACKED(n) ((n) * ((n) + 1u) / 2u)
+#define SEGCAL_LARGER(a, b) ((a) > (b) ? (a) : (b))
 
 /* One slot of the database: raw IMU samples, image points, states and landmarks, R_theta. */
 #define SEGCAL_SEGMENT_BYTES                                                                                           \
@@ -27,26 +28,33 @@
   (SEGCAL_REAL_BYTES * SEGCAL_FILTER_COLUMNS * SEGCAL_FILTER_COLUMNS * 5u / 3u +                                             \
    SEGCAL_MAX_CAMERAS * SEGCAL_MAX_TRACKS * ((SEGCAL_MAX_CLONES + 1u) * 2u * SEGCAL_REAL_BYTES + 16u) + 1024u)
 
-/* Elimination of one segment: the reduced triangle, one landmark's rows, the chain of velocities and biases. */
+/* Elimination of one segment: the reduced triangle; after each other in the same memory one landmark's rows, the chain of
+   velocities and biases, and the work of an analysis. */
 #define SEGCAL_REDUCED_COLUMNS (6u * (SEGCAL_MAX_KEYFRAMES - 1u) + 30u + SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
+#define SEGCAL_LANDMARK_NUMBERS ((2u * SEGCAL_MAX_KEYFRAMES * SEGCAL_MAX_CAMERAS + 4u) * (SEGCAL_REDUCED_COLUMNS + 3u) + 10u)
+#define SEGCAL_CHAIN_COLUMNS (49u + SEGCAL_MAX_EFFECT_COLUMNS + 6u * SEGCAL_MAX_KEYFRAMES)
+#define SEGCAL_CHAIN_NUMBERS                                                                                           \
+  (9u * SEGCAL_CHAIN_COLUMNS + SEGCAL_LARGER(15u * SEGCAL_CHAIN_COLUMNS, 9u * SEGCAL_REDUCED_COLUMNS) +                  \
+   6u * SEGCAL_REDUCED_COLUMNS + 16u)
 #define SEGCAL_ELIMINATION_BYTES                                                                                       \
   (SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_REDUCED_COLUMNS) +                                                         \
-                        (2u * SEGCAL_MAX_KEYFRAMES * SEGCAL_MAX_CAMERAS + 4u) * (SEGCAL_REDUCED_COLUMNS + 3u) +         \
-                        25u * (49u + SEGCAL_MAX_EFFECT_COLUMNS + 6u * SEGCAL_MAX_KEYFRAMES) + 31u * (SEGCAL_MAX_EFFECT_COLUMNS + 1u) + 12u * SEGCAL_REDUCED_COLUMNS +                         \
-                        171u * SEGCAL_MAX_KEYFRAMES) + 256u)
+                        SEGCAL_LARGER(SEGCAL_LARGER(SEGCAL_LANDMARK_NUMBERS, SEGCAL_CHAIN_NUMBERS),                     \
+                                      SEGCAL_THETA_COLUMNS * SEGCAL_THETA_COLUMNS) +                                    \
+                        31u * (SEGCAL_MAX_EFFECT_COLUMNS + 1u) + 2u * SEGCAL_REDUCED_COLUMNS + 470u) + 512u)
 
-/* Calibration: saved states and one row block per segment, the chain between segments, the triangle of ties and theta,
-   directions, and who shares what with whom. */
+/* Calibration: per segment one row block and later, in the same memory, saved states; the chain between segments or the cost
+   of one; the triangle of ties and theta, directions, and who shares what with whom. */
 #define SEGCAL_LINK_COLUMNS (30u + SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
 #define SEGCAL_LEFT_COLUMNS (15u + SEGCAL_THETA_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
 #define SEGCAL_PARTITION_BYTES                                                                                         \
   ((SEGCAL_MAX_TIES + 1u) * (8u + 2u * SEGCAL_MAX_SEGMENTS) + SEGCAL_MAX_SEGMENTS * (SEGCAL_MAX_SEGMENTS + 1u))
 #define SEGCAL_CALIBRATION_BYTES                                                                                       \
-  (SEGCAL_MAX_SEGMENTS * SEGCAL_REAL_BYTES * (21u * SEGCAL_MAX_KEYFRAMES + 7u * SEGCAL_MAX_LANDMARKS + 12u) +           \
-   (SEGCAL_MAX_SEGMENTS - 1u) * SEGCAL_REAL_BYTES * (15u * SEGCAL_LEFT_COLUMNS - 105u) +                        \
-   SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_LINK_COLUMNS) + 2u * SEGCAL_LINK_COLUMNS +                                 \
-                        SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u) + 16u * SEGCAL_MAX_KEYFRAMES +     \
-                        4u * SEGCAL_THETA_COLUMNS * (SEGCAL_THETA_COLUMNS + 1u)) + SEGCAL_PARTITION_BYTES + 2048u)
+  (SEGCAL_MAX_SEGMENTS * SEGCAL_REAL_BYTES *                                                                            \
+       (SEGCAL_LARGER(21u * SEGCAL_MAX_KEYFRAMES + 7u * SEGCAL_MAX_LANDMARKS, 15u * SEGCAL_LEFT_COLUMNS - 105u) + 12u) + \
+   SEGCAL_REAL_BYTES * (SEGCAL_LARGER(SEGCAL_PACKED(SEGCAL_LINK_COLUMNS) + SEGCAL_LINK_COLUMNS + 4u, 480u) +            \
+                        SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u) + SEGCAL_LINK_COLUMNS +            \
+                        16u * SEGCAL_MAX_KEYFRAMES + 2u * SEGCAL_THETA_COLUMNS * (SEGCAL_THETA_COLUMNS + 3u)) +         \
+   SEGCAL_PARTITION_BYTES + 2048u)
 
 /* Samples and points on their way in. */
 #define SEGCAL_INPUT_BYTES                                                                                             \

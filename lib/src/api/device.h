@@ -187,7 +187,6 @@ class Device {
   Calibration<S> start_theta_; ///< of the calibration under way
   Place score_place_, calibrate_place_, inner_place_;
   LargestEigenvalue<S> largest_;
-  CostSteps<S> cost_;
   Agreement<S> agreement_;
   Segment<S>* taking_part_[kMaxSegments];
   std::int32_t n_taking_part_, i_, round_;

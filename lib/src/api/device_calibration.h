@@ -27,10 +27,9 @@ int Device<S>::background(int slices) {
 
 template <class S>
 void Device<S>::read_filter(Release<S>* out, InformationAnalysis<S>* analysis) {
-  finish_score();  // analysis_ is lent below
   if (!vio_.knows_sensors()) return release_prior(prior_, out);
   const Calibration<S>& theta = vio_.calibration();
-  PackedTriangle<S> R(analysis_.W, theta.columns() + 1);  // free between two scores
+  PackedTriangle<S> R(vio_.scratch(), theta.columns() + 1);
   vio_.calibration_information(&R);
   for (int i = theta.effect_column(); i < theta.columns(); ++i) R.row(i)[i] = S(1) / prior_.sigma[i];
   if (analysis) analyse_with_prior(R, prior_.sigma, analysis);
@@ -61,7 +60,6 @@ void Device<S>::begin_calibration(const Calibration<S>& theta) {
   calibrator_.begin(taking_part_, n_taking_part_, prior_, theta, options_.model);
   calibrator_.accept_all();
   eliminator_.restart();
-  cost_.restart();
   calibrate_place_ = inner_place_ = 0;
   calibrating_ = true;
 }
@@ -177,10 +175,11 @@ void Device<S>::begin_agreement() {
 template <class S>
 bool Device<S>::drop_misfits_step() {
   SEGCAL_SLICES(inner_place_) {
+    calibrator_.lend_cost_steps();
     for (i_ = 0; i_ < Database<S>::kSlots; ++i_) {
       if (!database_.kept(i_)) continue;
-      SEGCAL_AWAIT(inner_place_, cost_.step(database_.slot(i_), GuestLink<S>{}, calibrator_.theta(), options_.model));
-      if (cost_.total() <= ReleaseRules<S>{}.most_chi2_per_dof * S(database_.slot(i_).information.dof)) continue;
+      SEGCAL_AWAIT(inner_place_, calibrator_.cost_steps().step(database_.slot(i_), GuestLink<S>{}, calibrator_.theta(), options_.model));
+      if (calibrator_.cost_steps().total() <= ReleaseRules<S>{}.most_chi2_per_dof * S(database_.slot(i_).information.dof)) continue;
       database_.drop(i_);
       ++faults_.segments_unsettled;
     }

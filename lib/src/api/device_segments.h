@@ -86,7 +86,7 @@ void Device<S>::begin_score() {
   score_theta_ = working_theta();
   spare_ = calibrator_.lend_segment();
   eliminator_.restart();
-  cost_.restart();
+  calibrator_.lend_cost_steps();
   largest_.restart();
 }
 
@@ -103,7 +103,7 @@ bool Device<S>::score_step() {
     segment.metrics = metrics_but_E(&analysis_, prior_.sigma, options_.sigma_ref);
     SEGCAL_AWAIT(score_place_, largest_.step(analysis_.W, analysis_.n));
     segment.metrics.E = largest_.value();
-    SEGCAL_AWAIT(score_place_, cost_.inertial_step(segment, GuestLink<S>{}, score_theta_, options_.model));
+    SEGCAL_AWAIT(score_place_, calibrator_.cost_steps().inertial_step(segment, GuestLink<S>{}, score_theta_, options_.model));
     offer();
   }
   SEGCAL_SLICES_END(score_place_);
@@ -114,7 +114,7 @@ template <class S>
 void Device<S>::offer() {
   const Segment<S>& segment = database_.building();
   last_ = summary_of(segment);
-  const bool settled = follows_its_imu(segment, cost_.inertial(), score_theta_.effects.count() > 0 || monitor_.active());
+  const bool settled = follows_its_imu(segment, calibrator_.cost_steps().inertial(), score_theta_.effects.count() > 0 || monitor_.active());
   if (!settled) ++faults_.segments_unsettled;
   if (settled) monitor_.add(&eliminator_, score_theta_);
   JointInformation<S> joint = joint_information();

@@ -16,6 +16,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   faults_ = FaultCounts{};
   release_ = Release<S>{};
   joint_.n = analysis_.n = 0;
+  joint_.W = analysis_.W = eliminator_.lend();
   frame_period_ = 0;
   session_ = serial_ = frame_ = 0;
   trajectory_ = Hash{};

@@ -57,6 +57,10 @@ class Calibrator {
   /// The same in slices (math/resumable.h). Between two of them the eliminator is not the caller's.
   bool run_step(const CalibratorOptions& options, SegmentEliminator<S>* eliminator);
 
+  /// For costs of single segments, while no run is under way.
+  void lend_cost_steps() { new (&work_.cost) CostSteps<S>; }
+  CostSteps<S>& cost_steps() { return work_.cost; }
+
   const Calibration<S>& theta() const { return theta_; }
   const CalibrationFit<S>& fit() const { return fit_; }
   /// Triangle over [theta | rhs] at the last linearisation, prior included: Sigma_theta = (R'R)^-1.
@@ -134,7 +138,7 @@ class Calibrator {
     const S rho = theta_triangle()(theta_.columns(), theta_.columns());
     fit_.chi2 = rho * rho;
   }
-  void save();
+  void save_states(int i) { new (&memory_.kept[i].states) SegmentStates<S>(segment_[i]->states); }
   void restore();
   bool turned_back(const S* theta_step);
   bool iterate_step(SegmentEliminator<S>* eliminator, const CalibratorOptions& options);
@@ -147,13 +151,18 @@ class Calibrator {
   Calibration<S> theta_, saved_theta_;
   MeasurementModel<S> model_;
   CalibrationFit<S> fit_;
-  Chain<S> chain_;
   Partitions<S> partitions_;
   std::int32_t partition_count_ = 0;
+  /// Of one segment, while a fit is under way: what came from the left until its guest's step is known, then the states that
+  /// its own step moves.
+  union Kept {
+    Kept() {}
+    LeftRows<S> left;
+    SegmentStates<S> states;
+  };
   /// What is only there while a fit is under way.
   struct Memory {
-    LeftRows<S> left[kMaxSegments > 1 ? kMaxSegments - 1 : 1];  ///< the first segment has nobody on its left
-    SegmentStates<S> saved[kMaxSegments];
+    Kept kept[kMaxSegments];
   };
   alignas(Segment<S>) Memory memory_;
   S last_step_[kMaxTheta];
@@ -167,7 +176,13 @@ class Calibrator {
   bool settled_ = false;
   S theta_step_[kMaxTheta], guest_step_[kStateColumns], last_keyframe_step_[kStateColumns];
   const S* global_step_ = nullptr;  ///< ties and theta, in global_
-  CostSteps<S> cost_steps_;
+  /// One after the other: the chain makes a step, then its cost is told.
+  union Work {
+    Work() {}
+    Chain<S> chain;
+    CostSteps<S> cost;
+  };
+  Work work_;
 };
 
 template <class S>
@@ -221,10 +236,10 @@ bool Calibrator<S>::total_cost_step() {
   SEGCAL_SLICES(inner_place_) {
     total_ = prior_cost(prior_, theta_);
     for (int t = 0; t < partitions_.ties().count(); ++t) total_ += inverse_depth_cost(tie(t), model_.inverse_depth_sigma);
-    cost_steps_.restart();
+    lend_cost_steps();
     for (i_ = 0; i_ < count_; ++i_) {
-      SEGCAL_AWAIT(inner_place_, cost_steps_.step(*segment_[i_], guest(i_), theta_, model_));
-      total_ += cost_steps_.total();
+      SEGCAL_AWAIT(inner_place_, work_.cost.step(*segment_[i_], guest(i_), theta_, model_));
+      total_ += work_.cost.total();
     }
   }
   SEGCAL_SLICES_END(inner_place_);
@@ -253,8 +268,8 @@ bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, 
     for (i_ = 0; i_ < count_; ++i_) {
       segment_[i_]->turned_only = !translation_shows(*segment_[i_], theta_, model_);
       SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping, candidates));
-      SEGCAL_AWAIT(inner_place_, chain_.add_step(eliminator, link_[i_].join != Join::none, link_[i_].passes_on,
-                                                 i_ > 0 && !candidates ? &memory_.left[i_ - 1] : nullptr, &G));
+      SEGCAL_AWAIT(inner_place_, work_.chain.add_step(eliminator, link_[i_].join != Join::none, link_[i_].passes_on,
+                                                 candidates ? nullptr : &memory_.kept[i_].left, &G));
       fit_.image_points += eliminator->counts().image_points;
       fit_.dof += S(eliminator->counts().residuals - eliminator->counts().unknowns) + eliminator->prior_share();
     }
@@ -270,7 +285,7 @@ PackedTriangle<S> Calibrator<S>::begin_linearisation(S damping, const CandidateT
   global_.triangle().clear();
   if (with_prior) global_.clear_to_prior(prior_, theta_);
   for (int t = 0; t < ties; ++t) global_.add_tie(t, tie(t), model_, damping);
-  chain_.begin(global_.columns());
+  (new (&work_.chain) Chain<S>)->begin(global_.columns());
   fit_.image_points = 0;
   fit_.dof = count_ > 0 ? -S(theta_.columns()) : S(0);
   for (int t = 0; t < ties; ++t) fit_.dof -= S(kLandmarkColumns) - tie_prior_share(t);
@@ -283,7 +298,8 @@ S Calibrator<S>::rows_of(const bool* use, const CandidateTerms& candidates, Segm
   bool turned_only[kMaxSegments];
   const int count = count_;
   const CalibrationFit<S> fit = fit_;
-  save();   // ties of other partitions give landmarks other values
+  saved_theta_ = theta_;
+  for (int i = 0; i < count; ++i) save_states(i);  // ties of other partitions give landmarks other values
   count_ = 0;
   for (int i = 0; i < count; ++i) {
     all[i] = segment_[i];
@@ -318,12 +334,13 @@ bool Calibrator<S>::step_back_step(SegmentEliminator<S>* eliminator, S damping) 
         SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping));
       }
       if (link_[i_].join != Join::none) {
-        SEGCAL_AWAIT(inner_place_, chain_.solve_guest_step(eliminator, link_[i_].passes_on, memory_.left[i_ - 1], last_keyframe_step_,
+        SEGCAL_AWAIT(inner_place_, work_.chain.solve_guest_step(eliminator, link_[i_].passes_on, memory_.kept[i_].left, last_keyframe_step_,
                                                            global_step_, guest_step_));
       }
       gather_step(*eliminator, i_);
       SEGCAL_AWAIT(inner_place_, eliminator->back_substitute_step(*segment_[i_], guest(i_), theta_, model_, damping, step_,
                                                                   link_[i_].passes_on ? eliminator->last_column() : eliminator->guest_column()));
+      save_states(i_);
       SEGCAL_AWAIT(inner_place_, eliminator->move_step(segment_[i_], theta_, model_, damping, step_));
     }
   }
@@ -362,15 +379,9 @@ bool Calibrator<S>::refine_landmarks_step() {
 }
 
 template <class S>
-void Calibrator<S>::save() {
-  saved_theta_ = theta_;
-  for (int i = 0; i < count_; ++i) memory_.saved[i] = segment_[i]->states;
-}
-
-template <class S>
 void Calibrator<S>::restore() {
   theta_ = saved_theta_;
-  for (int i = 0; i < count_; ++i) segment_[i]->states = memory_.saved[i];
+  for (int i = 0; i < count_; ++i) segment_[i]->states = memory_.kept[i].states;
 }
 
 /// True if this step goes against the last one (by more than 120 deg): undamped steps swing about the minimum along weak
@@ -408,7 +419,7 @@ bool Calibrator<S>::iterate_step(SegmentEliminator<S>* eliminator, const Calibra
   SEGCAL_SLICES(iterate_place_) {
     SEGCAL_AWAIT(iterate_place_, linearise_step(eliminator, damping_));
     solve_theta();
-    save();
+    saved_theta_ = theta_;
     SEGCAL_AWAIT(iterate_place_, step_back_step(eliminator, damping_));
     add_step(&theta_, theta_step_);
     SEGCAL_AWAIT(iterate_place_, refine_landmarks_step());

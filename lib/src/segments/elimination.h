@@ -6,6 +6,8 @@
 // neighbours; its rows from theta on are the SegmentInformation.
 #pragma once
 
+#include <new>
+
 #include "math/resumable.h"
 #include "segments/landmark_elimination.h"
 #include "segments/velocity_bias_chain.h"
@@ -61,6 +63,9 @@ class SegmentEliminator {
   const EliminationCounts& counts() const { return counts_; }
   S prior_share() const { return prior_share_; }
 
+  /// Memory for theta's n x n numbers, between eliminations: what reduced() holds stays.
+  S* lend() { return work_.lent; }
+
   /// Copies the rows of theta; for a segment without ties. Candidates are held at zero.
   void extract(SegmentInformation<S>* out);
   /// Row i of [theta | candidates | rhs] for a segment without ties, 0 <= i <= wide_theta(): all that it says about them.
@@ -109,8 +114,14 @@ class SegmentEliminator {
 
   EliminationCounts counts_;
   S prior_share_ = S(0);
-  LandmarkBlock<S> landmark_;
-  VelocityBiasChain<S> chain_;
+  /// One after the other: landmarks, then the chain; between eliminations what others need for a while.
+  union Work {
+    Work() {}
+    LandmarkBlock<S> landmark;
+    VelocityBiasChain<S> chain;
+    S lent[kMaxTheta * kMaxTheta];
+  };
+  Work work_;
   ReducedSystem<S> reduced_;
   ImuTermColumns<S> imu_terms_;
   Term camera_term_[kMaxEffectColumns + 1];
@@ -137,6 +148,7 @@ bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const Guest
                                           const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates) {
   SEGCAL_SLICES(place_) {
     lay_out(segment, guest, theta, candidates);
+    new (&work_.landmark) LandmarkBlock<S>;
     counts_ = EliminationCounts{};
     prior_share_ = S(0);
     SEGCAL_AWAIT(place_, fold_landmarks_step(segment, theta, model, damping));
@@ -146,14 +158,14 @@ bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const Guest
       damp_pose(k_, damping);
       SEGCAL_PAUSE(place_);
     }
-    chain_.begin(nullptr, layout());
+    (new (&work_.chain) VelocityBiasChain<S>)->begin(nullptr, layout(), nullptr);
     SEGCAL_AWAIT(place_, run_chain_step(segment, guest, theta, model, damping));
-    chain_.finish(&reduced_);
+    work_.chain.finish(&reduced_);
     SEGCAL_AWAIT(place_, reduced_.fold_step());
     // Gauge, bias prior and damping are no residuals; the bias walk over a gap is.
     counts_.unknowns -= (guest.holds_gauge() ? 4 : 0) + (guest.join == Join::none ? 6 : 0);
     counts_.residuals += guest.join == Join::bias ? 6 : 0;
-    counts_.residuals += 2 * counts_.image_points + 15 * chain_.links();
+    counts_.residuals += 2 * counts_.image_points + 15 * work_.chain.links();
     counts_.unknowns += 3 * counts_.landmarks + kStateColumns * layout().keyframes;
   }
   SEGCAL_SLICES_END(place_);
@@ -195,10 +207,10 @@ bool SegmentEliminator<S>::fold_landmarks_step(const Segment<S>& segment, const 
     for (k_ = 0; k_ < segment.n_keyframes; ++k_) {
       for (j_ = 0; j_ < segment.n_landmarks; ++j_) {
         if (segment.last_keyframe(j_) != k_ || layout().tied.place_of(j_) >= 0) continue;
-        fit_ = landmark_.build(segment, j_, theta, model, layout(), camera_term_, landmark_damping);
+        fit_ = work_.landmark.build(segment, j_, theta, model, layout(), camera_term_, landmark_damping);
         if (fit_.used < 2) continue;
-        landmark_.eliminate(&fit_);
-        reduced_.begin_visual(landmark_.rest(), fit_.rows - kLandmarkColumns, landmark_.stride(), fit_.first_keyframe,
+        work_.landmark.eliminate(&fit_);
+        reduced_.begin_visual(work_.landmark.rest(), fit_.rows - kLandmarkColumns, work_.landmark.stride(), fit_.first_keyframe,
                               fit_.last_keyframe, false);
         SEGCAL_PAUSE(inner_place_);
         SEGCAL_AWAIT(inner_place_, reduced_.fold_step());
@@ -218,9 +230,9 @@ bool SegmentEliminator<S>::fold_ties_step(const Segment<S>& segment, const Calib
                                           const MeasurementModel<S>& model) {
   SEGCAL_SLICES(inner_place_) {
     for (j_ = 0; j_ < layout().tied.n; ++j_) {
-      fit_ = landmark_.build_tied(segment, j_, theta, model, layout(), camera_term_);
+      fit_ = work_.landmark.build_tied(segment, j_, theta, model, layout(), camera_term_);
       if (fit_.used == 0) continue;
-      reduced_.begin_visual(landmark_.tied_rows(), fit_.rows, landmark_.stride(), fit_.first_keyframe, fit_.last_keyframe, true);
+      reduced_.begin_visual(work_.landmark.tied_rows(), fit_.rows, work_.landmark.stride(), fit_.first_keyframe, fit_.last_keyframe, true);
       SEGCAL_AWAIT(inner_place_, reduced_.fold_step());
       counts_.image_points += fit_.used;
     }
@@ -256,13 +268,13 @@ bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const Guest
     }
     if (guest.join != Join::none) {
       link_guest(segment, guest, model);
-      SEGCAL_AWAIT(inner_place_, chain_.hand_over_step(&reduced_));
+      SEGCAL_AWAIT(inner_place_, work_.chain.hand_over_step(&reduced_));
     }
     start_chain(segment, guest, model);
     SEGCAL_PAUSE(inner_place_);
     for (k_ = 0; k_ < segment.n_keyframes; ++k_) {
       for (j_ = kPoseColumns; damping > S(0) && j_ < kStateColumns; ++j_) {
-        chain_.add_scalar(j_ - kPoseColumns, damping / typical_step<S>(j_), S(0), &reduced_);
+        work_.chain.add_scalar(j_ - kPoseColumns, damping / typical_step<S>(j_), S(0), &reduced_);
         if (j_ % 3 == 2) SEGCAL_PAUSE(inner_place_);
       }
       if (k_ + 1 == segment.n_keyframes) break;
@@ -270,7 +282,7 @@ bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const Guest
       SEGCAL_PAUSE(inner_place_);
       link_keyframes(segment, k_, model);
       SEGCAL_PAUSE(inner_place_);
-      SEGCAL_AWAIT(inner_place_, chain_.hand_over_step(&reduced_));
+      SEGCAL_AWAIT(inner_place_, work_.chain.hand_over_step(&reduced_));
     }
   }
   SEGCAL_SLICES_END(inner_place_);
@@ -280,11 +292,11 @@ template <class S>
 void SegmentEliminator<S>::link_keyframes(const Segment<S>& segment, int k, const MeasurementModel<S>& model) {
   const State<S>* x = segment.states.x;
   const ImuIntegral<S>& I = link_.result();
-  ImuRows<S>& rows = chain_.lend_rows();
+  ImuRows<S>& rows = work_.chain.lend_rows();
   link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model.g, &rows);
   link_term_columns(rows, &imu_terms_);
   whiten(I, model.imu, &rows, &imu_terms_);
-  chain_.add_link(rows, imu_terms_, &reduced_);
+  work_.chain.add_link(rows, imu_terms_, &reduced_);
 }
 
 /// The link, integrated already, or the walk from the guest to the first keyframe.
@@ -293,13 +305,13 @@ void SegmentEliminator<S>::link_guest(const Segment<S>& segment, const GuestLink
   const State<S>& x = segment.states.x[0];
   if (guest.join == Join::imu) {
     const ImuIntegral<S>& I = link_.result();
-    ImuRows<S>& rows = chain_.lend_rows();
+    ImuRows<S>& rows = work_.chain.lend_rows();
     link_rows(I, guest.state, x, guest.state, x, model.g, &rows);
     link_term_columns(rows, &imu_terms_);
-    if (whiten(I, model.imu, &rows, &imu_terms_)) chain_.add_guest_link(rows, imu_terms_, &reduced_);
+    if (whiten(I, model.imu, &rows, &imu_terms_)) work_.chain.add_guest_link(rows, imu_terms_, &reduced_);
   } else {
     const S root = square_root(guest.gap_s);
-    chain_.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g, S(1) / (model.imu.accel_walk * root),
+    work_.chain.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g, S(1) / (model.imu.accel_walk * root),
                          S(1) / (model.imu.gyro_walk * root), &reduced_);
   }
 }
@@ -309,10 +321,10 @@ template <class S>
 void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model) {
   const State<S>& x = segment.states.x[0];
   for (int i = 0; i < 3; ++i) {
-    chain_.add_scalar(i, S(1) / model.velocity_sigma, -x.v_GI(i) / model.velocity_sigma, &reduced_);
+    work_.chain.add_scalar(i, S(1) / model.velocity_sigma, -x.v_GI(i) / model.velocity_sigma, &reduced_);
     if (guest.join != Join::none) continue;
-    chain_.add_scalar(3 + i, S(1) / model.bias_a_sigma, -x.b_a(i) / model.bias_a_sigma, &reduced_);
-    chain_.add_scalar(6 + i, S(1) / model.bias_g_sigma, -x.b_g(i) / model.bias_g_sigma, &reduced_);
+    work_.chain.add_scalar(3 + i, S(1) / model.bias_a_sigma, -x.b_a(i) / model.bias_a_sigma, &reduced_);
+    work_.chain.add_scalar(6 + i, S(1) / model.bias_g_sigma, -x.b_g(i) / model.bias_g_sigma, &reduced_);
   }
 }
 
@@ -357,9 +369,9 @@ bool SegmentEliminator<S>::back_substitute_step(const Segment<S>& segment, const
     reduced_.back_substitute(step_, at.last() + known - last_column());
     for (int c = 0; c < at.last(); ++c) step[kStateColumns * (c / kPoseColumns) + c % kPoseColumns] = step_[c];
     for (int c = 0; c < kStateColumns; ++c) step[last_column() + c] = step_[at.last() + c];
-    chain_.begin(step_, at);
+    (new (&work_.chain) VelocityBiasChain<S>)->begin(step_, at, reduced_.scratch());  // the triangle has told what it knows
     SEGCAL_AWAIT(place_, run_chain_step(segment, guest, theta, model, damping));
-    chain_.back_substitute(step + kPoseColumns, kStateColumns);
+    work_.chain.back_substitute(step + kPoseColumns, kStateColumns);
   }
   SEGCAL_SLICES_END(place_);
 }
@@ -369,6 +381,7 @@ bool SegmentEliminator<S>::move_step(Segment<S>* segment, const Calibration<S>& 
                                      S damping, const S* step) {
   SEGCAL_SLICES(place_) {
     spread_step(step);
+    new (&work_.landmark) LandmarkBlock<S>;
     for (j_ = 0; j_ < segment->n_landmarks; ++j_) {
       move_landmark(segment, j_, theta, model, damping, step);
       SEGCAL_PAUSE(place_);
@@ -387,11 +400,11 @@ void SegmentEliminator<S>::move_landmark(Segment<S>* segment, int j, const Calib
     add_step(&segment->states.landmark[j], step + tie_column() + kLandmarkColumns * tie);
     return;
   }
-  LandmarkFit<S> fit = landmark_.build(*segment, j, theta, model, layout(), camera_term_, damping / kTypicalLandmarkStep<S>);
+  LandmarkFit<S> fit = work_.landmark.build(*segment, j, theta, model, layout(), camera_term_, damping / kTypicalLandmarkStep<S>);
   if (fit.used < 2) return;
-  landmark_.eliminate(&fit);
+  work_.landmark.eliminate(&fit);
   S landmark_step[kLandmarkColumns];
-  landmark_.solve(step_, landmark_step);
+  work_.landmark.solve(step_, landmark_step);
   add_step(&segment->states.landmark[j], landmark_step);
 }
 

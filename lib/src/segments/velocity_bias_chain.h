@@ -6,7 +6,8 @@
 // [vb k 9 | vb k + 1 9 | rhs | guest 15 | IMU part of theta 15 and terms | poses 6 K]; poses last, so that only those seen so far cost.
 //
 // Back-substitution runs the chain a second time with everything but velocities and biases known: rows are then 19 wide,
-// which costs an integration of the samples and saves the memory that the full rows would take.
+// which costs an integration of the samples and saves the memory that the full rows would take. The finished ones stand where
+// the triangle was: all else is known.
 #pragma once
 
 #include <new>
@@ -24,11 +25,14 @@ class VelocityBiasChain {
   static constexpr int kSolved = kRhs + 1;  ///< width when all else is known
   static constexpr int kGuest = kSolved;
   static constexpr int kImu = kGuest + kStateColumns;
+  static constexpr int kKept = kMaxKeyframes * kVelocityBiasColumns * kSolved;
   static constexpr int kWidth = kImu + kImuColumns + kMaxEffectColumns + kPoseColumns * kMaxKeyframes;
 
-  /// `known`: null to eliminate; else a step in the reduced layout, for back-substitution.
-  void begin(const S* known, const ReducedLayout& layout) {
+  /// `known`: null to eliminate; else a step in the reduced layout, for back-substitution, which needs kKept numbers of
+  /// memory to keep.
+  void begin(const S* known, const ReducedLayout& layout, S* memory) {
     known_ = known;
+    kept_ = memory;
     poses_ = kImu + layout.imu_columns();
     current_ = 0;
     links_ = 0;
@@ -214,13 +218,14 @@ class VelocityBiasChain {
 
   static constexpr int kBlockRows = 15;
   static constexpr int kBlockSize = kBlockRows * kWidth > 9 * kReducedColumns ? kBlockRows * kWidth : 9 * kReducedColumns;
+  static_assert(kKept <= ReducedSystem<S>::kScratch, "the triangle's memory is too small to keep the chain's rows");
   const S* known_ = nullptr;
+  S* kept_ = nullptr;
   int current_ = 0, links_ = 0, poses_ = 0, handed_ = 0, hand_until_ = 0;
   Place place_ = 0;
   S now_[kVelocityBiasColumns * kWidth];
   S block_[kBlockSize];
   alignas(ImuRows<S>) S spread_[kPoseColumns * kReducedColumns];
-  S kept_[kMaxKeyframes * kVelocityBiasColumns * kSolved];
 };
 
 }  // namespace SEGCAL_NS

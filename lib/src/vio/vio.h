@@ -63,6 +63,8 @@ class Vio {
   /// Factor on pixel_sigma that the residuals ask for (1 when the calibration fits).
   S pixel_scale() const { return monitor_.scale; }
   bool standing_still() const { return still_; }
+  /// Memory for a triangle over theta and a right-hand side, until the next call of anything else.
+  S* scratch() { return window_.block; }
   /// Poses in the window and their first estimates.
   const Window<S>& window() const { return window_; }
 

@@ -21,6 +21,9 @@ constexpr int kLinkRows = 15;
 constexpr int kBlockStride = kFilterColumns + 1 + kMotionColumns;
 constexpr int kFeatureRows = 2 * kWindow + 1;  // the last one: what is known about distances
 constexpr int kBlockRows = kFeatureRows > kLinkRows + kMotionColumns ? kFeatureRows : kLinkRows + kMotionColumns;
+// Between frames it is lent for a triangle over theta and a right-hand side.
+constexpr int kBlockSize =
+    kBlockRows * kBlockStride > packed_size(kMaxTheta + 1) ? kBlockRows * kBlockStride : packed_size(kMaxTheta + 1);
 
 constexpr int pose_column(int i) { return kMotionColumns + kPoseColumns * i; }
 constexpr int camera_column(int camera) { return pose_column(kWindow) + kMaxCameraColumns * camera; }
@@ -44,7 +47,7 @@ struct Window {
   State<S> now, now_first;           ///< newest state; its pose is that of newest()
   std::int32_t n_poses;
   S triangle[packed_size(kFilterColumns + 1)];
-  S block[kBlockRows * kBlockStride];
+  S block[kBlockSize];
   S work[kBlockStride];
   bool learnt;                       ///< R's rows of the sensors hold what earlier sessions told
   S pivot[kFilterColumns];           ///< diagonal of R before the last fold, to undo it
