@@ -68,8 +68,8 @@ def instructions(path):
     return {
         "imu_sample": max(of("imu_sample")),
         "frame_median": frame_median,
-        "frame_max": max(of("frame")),
-        "slice_max": max(background + scores),
+        "frame_max": max(of("frame", "frame_closing")),
+        "slice_max": max(background),
         "score_segment": max(scores),
         "calibrate": sum(of("calibrate_slice", "calibrate")),
     }

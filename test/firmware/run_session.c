@@ -15,6 +15,8 @@ static segcal_point_t points[SEGCAL_MAX_TRACKS];
 static segcal_counters_t counters;
 static segcal_t *device;
 static uint32_t closed_segments;
+/* What an idle task does between two IMU samples: enough that a score and the filter's start are done in time. */
+enum { slices_per_sample = 8 };
 
 /* Paint is renewed before each call whose stack is of interest. */
 static void measure_begin(void) {
@@ -33,20 +35,20 @@ static int closed_a_segment(void) {
   return more;
 }
 
-/* A closed segment is scored at once or in background work; the newest score's serial number tells. */
+/* A closed segment waits for its score, unless it was discarded or missed; the newest score's serial number tells. */
 static int score_pending(void) {
   static uint32_t scored, newest;
   if (segcal_get_segment(device, -1, &segment) == SEGCAL_OK && (scored == 0 || segment.serial != newest)) {
     newest = segment.serial;
     ++scored;
   }
-  return closed_segments - counters.segments_discarded > scored;
+  return closed_segments - counters.segments_missed - counters.segments_discarded > scored;
 }
 
-/* All that is due, one slice at a time, as an idle task would. */
-static void work_in_background(void) {
+/* At most so many slices of background work, each measured apart. Returns whether some are left. */
+static int work_in_background(int slices) {
   int waiting = 1;
-  while (waiting > 0) {
+  for (; waiting > 0 && slices > 0; --slices) {
     const int scoring = score_pending();
     measure_begin();
     waiting = segcal_background(device, 1);
@@ -56,6 +58,7 @@ static void work_in_background(void) {
       segcal_mark_calibrate_slice();
     }
   }
+  return waiting > 0;
 }
 
 static void feed_imu_until(int64_t t_ns) {
@@ -65,6 +68,7 @@ static void feed_imu_until(int64_t t_ns) {
     measure_begin();
     segcal_push_imu(device, &sample);
     segcal_mark_imu_sample();
+    work_in_background(slices_per_sample);
     if (sample.t_ns >= t_ns) return;
   }
 }
@@ -83,7 +87,8 @@ static void feed(void) {
     } else {
       segcal_mark_frame();
     }
-    work_in_background();
+  }
+  while (work_in_background(1)) {
   }
 }
 

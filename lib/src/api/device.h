@@ -19,8 +19,8 @@ namespace SEGCAL_NS {
 
 template <class S>
 struct DeviceOptions {
-  Calibration<S> theta;         ///< starting calibration, mean of the prior
-  S prior_sigma[kMaxTheta], sigma_ref[kMaxTheta];
+  ThetaPrior<S> prior;          ///< its mean is the starting calibration
+  S sigma_ref[kMaxTheta];
   S target_sigma[kMaxTheta];    ///< calibration starts when the kept segments predict these; all 0: when the database is full
   MeasurementModel<S> model;
   S imu_rate_hz = S(200), gyro_range = S(35), accel_range = S(157);
@@ -72,6 +72,11 @@ class Device {
   Taken push_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n);
   void flush();
   void new_session();
+  /// Memory for kMaxFramePoints points on their way in, until the filter works on a frame: then they are copied.
+  TrackPoint<S>* lend_points() {
+    static_assert(kMaxFramePoints * sizeof(TrackPoint<S>) <= kBlockSize * sizeof(S), "the filter has too little to lend");
+    return new (vio_.scratch()) TrackPoint<S>[kMaxFramePoints];
+  }
   /// At most `slices` pieces of pending work; returns 1 if some is left, else 0.
   int background(int slices);
   void calibrate();
@@ -113,6 +118,7 @@ class Device {
 
  private:
   static constexpr std::int64_t kNever = INT64_MIN;
+  const ThetaPrior<S>& prior() const { return options_.prior; }
   Taken process_frame();
   void count_missing_frames(std::int64_t t_ns);
   void take_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n);
@@ -124,7 +130,9 @@ class Device {
   Segment<S>& open_slot() { return scoring_ ? *spare_ : database_.building(); }
   void begin_score();
   bool score_step();
-  void offer();
+  void settle(const Segment<S>& segment);
+  void leave_score();
+  void end_score();
   void finish_score();
   bool knows_enough();
   void begin_calibration(const Calibration<S>& theta);
@@ -150,12 +158,11 @@ class Device {
   /// Sums of information, in the eliminator's memory: what it holds is lost.
   JointInformation<S> joint_information() {
     static_assert(kJointScratch <= ReducedSystem<S>::kScratch, "the eliminator has too little to lend");
-    return JointInformation<S>(prior_.sigma, theta_.columns(), eliminator_.reduced().scratch());
+    return JointInformation<S>(prior().sigma, theta_.columns(), eliminator_.reduced().scratch());
   }
 
   DeviceOptions<S> options_;
   Calibration<S> theta_;   ///< best known: released, else the start
-  ThetaPrior<S> prior_;
   ImuHistory<S> imu_;
   Vio<S> vio_;
   Database<S> database_;
@@ -183,14 +190,14 @@ class Device {
   bool calibrating_;
   std::int32_t window_;        ///< > 0: segment ends until a calibration takes effect
   Segment<S>* spare_;          ///< lent by the calibrator
-  Calibration<S> score_theta_; ///< as known when that segment ended
-  Calibration<S> start_theta_; ///< of the calibration under way
+  Calibration<S> known_theta_; ///< as known when the segment that is scored ended, or where the calibration under way began
   Place score_place_, calibrate_place_, inner_place_;
   LargestEigenvalue<S> largest_;
   Agreement<S> agreement_;
   Segment<S>* taking_part_[kMaxSegments];
   std::int32_t n_taking_part_, i_, round_;
-  bool dropped_;
+  bool dropped_, settled_;
+  JointInformation<S> sums_;
 };
 
 }  // namespace SEGCAL_NS

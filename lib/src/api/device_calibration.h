@@ -27,13 +27,13 @@ int Device<S>::background(int slices) {
 
 template <class S>
 void Device<S>::read_filter(Release<S>* out, InformationAnalysis<S>* analysis) {
-  if (!vio_.knows_sensors()) return release_prior(prior_, out);
+  if (!vio_.knows_sensors()) return release_prior(prior(), out);
   const Calibration<S>& theta = vio_.calibration();
   PackedTriangle<S> R(vio_.scratch(), theta.columns() + 1);
   vio_.calibration_information(&R);
-  for (int i = theta.effect_column(); i < theta.columns(); ++i) R.row(i)[i] = S(1) / prior_.sigma[i];
-  if (analysis) analyse_with_prior(R, prior_.sigma, analysis);
-  judge_filter(theta, prior_, ReleaseRules<S>{}, &R, out);
+  for (int i = theta.effect_column(); i < theta.columns(); ++i) R.row(i)[i] = S(1) / prior().sigma[i];
+  if (analysis) analyse_with_prior(R, prior().sigma, analysis);
+  judge_filter(theta, prior(), ReleaseRules<S>{}, &R, out);
 }
 
 template <class S>
@@ -55,10 +55,8 @@ void Device<S>::calibrate() {
 template <class S>
 void Device<S>::begin_calibration(const Calibration<S>& theta) {
   ++faults_.calibrations;
-  start_theta_ = theta;
+  known_theta_ = theta;
   n_taking_part_ = database_.in_order(taking_part_);
-  calibrator_.begin(taking_part_, n_taking_part_, prior_, theta, options_.model);
-  calibrator_.accept_all();
   eliminator_.restart();
   calibrate_place_ = inner_place_ = 0;
   calibrating_ = true;
@@ -78,9 +76,14 @@ bool Device<S>::calibrate_step() {
   rough.converged = rough.settled = 0.1;
   SEGCAL_SLICES(calibrate_place_) {
     for (round_ = 0;; ++round_) {
+      calibrator_.begin(taking_part_, n_taking_part_, prior(), known_theta_, options_.model);
+      SEGCAL_PAUSE(calibrate_place_);
+      calibrator_.accept_all();
+      SEGCAL_PAUSE(calibrate_place_);
       SEGCAL_AWAIT(calibrate_place_, calibrator_.run_step(rough, &eliminator_));
+      SEGCAL_PAUSE(calibrate_place_);
       // Corners that are still far off once the model fits are no noise: they are left out, and the rest fits again.
-      calibrator_.reject_outliers(S(5));
+      SEGCAL_AWAIT(calibrate_place_, calibrator_.reject_outliers_step(S(5)));
       SEGCAL_PAUSE(calibrate_place_);
       SEGCAL_AWAIT(calibrate_place_, calibrator_.run_step(CalibratorOptions{}, &eliminator_));
       if (round_ == kOutdatedRounds) break;
@@ -88,13 +91,12 @@ bool Device<S>::calibrate_step() {
       SEGCAL_AWAIT(calibrate_place_, drop_outdated_step());
       if (!dropped_) break;
       n_taking_part_ = database_.in_order(taking_part_);
-      calibrator_.begin(taking_part_, n_taking_part_, prior_, start_theta_, options_.model);
-      calibrator_.accept_all();
-      SEGCAL_PAUSE(calibrate_place_);
     }
-    begin_analysis_with_prior(calibrator_.theta_triangle(), prior_.sigma, &joint_);
+    SEGCAL_PAUSE(calibrate_place_);
+    begin_analysis_with_prior(calibrator_.theta_triangle(), prior().sigma, &joint_);
     SEGCAL_AWAIT(calibrate_place_, analyse_with_prior_step(theta_.columns(), &joint_));
-    judge(&calibrator_, prior_, ReleaseRules<S>{}, &release_);
+    SEGCAL_PAUSE(calibrate_place_);
+    judge(&calibrator_, prior(), ReleaseRules<S>{}, &release_);
     calibrated_ = true;
     if (release_.status == Status::failed) SEGCAL_AWAIT(calibrate_place_, drop_misfits_step());
   }
@@ -105,7 +107,7 @@ template <class S>
 void Device<S>::take_release() {
   if (release_.status == Status::failed) return;
   theta_ = release_.theta;
-  monitor_.reset(prior_, theta_);
+  monitor_.reset(prior(), theta_);
   use_stamp_shift();
   if (vio_.initialised()) vio_.set_calibration(theta_);
 }
@@ -131,7 +133,7 @@ S Device<S>::linearise(const std::uint8_t* use_slot, const CandidateTerms& candi
   bool use[kMaxSegments];
   const int count = database_.in_order(segments);
   const bool known = calibrated_ && release_.status != Status::failed && !options_.joint_filter;
-  calibrator_.continue_with(segments, count, prior_, known ? calibrator_.theta() : working_theta(), options_.model);
+  calibrator_.continue_with(segments, count, prior(), known ? calibrator_.theta() : working_theta(), options_.model);
   for (int i = 0; i < count; ++i) use[i] = use_slot[segments[i] - &database_.slot(0)] != 0;
   return calibrator_.rows_of(use, candidates, &eliminator_);
 }
@@ -167,7 +169,7 @@ template <class S>
 void Device<S>::begin_agreement() {
   const SegmentInformation<S>* information[kMaxSegments];
   for (int i = 0; i < n_taking_part_; ++i) information[i] = &taking_part_[i]->information;
-  agreement_ = Agreement<S>(prior_, calibrator_.theta(), options_.outdated_level / S(n_taking_part_ - 1),
+  agreement_ = Agreement<S>(prior(), calibrator_.theta(), options_.outdated_level / S(n_taking_part_ - 1),
                             noise_of(information, n_taking_part_), &joint_, eliminator_.reduced().scratch());
 }
 

@@ -36,7 +36,7 @@ template <class S>
 class Calibrator {
  public:
   /// Sets up a problem over `segments` (pointers, in time order within each session; count <= kMaxSegments). Their
-  /// states are moved by run().
+  /// states are moved by run(). The prior must stay where it is.
   void begin(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
              const MeasurementModel<S>& model);
   /// The same where a calibration was made from exactly these segments: its fit stays as it is.
@@ -81,14 +81,22 @@ class Calibrator {
   const Ties<S>& ties() const { return partitions_.ties(); }
   /// Leaves out image points whose residual is longer than `limit` times the noise that the fit shows; earlier marks are
   /// taken back. Between runs, so that each run has one smooth cost.
-  void reject_outliers(S limit) {
+  bool reject_outliers_step(S limit) {
     const S ratio = fit_.dof > S(0) ? fit_.chi2 / fit_.dof : S(1);
     const S scaled = limit * square_root(ratio > S(1) ? ratio : S(1));
-    for (int i = 0; i < count_; ++i) {
-      mark_outliers(theta_, model_, scaled, segment_[i]);
-      segment_[i]->wide_depth_prior = !translation_shows(*segment_[i], theta_, model_);
+    SEGCAL_SLICES(place_) {
+      for (i_ = 0; i_ < count_; ++i_) {
+        mark_outliers(theta_, model_, scaled, segment_[i_]);
+        segment_[i_]->wide_depth_prior = !translation_shows(*segment_[i_], theta_, model_);
+        SEGCAL_PAUSE(place_);
+      }
+      form_partitions();  // without a tie whose points are gone
     }
-    form_partitions();  // without a tie whose points are gone
+    SEGCAL_SLICES_END(place_);
+  }
+  void reject_outliers(S limit) {
+    while (!reject_outliers_step(limit)) {
+    }
   }
   /// The first run of a calibration takes the wide prior everywhere: which segments only turned shows when it has settled.
   void accept_all() {
@@ -138,7 +146,9 @@ class Calibrator {
     const S rho = theta_triangle()(theta_.columns(), theta_.columns());
     fit_.chi2 = rho * rho;
   }
-  void save_states(int i) { new (&memory_.kept[i].states) SegmentStates<S>(segment_[i]->states); }
+  LeftRows<S>* left(int i) { return i > 0 ? &memory_.other[i - 1].left : nullptr; }
+  SegmentStates<S>& saved(int i) { return i > 0 ? memory_.other[i - 1].states : memory_.first; }
+  void save_states(int i) { new (&saved(i)) SegmentStates<S>(segment_[i]->states); }
   void restore();
   bool turned_back(const S* theta_step);
   bool iterate_step(SegmentEliminator<S>* eliminator, const CalibratorOptions& options);
@@ -147,7 +157,7 @@ class Calibrator {
   Segment<S>* segment_[kMaxSegments];
   SegmentLink<S> link_[kMaxSegments];
   std::int32_t count_ = 0;
-  ThetaPrior<S> prior_;
+  const ThetaPrior<S>* prior_;
   Calibration<S> theta_, saved_theta_;
   MeasurementModel<S> model_;
   CalibrationFit<S> fit_;
@@ -162,7 +172,8 @@ class Calibrator {
   };
   /// What is only there while a fit is under way.
   struct Memory {
-    Kept kept[kMaxSegments];
+    SegmentStates<S> first;   ///< nobody is on its left
+    Kept other[kMaxSegments > 1 ? kMaxSegments - 1 : 1];
   };
   alignas(Segment<S>) Memory memory_;
   S last_step_[kMaxTheta];
@@ -189,7 +200,7 @@ template <class S>
 void Calibrator<S>::begin(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
                           const MeasurementModel<S>& model) {
   count_ = count;
-  prior_ = prior;
+  prior_ = &prior;
   theta_ = theta;
   model_ = model;
   fit_ = CalibrationFit<S>{};
@@ -234,7 +245,7 @@ const Landmark<S>& Calibrator<S>::tie(int t) const {
 template <class S>
 bool Calibrator<S>::total_cost_step() {
   SEGCAL_SLICES(inner_place_) {
-    total_ = prior_cost(prior_, theta_);
+    total_ = prior_cost(*prior_, theta_);
     for (int t = 0; t < partitions_.ties().count(); ++t) total_ += inverse_depth_cost(tie(t), model_.inverse_depth_sigma);
     lend_cost_steps();
     for (i_ = 0; i_ < count_; ++i_) {
@@ -264,12 +275,17 @@ bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, 
   PackedTriangle<S> G = global_.triangle();
   SEGCAL_SLICES(inner_place_) {
     G = begin_linearisation(damping, candidates, with_prior);
+    for (i_ = 0; i_ < partitions_.ties().count(); ++i_) {
+      fit_.dof -= S(kLandmarkColumns) - tie_prior_share(i_);
+      SEGCAL_PAUSE(inner_place_);
+    }
     eliminator->restart();
     for (i_ = 0; i_ < count_; ++i_) {
       segment_[i_]->turned_only = !translation_shows(*segment_[i_], theta_, model_);
+      SEGCAL_PAUSE(inner_place_);
       SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping, candidates));
       SEGCAL_AWAIT(inner_place_, work_.chain.add_step(eliminator, link_[i_].join != Join::none, link_[i_].passes_on,
-                                                 candidates ? nullptr : &memory_.kept[i_].left, &G));
+                                                 candidates ? nullptr : left(i_), &G));
       fit_.image_points += eliminator->counts().image_points;
       fit_.dof += S(eliminator->counts().residuals - eliminator->counts().unknowns) + eliminator->prior_share();
     }
@@ -277,18 +293,17 @@ bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, 
   SEGCAL_SLICES_END(inner_place_);
 }
 
-/// Priors, damping and degrees of freedom of what is not any segment's.
+/// Priors and damping of what is not any segment's, and theta's degrees of freedom.
 template <class S>
 PackedTriangle<S> Calibrator<S>::begin_linearisation(S damping, const CandidateTerms* candidates, bool with_prior) {
   const int ties = partitions_.ties().count();
   global_.begin(ties, theta_.columns() + (candidates ? candidates->count() : 0));
   global_.triangle().clear();
-  if (with_prior) global_.clear_to_prior(prior_, theta_);
+  if (with_prior) global_.clear_to_prior(*prior_, theta_);
   for (int t = 0; t < ties; ++t) global_.add_tie(t, tie(t), model_, damping);
   (new (&work_.chain) Chain<S>)->begin(global_.columns());
   fit_.image_points = 0;
   fit_.dof = count_ > 0 ? -S(theta_.columns()) : S(0);
-  for (int t = 0; t < ties; ++t) fit_.dof -= S(kLandmarkColumns) - tie_prior_share(t);
   return global_.triangle();
 }
 
@@ -334,8 +349,9 @@ bool Calibrator<S>::step_back_step(SegmentEliminator<S>* eliminator, S damping) 
         SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping));
       }
       if (link_[i_].join != Join::none) {
-        SEGCAL_AWAIT(inner_place_, work_.chain.solve_guest_step(eliminator, link_[i_].passes_on, memory_.kept[i_].left, last_keyframe_step_,
+        SEGCAL_AWAIT(inner_place_, work_.chain.solve_guest_step(eliminator, link_[i_].passes_on, *left(i_), last_keyframe_step_,
                                                            global_step_, guest_step_));
+        SEGCAL_PAUSE(inner_place_);
       }
       gather_step(*eliminator, i_);
       SEGCAL_AWAIT(inner_place_, eliminator->back_substitute_step(*segment_[i_], guest(i_), theta_, model_, damping, step_,
@@ -381,7 +397,7 @@ bool Calibrator<S>::refine_landmarks_step() {
 template <class S>
 void Calibrator<S>::restore() {
   theta_ = saved_theta_;
-  for (int i = 0; i < count_; ++i) segment_[i]->states = memory_.kept[i].states;
+  for (int i = 0; i < count_; ++i) segment_[i]->states = saved(i);
 }
 
 /// True if this step goes against the last one (by more than 120 deg): undamped steps swing about the minimum along weak
@@ -390,7 +406,7 @@ template <class S>
 bool Calibrator<S>::turned_back(const S* theta_step) {
   S along = S(0), now = S(0), before = S(0);
   for (int i = 0; i < theta_.columns(); ++i) {
-    const S a = theta_step[i] / prior_.sigma[i], b = last_step_[i];
+    const S a = theta_step[i] / prior_->sigma[i], b = last_step_[i];
     along += a * b;
     now += a * a;
     before += b * b;
@@ -420,6 +436,7 @@ bool Calibrator<S>::iterate_step(SegmentEliminator<S>* eliminator, const Calibra
     SEGCAL_AWAIT(iterate_place_, linearise_step(eliminator, damping_));
     solve_theta();
     saved_theta_ = theta_;
+    SEGCAL_PAUSE(iterate_place_);
     SEGCAL_AWAIT(iterate_place_, step_back_step(eliminator, damping_));
     add_step(&theta_, theta_step_);
     SEGCAL_AWAIT(iterate_place_, refine_landmarks_step());

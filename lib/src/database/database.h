@@ -72,8 +72,20 @@ class Database {
   /// Offers the scored segment in the building slot. True if it is kept; the next building slot is free then. `joint`
   /// does the sums of set_d; without it a full database stays as it is.
   bool offer(JointInformation<S>* joint = nullptr) {
+    while (joint && !compare_step(joint)) {
+    }
+    return offer_compared(joint);
+  }
+  /// The sums of set_d in slices; offer_compared() needs them.
+  bool compare_step(JointInformation<S>* joint) {
+    if (metric_ != Metric::set_d || !full() || !worth_a_slot()) return true;
+    const SegmentInformation<S>* information[kSlots];
+    int slot[kSlots];
+    return joint->gains_without_one_step(information, compared(information, slot));
+  }
+  bool offer_compared(JointInformation<S>* joint) {
+    if (!worth_a_slot()) return false;
     const Segment<S>& segment = slot_[building_];
-    if (!is_finite(segment.metrics.A) || segment.metrics.gain < least_gain_) return false;
     ++offered_;
     if (full()) {
       const int victim = metric_ == Metric::random  ? random_victim()
@@ -116,25 +128,34 @@ class Database {
     }
     return worst;
   }
-  /// The kept segment without which the others and the new one know most together; -1 if that is the new one itself.
-  int least_missed(JointInformation<S>* joint) const {
-    if (!joint) return -1;
-    const SegmentInformation<S>* information[kSlots];
-    int slot[kSlots], n = 0, victim = -1;
+  bool worth_a_slot() const {
+    const Metrics<S>& metrics = slot_[building_].metrics;
+    return is_finite(metrics.A) && !(metrics.gain < least_gain_);
+  }
+  /// The kept segments and the new one, and their slots; returns their number.
+  int compared(const SegmentInformation<S>** information, int* slot) const {
+    int n = 0;
     for (int i = 0; i < kSlots; ++i) {
       if (!kept_[i] && i != building_) continue;
       information[n] = &slot_[i].information;
       slot[n++] = i;
     }
-    S gain[kSlots], most = S(0);
-    joint->gains_without_one(information, n, gain);
+    return n;
+  }
+  /// The kept segment without which the others and the new one know most together; -1 if that is the new one itself.
+  int least_missed(const JointInformation<S>* joint) const {
+    if (!joint) return -1;
+    const SegmentInformation<S>* information[kSlots];
+    int slot[kSlots], victim = -1;
+    const int n = compared(information, slot);
+    S most = S(0);
     for (int i = 0; i < n; ++i) {
-      if (slot[i] == building_) most = gain[i];
+      if (slot[i] == building_) most = joint->gain_without(i);
     }
     for (int i = 0; i < n; ++i) {
-      if (slot[i] == building_ || !(gain[i] > most)) continue;
+      if (slot[i] == building_ || !(joint->gain_without(i) > most)) continue;
       victim = slot[i];
-      most = gain[i];
+      most = joint->gain_without(i);
     }
     return victim;
   }

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "information/segment_information.h"
+#include "math/resumable.h"
 
 namespace SEGCAL_NS {
 
@@ -35,36 +36,43 @@ void fold_triangle(S* block, int rows, int stride, PackedTriangle<S>* T) {
 template <class S>
 class JointInformation {
  public:
+  JointInformation() = default;   ///< to be assigned to before use
   /// `scratch`: kJointScratch numbers, lent. `prior_sigma`: of theta's n entries.
   JointInformation(const S* prior_sigma, int n, S* scratch) : prior_sigma_(prior_sigma), n_(n), scratch_(scratch) {}
 
   /// The triangle of the prior and `count` segments over theta's columns in units of the prior's sigmas.
   PackedTriangle<S> sum(const SegmentInformation<S>* const* segment, int count) {
-    PackedTriangle<S> T = prior(0);
-    for (int i = 0; i < count; ++i) add(*segment[i], &T);
+    const PackedTriangle<S> T = prior(0);
+    for (int i = 0; i < count; ++i) add(*segment[i], 0);
     return T;
   }
 
-  /// Nats that the prior gains from all segments but the i-th, for each i: half of log det. count <= kMaxCompared.
-  void gains_without_one(const SegmentInformation<S>* const* segment, int count, S* gain) {
-    int first[kSumLevels] = {}, last[kSumLevels] = {};  // the part that each level leaves out
-    prior(0);
-    last[0] = count;
-    for (int i = 0; i < count; ++i) {
-      int level = 0;
-      while (last[level] - first[level] > 1) {
-        const int a = first[level], b = last[level], middle = a + (b - a) / 2;
-        const bool left = i < middle;
-        ++level;
-        const int from = left ? a : middle, to = left ? middle : b;
-        // Parts come in order: one that was left out on the way to the segment before is still there.
-        if (first[level] == from && last[level] == to) continue;
-        first[level] = from;
-        last[level] = to;
-        descend(segment, level, left ? middle : a, left ? b : middle);
+  /// Nats that the prior gains from all segments but the i-th, for each i: half of log det. count <= kMaxCompared. In slices;
+  /// true when gain_without(i) tells.
+  bool gains_without_one_step(const SegmentInformation<S>* const* segment, int count) {
+    SEGCAL_SLICES(place_) {
+      for (int level = 0; level < kSumLevels; ++level) first_[level] = last_[level] = 0;
+      prior(0);
+      last_[0] = count;
+      for (i_ = 0; i_ < count; ++i_) {
+        for (level_ = 0; last_[level_] - first_[level_] > 1;) {
+          if (!descend()) continue;
+          for (; k_ < until_; ++k_) {
+            add(*segment[k_], level_);
+            if (k_ % kAddsPerSlice == kAddsPerSlice - 1) SEGCAL_PAUSE(place_);
+          }
+        }
+        gain_[i_] = gain_of(triangle(level_));
+        SEGCAL_PAUSE(place_);
       }
-      gain[i] = gain_of(triangle(level));
     }
+    SEGCAL_SLICES_END(place_);
+  }
+  S gain_without(int i) const { return gain_[i]; }
+  void gains_without_one(const SegmentInformation<S>* const* segment, int count, S* gain) {
+    while (!gains_without_one_step(segment, count)) {
+    }
+    for (int i = 0; i < count; ++i) gain[i] = gain_[i];
   }
 
   /// Nats that the prior gained in T: the sum of log |T_jj|.
@@ -85,26 +93,41 @@ class JointInformation {
     return T;
   }
 
-  /// Level `level` is the level above and the segments [from, to).
-  void descend(const SegmentInformation<S>* const* segment, int level, int from, int to) {
-    const S* above = scratch_ + (level - 1) * packed_size(n_);
-    S* here = scratch_ + level * packed_size(n_);
+  /// To the half that segment i_ is in: the next level is a copy of the one above, to which the other half, [k_, until_), is
+  /// to be added. False if all that is there already: halves come in order, and the segment before had the same one.
+  bool descend() {
+    const int a = first_[level_], b = last_[level_], middle = a + (b - a) / 2;
+    const bool left = i_ < middle;
+    const int from = left ? a : middle, to = left ? middle : b;
+    ++level_;
+    if (first_[level_] == from && last_[level_] == to) return false;
+    first_[level_] = from;
+    last_[level_] = to;
+    k_ = left ? middle : a;
+    until_ = left ? b : middle;
+    const S* above = scratch_ + (level_ - 1) * packed_size(n_);
+    S* here = scratch_ + level_ * packed_size(n_);
     for (int k = 0; k < packed_size(n_); ++k) here[k] = above[k];
-    PackedTriangle<S> T = triangle(level);
-    for (int i = from; i < to; ++i) add(*segment[i], &T);
+    return true;
   }
 
-  void add(const SegmentInformation<S>& information, PackedTriangle<S>* T) {
+  void add(const SegmentInformation<S>& information, int level) {
+    PackedTriangle<S> T = triangle(level);
     S* B = block();
     for (int i = 0; i < n_; ++i) {
       for (int j = 0; j < n_; ++j) B[i * n_ + j] = j < i ? S(0) : information.R(i, j) * prior_sigma_[j];
     }
-    fold_triangle(B, n_, n_, T);
+    fold_triangle(B, n_, n_, &T);
   }
 
-  const S* prior_sigma_;
-  int n_;
-  S* scratch_;
+  static constexpr int kAddsPerSlice = 4;
+  const S* prior_sigma_ = nullptr;
+  int n_ = 0;
+  S* scratch_ = nullptr;
+  Place place_ = 0;
+  std::int32_t i_ = 0, level_ = 0, k_ = 0, until_ = 0;
+  std::int32_t first_[kSumLevels], last_[kSumLevels];  // the part that each level leaves out
+  S gain_[kMaxCompared];
 };
 
 }  // namespace SEGCAL_NS

@@ -2,6 +2,8 @@
 // triangulates. More tracks than places: those seen most often stay. Everything left out is counted.
 #pragma once
 
+#include "math/resumable.h"
+#include "segments/observation_order.h"
 #include "segments/triangulation.h"
 #include "sensors/imu_history.h"
 #include "sensors/track_point.h"
@@ -54,19 +56,22 @@ class SegmentBuilder {
   /// Drops every second keyframe with its image points: the segment can grow to twice its length. All IMU samples stay.
   void thin();
 
-  /// Ends the segment: sorts, triangulates at theta, drops what cannot be used. False if nothing useful is left.
-  bool close(const Calibration<S>& theta, const MeasurementModel<S>& model);
+  /// Worth to be closed.
+  bool long_enough() const { return segment_->n_keyframes >= kFewestKeyframes; }
+  /// Ends a segment that has left the builder: sorts, triangulates at theta, drops what cannot be used. In slices; true when
+  /// useful() tells.
+  bool close_step(Segment<S>* closed, const Calibration<S>& theta, const MeasurementModel<S>& model);
+  void restart_close() { place_ = 0; }
+  static bool useful(const Segment<S>& closed) { return closed.n_landmarks >= kFewestLandmarks; }
 
  private:
   static constexpr std::int64_t kNever = INT64_MIN;
-  static constexpr int kDropped = 0xFFFF, kFewestKeyframes = 4, kFewestLandmarks = 5;
+  static constexpr int kFewestKeyframes = 4, kFewestLandmarks = 5;
   bool copy_imu(std::int64_t from_ns, std::int64_t to_ns, const ImuHistory<S>& imu);
   void add_point(const TrackPoint<S>& point);
   int landmark_of(std::uint32_t track_id);
   int free_landmark();
   void remove_landmark(int j);
-  void sort_observations();
-  void index_observations(int fewest);
 
   Segment<S>* segment_;
   std::int64_t last_keyframe_ns_ = kNever;
@@ -74,6 +79,8 @@ class SegmentBuilder {
   std::uint16_t seen_[kMaxLandmarks];       // image points
   S gyro_range_ = S(35), accel_range_ = S(157);
   BuilderCounts counts_;
+  Place place_ = 0;         // of close_step()
+  std::int32_t j_ = 0;
 };
 
 template <class S>
@@ -136,8 +143,8 @@ void SegmentBuilder<S>::add_point(const TrackPoint<S>& point) {
     ++counts_.landmarks_left_out;
     return;
   }
-  s.observation[s.n_observations++] = {u, v, static_cast<std::uint16_t>(j), static_cast<std::uint8_t>(k),
-                                       static_cast<std::uint8_t>(point.camera & 0x7F), 0};
+  s.observation[s.n_observations++] = {u, v, static_cast<ObservationBits>(j), static_cast<ObservationBits>(k),
+                                       static_cast<ObservationBits>(point.camera), 0};
   last_seen_[j] = static_cast<std::uint8_t>(k);
   ++seen_[j];
 }
@@ -150,7 +157,7 @@ void SegmentBuilder<S>::thin() {
   for (int o = 0; o < s.n_observations; ++o) {
     Observation z = s.observation[o];
     if (z.keyframe % 2 != 0) continue;
-    z.keyframe = static_cast<std::uint8_t>(z.keyframe / 2);
+    z.keyframe = static_cast<ObservationBits>(z.keyframe / 2);
     s.observation[kept++] = z;
     ++seen_[z.landmark];
   }
@@ -207,72 +214,23 @@ void SegmentBuilder<S>::remove_landmark(int j) {
   segment_->n_observations = kept;
 }
 
-/// Heap sort by landmark, then keyframe, then camera: in place, no recursion, the same order everywhere.
 template <class S>
-void SegmentBuilder<S>::sort_observations() {
-  Observation* o = segment_->observation;
-  const auto key = [](const Observation& z) { return (std::uint32_t(z.landmark) << 16) | (std::uint32_t(z.keyframe) << 8) | z.camera; };
-  const auto sift = [&](int root, int end) {
-    for (int child = 2 * root + 1; child < end; child = 2 * root + 1) {
-      if (child + 1 < end && key(o[child]) < key(o[child + 1])) ++child;
-      if (key(o[root]) >= key(o[child])) return;
-      const Observation swap = o[root];
-      o[root] = o[child];
-      o[child] = swap;
-      root = child;
-    }
-  };
-  const int n = segment_->n_observations;
-  for (int i = n / 2 - 1; i >= 0; --i) sift(i, n);
-  for (int end = n - 1; end > 0; --end) {
-    const Observation swap = o[0];
-    o[0] = o[end];
-    o[end] = swap;
-    sift(0, end);
-  }
-}
-
-/// first_observation from the sorted list; landmarks with fewer than `fewest` points vanish, the others move up.
-template <class S>
-void SegmentBuilder<S>::index_observations(int fewest) {
-  Segment<S>& s = *segment_;
-  int landmarks = 0, kept = 0;
-  for (int o = 0; o < s.n_observations;) {
-    const int j = s.observation[o].landmark;
-    int end = o;
-    while (end < s.n_observations && s.observation[end].landmark == j) ++end;
-    if (end - o >= fewest && j != kDropped) {
-      s.track_id[landmarks] = s.track_id[j];
-      s.states.landmark[landmarks] = s.states.landmark[j];
-      s.first_observation[landmarks] = static_cast<std::uint16_t>(kept);
-      for (int i = o; i < end; ++i) {
-        s.observation[kept] = s.observation[i];
-        s.observation[kept++].landmark = static_cast<std::uint16_t>(landmarks);
-      }
-      ++landmarks;
-    }
-    o = end;
-  }
-  s.n_landmarks = landmarks;
-  s.n_observations = kept;
-  s.first_observation[landmarks] = static_cast<std::uint16_t>(kept);
-}
-
-template <class S>
-bool SegmentBuilder<S>::close(const Calibration<S>& theta, const MeasurementModel<S>& model) {
-  Segment<S>& s = *segment_;
-  if (s.n_keyframes < kFewestKeyframes) return false;
-  sort_observations();
-  index_observations(3);
+bool SegmentBuilder<S>::close_step(Segment<S>* closed, const Calibration<S>& theta, const MeasurementModel<S>& model) {
+  Segment<S>& s = *closed;
   // Mean squared whitened residual under a robust cost: the intrinsics may still be off by several pixels.
   const S limit = S(60);
-  for (int j = 0; j < s.n_landmarks; ++j) {
-    if (triangulate(&s, j, theta, model, limit)) continue;
-    ++counts_.not_triangulated;
-    for (int o = s.first_observation[j]; o < s.first_observation[j + 1]; ++o) s.observation[o].landmark = kDropped;
+  SEGCAL_SLICES(place_) {
+    sort_observations(closed);
+    index_observations(closed, 3);
+    for (j_ = 0; j_ < s.n_landmarks; ++j_) {
+      SEGCAL_PAUSE(place_);
+      if (triangulate(closed, j_, theta, model, limit)) continue;
+      ++counts_.not_triangulated;
+      for (int o = s.first_observation[j_]; o < s.first_observation[j_ + 1]; ++o) s.observation[o].landmark = kDroppedLandmark;
+    }
+    index_observations(closed, 1);
   }
-  index_observations(1);
-  return s.n_landmarks >= kFewestLandmarks;
+  SEGCAL_SLICES_END(place_);
 }
 
 }  // namespace SEGCAL_NS

@@ -54,7 +54,6 @@ class SegmentEliminator {
   /// Forgets work that is under way.
   void restart() {
     place_ = inner_place_ = 0;
-    link_.restart();
   }
 
   /// What is left, and where its columns stand.
@@ -102,23 +101,27 @@ class SegmentEliminator {
   bool fold_landmarks_step(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping);
   bool fold_ties_step(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model);
   void hold_gauge(const State<S>& x, const MeasurementModel<S>& model);
-  void damp_pose(int k, S damping);
+  void damp_pose(int k, int first, S damping);
   bool run_chain_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                       const MeasurementModel<S>& model, S damping);
   void link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model);
   void link_keyframes(const Segment<S>& segment, int k, const MeasurementModel<S>& model);
-  void start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model);
+  void start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model, int axis);
   void move_landmark(Segment<S>* segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping, const S* step);
   void spread_step(const S* step);
   void spread_linked(const S* step);
 
   EliminationCounts counts_;
   S prior_share_ = S(0);
+  struct Linked {
+    VelocityBiasChain<S> chain;
+    LinkIntegration<S> link;
+  };
   /// One after the other: landmarks, then the chain; between eliminations what others need for a while.
   union Work {
     Work() {}
     LandmarkBlock<S> landmark;
-    VelocityBiasChain<S> chain;
+    Linked linked;
     S lent[kMaxTheta * kMaxTheta];
   };
   Work work_;
@@ -130,7 +133,6 @@ class SegmentEliminator {
   Place place_ = 0, inner_place_ = 0;
   std::int32_t k_ = 0, j_ = 0;
   LandmarkFit<S> fit_;
-  LinkIntegration<S> link_;
 };
 
 /// Typical sizes of a step: damping is measured against them. rad, m, m/s, m/s^2, rad/s.
@@ -153,19 +155,24 @@ bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const Guest
     prior_share_ = S(0);
     SEGCAL_AWAIT(place_, fold_landmarks_step(segment, theta, model, damping));
     SEGCAL_AWAIT(place_, fold_ties_step(segment, theta, model));
+    SEGCAL_PAUSE(place_);
     if (guest.holds_gauge()) hold_gauge(segment.states.x[0], model);
+    SEGCAL_PAUSE(place_);
     for (k_ = 0; k_ < layout().keyframes && damping > S(0); ++k_) {
-      damp_pose(k_, damping);
+      damp_pose(k_, 0, damping);
+      SEGCAL_PAUSE(place_);
+      damp_pose(k_, 3, damping);
       SEGCAL_PAUSE(place_);
     }
-    (new (&work_.chain) VelocityBiasChain<S>)->begin(nullptr, layout(), nullptr);
+    (new (&work_.linked) Linked)->chain.begin(nullptr, layout(), nullptr);
     SEGCAL_AWAIT(place_, run_chain_step(segment, guest, theta, model, damping));
-    work_.chain.finish(&reduced_);
+    SEGCAL_PAUSE(place_);
+    work_.linked.chain.finish(&reduced_);
     SEGCAL_AWAIT(place_, reduced_.fold_step());
     // Gauge, bias prior and damping are no residuals; the bias walk over a gap is.
     counts_.unknowns -= (guest.holds_gauge() ? 4 : 0) + (guest.join == Join::none ? 6 : 0);
     counts_.residuals += guest.join == Join::bias ? 6 : 0;
-    counts_.residuals += 2 * counts_.image_points + 15 * work_.chain.links();
+    counts_.residuals += 2 * counts_.image_points + 15 * work_.linked.chain.links();
     counts_.unknowns += 3 * counts_.landmarks + kStateColumns * layout().keyframes;
   }
   SEGCAL_SLICES_END(place_);
@@ -217,6 +224,7 @@ bool SegmentEliminator<S>::fold_landmarks_step(const Segment<S>& segment, const 
         counts_.image_points += fit_.used;
         ++counts_.landmarks;
         prior_share_ += fit_.prior_share;
+        SEGCAL_PAUSE(inner_place_);
       }
     }
   }
@@ -233,8 +241,10 @@ bool SegmentEliminator<S>::fold_ties_step(const Segment<S>& segment, const Calib
       fit_ = work_.landmark.build_tied(segment, j_, theta, model, layout(), camera_term_);
       if (fit_.used == 0) continue;
       reduced_.begin_visual(work_.landmark.tied_rows(), fit_.rows, work_.landmark.stride(), fit_.first_keyframe, fit_.last_keyframe, true);
+      SEGCAL_PAUSE(inner_place_);
       SEGCAL_AWAIT(inner_place_, reduced_.fold_step());
       counts_.image_points += fit_.used;
+      SEGCAL_PAUSE(inner_place_);
     }
   }
   SEGCAL_SLICES_END(inner_place_);
@@ -249,10 +259,10 @@ void SegmentEliminator<S>::hold_gauge(const State<S>& x, const MeasurementModel<
   reduced_.fold_rotation(0, x.R_GI.transpose() * (model.g / -square_root(model.g.squaredNorm())), hold);
 }
 
+/// Three of a pose's columns.
 template <class S>
-void SegmentEliminator<S>::damp_pose(int k, S damping) {
-  if (!(damping > S(0))) return;
-  for (int c = 0; c < kPoseColumns; ++c) {
+void SegmentEliminator<S>::damp_pose(int k, int first, S damping) {
+  for (int c = first; c < first + 3; ++c) {
     reduced_.fold_scalar(layout().pose(k) + c, damping / typical_step<S>(c), S(0));
   }
 }
@@ -263,26 +273,35 @@ bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const Guest
                                           const MeasurementModel<S>& model, S damping) {
   SEGCAL_SLICES(inner_place_) {
     if (guest.join == Join::imu) {
-      SEGCAL_AWAIT(inner_place_, link_.step(segment, 0, theta, guest.state.b_a, guest.state.b_g, model.imu, &imu_terms_));
+      SEGCAL_AWAIT(inner_place_, work_.linked.link.step(segment, 0, theta, guest.state.b_a, guest.state.b_g, model.imu, &imu_terms_));
       SEGCAL_PAUSE(inner_place_);
     }
     if (guest.join != Join::none) {
       link_guest(segment, guest, model);
-      SEGCAL_AWAIT(inner_place_, work_.chain.hand_over_step(&reduced_));
+      SEGCAL_PAUSE(inner_place_);
+      SEGCAL_AWAIT(inner_place_, work_.linked.chain.hand_over_step(&reduced_));
+      SEGCAL_PAUSE(inner_place_);
     }
-    start_chain(segment, guest, model);
-    SEGCAL_PAUSE(inner_place_);
+    for (j_ = 0; j_ < 3; ++j_) {
+      start_chain(segment, guest, model, j_);
+      SEGCAL_PAUSE(inner_place_);
+    }
     for (k_ = 0; k_ < segment.n_keyframes; ++k_) {
       for (j_ = kPoseColumns; damping > S(0) && j_ < kStateColumns; ++j_) {
-        work_.chain.add_scalar(j_ - kPoseColumns, damping / typical_step<S>(j_), S(0), &reduced_);
-        if (j_ % 3 == 2) SEGCAL_PAUSE(inner_place_);
+        work_.linked.chain.add_scalar(j_ - kPoseColumns, damping / typical_step<S>(j_), S(0), &reduced_);
+        SEGCAL_PAUSE(inner_place_);
       }
       if (k_ + 1 == segment.n_keyframes) break;
-      SEGCAL_AWAIT(inner_place_, link_.step(segment, k_ + 1, theta, segment.states.x[k_].b_a, segment.states.x[k_].b_g, model.imu, &imu_terms_));
+      SEGCAL_AWAIT(inner_place_, work_.linked.link.step(segment, k_ + 1, theta, segment.states.x[k_].b_a, segment.states.x[k_].b_g, model.imu, &imu_terms_));
       SEGCAL_PAUSE(inner_place_);
       link_keyframes(segment, k_, model);
       SEGCAL_PAUSE(inner_place_);
-      SEGCAL_AWAIT(inner_place_, work_.chain.hand_over_step(&reduced_));
+      work_.linked.chain.finish_current();
+      SEGCAL_PAUSE(inner_place_);
+      work_.linked.chain.move_on();
+      SEGCAL_PAUSE(inner_place_);
+      SEGCAL_AWAIT(inner_place_, work_.linked.chain.hand_over_step(&reduced_));
+      SEGCAL_PAUSE(inner_place_);
     }
   }
   SEGCAL_SLICES_END(inner_place_);
@@ -291,12 +310,12 @@ bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const Guest
 template <class S>
 void SegmentEliminator<S>::link_keyframes(const Segment<S>& segment, int k, const MeasurementModel<S>& model) {
   const State<S>* x = segment.states.x;
-  const ImuIntegral<S>& I = link_.result();
-  ImuRows<S>& rows = work_.chain.lend_rows();
+  const ImuIntegral<S>& I = work_.linked.link.result();
+  ImuRows<S>& rows = work_.linked.chain.lend_rows();
   link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model.g, &rows);
   link_term_columns(rows, &imu_terms_);
   whiten(I, model.imu, &rows, &imu_terms_);
-  work_.chain.add_link(rows, imu_terms_, &reduced_);
+  work_.linked.chain.begin_link(rows, imu_terms_, &reduced_);
 }
 
 /// The link, integrated already, or the walk from the guest to the first keyframe.
@@ -304,28 +323,27 @@ template <class S>
 void SegmentEliminator<S>::link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model) {
   const State<S>& x = segment.states.x[0];
   if (guest.join == Join::imu) {
-    const ImuIntegral<S>& I = link_.result();
-    ImuRows<S>& rows = work_.chain.lend_rows();
+    const ImuIntegral<S>& I = work_.linked.link.result();
+    ImuRows<S>& rows = work_.linked.chain.lend_rows();
     link_rows(I, guest.state, x, guest.state, x, model.g, &rows);
     link_term_columns(rows, &imu_terms_);
-    if (whiten(I, model.imu, &rows, &imu_terms_)) work_.chain.add_guest_link(rows, imu_terms_, &reduced_);
+    if (whiten(I, model.imu, &rows, &imu_terms_)) work_.linked.chain.add_guest_link(rows, imu_terms_, &reduced_);
   } else {
     const S root = square_root(guest.gap_s);
-    work_.chain.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g, S(1) / (model.imu.accel_walk * root),
+    work_.linked.chain.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g, S(1) / (model.imu.accel_walk * root),
                          S(1) / (model.imu.gyro_walk * root), &reduced_);
   }
 }
 
-/// Priors on the first keyframe's velocity and, without a guest, biases.
+/// Priors on one axis of the first keyframe's velocity and, without a guest, biases.
 template <class S>
-void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model) {
+void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model,
+                                       int axis) {
   const State<S>& x = segment.states.x[0];
-  for (int i = 0; i < 3; ++i) {
-    work_.chain.add_scalar(i, S(1) / model.velocity_sigma, -x.v_GI(i) / model.velocity_sigma, &reduced_);
-    if (guest.join != Join::none) continue;
-    work_.chain.add_scalar(3 + i, S(1) / model.bias_a_sigma, -x.b_a(i) / model.bias_a_sigma, &reduced_);
-    work_.chain.add_scalar(6 + i, S(1) / model.bias_g_sigma, -x.b_g(i) / model.bias_g_sigma, &reduced_);
-  }
+  work_.linked.chain.add_scalar(axis, S(1) / model.velocity_sigma, -x.v_GI(axis) / model.velocity_sigma, &reduced_);
+  if (guest.join != Join::none) return;
+  work_.linked.chain.add_scalar(3 + axis, S(1) / model.bias_a_sigma, -x.b_a(axis) / model.bias_a_sigma, &reduced_);
+  work_.linked.chain.add_scalar(6 + axis, S(1) / model.bias_g_sigma, -x.b_g(axis) / model.bias_g_sigma, &reduced_);
 }
 
 template <class S>
@@ -369,9 +387,10 @@ bool SegmentEliminator<S>::back_substitute_step(const Segment<S>& segment, const
     reduced_.back_substitute(step_, at.last() + known - last_column());
     for (int c = 0; c < at.last(); ++c) step[kStateColumns * (c / kPoseColumns) + c % kPoseColumns] = step_[c];
     for (int c = 0; c < kStateColumns; ++c) step[last_column() + c] = step_[at.last() + c];
-    (new (&work_.chain) VelocityBiasChain<S>)->begin(step_, at, reduced_.scratch());  // the triangle has told what it knows
+    (new (&work_.linked) Linked)->chain.begin(step_, at, reduced_.scratch());  // the triangle has told what it knows
+    SEGCAL_PAUSE(place_);
     SEGCAL_AWAIT(place_, run_chain_step(segment, guest, theta, model, damping));
-    work_.chain.back_substitute(step + kPoseColumns, kStateColumns);
+    work_.linked.chain.back_substitute(step + kPoseColumns, kStateColumns);
   }
   SEGCAL_SLICES_END(place_);
 }
@@ -381,7 +400,7 @@ bool SegmentEliminator<S>::move_step(Segment<S>* segment, const Calibration<S>& 
                                      S damping, const S* step) {
   SEGCAL_SLICES(place_) {
     spread_step(step);
-    new (&work_.landmark) LandmarkBlock<S>;
+    SEGCAL_PAUSE(place_);
     for (j_ = 0; j_ < segment->n_landmarks; ++j_) {
       move_landmark(segment, j_, theta, model, damping, step);
       SEGCAL_PAUSE(place_);

@@ -20,25 +20,21 @@ S inverse_depth_cost(const Landmark<S>& l, S sigma) {
   return prior * prior;
 }
 
-/// Robust cost of all image points, and the prior on each landmark's inverse distance; that of a tie is not the segment's.
+/// Robust cost of landmark j's image points, and the prior on its inverse distance; that of a tie is not the segment's.
 template <class S>
-S image_cost(const Segment<S>& segment, const TiedLandmarks& tied, const Calibration<S>& theta,
+S image_cost(const Segment<S>& segment, int j, const TiedLandmarks& tied, const Calibration<S>& theta,
              const MeasurementModel<S>& model) {
   const S inverse_variance = S(1) / (model.pixel_sigma * model.pixel_sigma);
-  S total = S(0);
-  for (int j = 0; j < segment.n_landmarks; ++j) {
-    const Landmark<S>& l = segment.states.landmark[j];
-    S sum = tied.place_of(j) >= 0 ? S(0) : inverse_depth_cost(l, model.depth_sigma(segment.wide_depth_prior));
-    for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
-      const Observation& z = segment.observation[o];
-      if (z.rejected) continue;
-      Vec2<S> r;
-      const bool seen = point_residual(segment, z, theta, model.g, l, &r);
-      sum += seen ? robust_term(model, r.squaredNorm() * inverse_variance).cost : model.huber * model.huber;
-    }
-    total += sum;
+  const Landmark<S>& l = segment.states.landmark[j];
+  S sum = tied.place_of(j) >= 0 ? S(0) : inverse_depth_cost(l, model.depth_sigma(segment.wide_depth_prior));
+  for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
+    const Observation& z = segment.observation[o];
+    if (z.rejected) continue;
+    Vec2<S> r;
+    const bool seen = point_residual(segment, z, theta, model.g, l, &r);
+    sum += seen ? robust_term(model, r.squaredNorm() * inverse_variance).cost : model.huber * model.huber;
   }
-  return total;
+  return sum;
 }
 
 /// Marks image points whose whitened residual is longer than `limit`, and takes back earlier marks. Returns their number.
@@ -72,7 +68,7 @@ S start_cost(const Segment<S>& segment, const GuestLink<S>& guest, LinkIntegrati
   return total;
 }
 
-/// Costs of a segment in slices: its images at once, its IMU links one by one.
+/// Costs of a segment in slices: landmark by landmark, and IMU link by IMU link.
 template <class S>
 class CostSteps {
  public:
@@ -98,16 +94,24 @@ class CostSteps {
 
   /// All of a segment's cost; true when total() is it.
   bool step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta, const MeasurementModel<S>& model) {
-    if (!inertial_step(segment, guest, theta, model)) return false;
-    total_ = image_cost(segment, guest.tied, theta, model) + inertial_;
-    return true;
+    SEGCAL_SLICES(image_place_) {
+      SEGCAL_AWAIT(image_place_, inertial_step(segment, guest, theta, model));
+      total_ = S(0);
+      for (k_ = 0; k_ < segment.n_landmarks; ++k_) {
+        total_ += image_cost(segment, k_, guest.tied, theta, model);
+        if (k_ % kLandmarksPerSlice == kLandmarksPerSlice - 1) SEGCAL_PAUSE(image_place_);
+      }
+      total_ += inertial_;
+    }
+    SEGCAL_SLICES_END(image_place_);
   }
   S total() const { return total_; }
-  void restart() { place_ = 0; }
+  void restart() { place_ = image_place_ = 0; }
 
  private:
-  Place place_ = 0;
-  std::int32_t k_ = 0;
+  static constexpr int kLandmarksPerSlice = 8;
+  Place place_ = 0, image_place_ = 0;
+  std::int32_t k_ = 0;   // keyframe, then landmark
   S inertial_ = S(0), total_ = S(0);
   LinkIntegration<S> link_;
 };

@@ -85,8 +85,9 @@ class VelocityBiasChain {
     fold_into_current(15, rest->layout());
   }
 
-  /// Link from the current keyframe to the next one, which becomes the current one.
-  void add_link(const ImuRows<S>& rows, const ImuTermColumns<S>& terms, ReducedSystem<S>* rest) {
+  /// Link from the current keyframe to the next one, which becomes the current one; finish_current() and move_on() go on with
+  /// it, each a slice's work.
+  void begin_link(const ImuRows<S>& rows, const ImuTermColumns<S>& terms, ReducedSystem<S>* rest) {
     clear(15);
     for (int i = 0; i < 15; ++i) {
       put_state(rows, i, 0, 0, current_);
@@ -96,9 +97,13 @@ class VelocityBiasChain {
     ++links_;
     ++current_;
     substitute(15, rest->layout());
-    const int n = active_width();
-    eliminate_current(15, n);
+  }
+  void finish_current() {
+    eliminate_current(15, active_width());
     if (known_) store(current_ - 1);
+  }
+  void move_on() {
+    const int n = active_width();
     // The next keyframe's nine columns, within the block; its first nine rows become the rows of the current keyframe.
     reflect_leading_columns(block_ + kNext, 15, kWidth, n - kNext, kVelocityBiasColumns);
     take_next(n);

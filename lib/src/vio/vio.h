@@ -156,6 +156,7 @@ VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n,
   const int slot = window_.append_empty(t_ns);
   statistics_.dropped_points += tracks_.observe(slot, points, n);
   tracks_.remove_ended_shorter_than(3);
+  start_.link = lend_start_links(&window_);
   if (!initialise(&window_, &tracks_, &start_, options_, origin_, imu)) return VioStatus::initialising;
   running_ = true;
   still_ = start_.still;
