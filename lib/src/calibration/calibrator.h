@@ -39,6 +39,8 @@ class Calibrator {
   /// states are moved by run(). The prior must stay where it is.
   void begin(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
              const MeasurementModel<S>& model);
+  void begin(Segment<S>* const* segments, int count, ThetaPrior<S>&& prior, const Calibration<S>& theta,
+             const MeasurementModel<S>& model) = delete;
   /// The same where a calibration was made from exactly these segments: its fit stays as it is.
   void continue_with(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
                      const MeasurementModel<S>& model) {
