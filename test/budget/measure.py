@@ -53,15 +53,15 @@ def parse(lines):
 
 
 def instructions(path):
-    """From the marked calls in their order (test/firmware/marks.h). A score is the call that ended a segment and the slices up
-    to the next such call, without the frame that the call was about."""
+    """From the marked calls in their order (test/firmware/marks.h). A score is the slices between the frame that ended a segment
+    and the next such frame."""
     calls = [(k, int(n)) for k, n in (line.split() for line in path.read_text().splitlines())]
     of = lambda *kinds: [n for k, n in calls if k in kinds]
     frame_median = statistics.median_low(of("frame"))
     scores = []
     for kind, n in calls:
         if kind == "frame_closing":
-            scores.append(n - min(n, frame_median))
+            scores.append(0)
         elif kind == "score_slice" and scores:
             scores[-1] += n
     background = of("score_slice", "calibrate_slice", "calibrate")

@@ -7,6 +7,8 @@ import subprocess
 import sys
 import tempfile
 
+import measure
+
 BUDGET = pathlib.Path(__file__).with_name("budget.py")
 MEASURED = {
     "target": "cortex-m7", "profile": "mcu", "optimisation": "-O2", "state_bytes": 1000, "code_bytes": 500,
@@ -40,6 +42,24 @@ def expect(code, words, name, *measured, limits=None, open_list=(), options=(), 
         print(f"{name}: exit code {done.returncode}, expected {code} and the words '{words}'\n{done.stdout}{done.stderr}")
         failures += 1
 
+
+def expect_figures(lines, **expected):
+    """Of what the instruction counter wrote."""
+    global failures
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "counts"
+        path.write_text("\n".join(lines) + "\n")
+        found = measure.instructions(path)
+    wrong = {k: found[k] for k, v in expected.items() if found[k] != v}
+    if wrong:
+        print(f"figures from {lines}: {wrong}, expected {expected}")
+        failures += 1
+
+
+expect_figures(["imu_sample 3", "imu_sample 5", "frame 10", "frame_closing 40", "score_slice 7", "score_slice 9", "frame 20",
+                "frame_closing 12", "score_slice 8", "frame 11", "calibrate_slice 6", "calibrate_slice 2"],
+               imu_sample=5, frame_median=11, frame_max=40, slice_max=9, score_segment=16, calibrate=8)
+expect_figures(["imu_sample 3", "frame 10", "calibrate_slice 6", "frame_closing 12", "score_slice 5"], slice_max=6, score_segment=5)
 
 expect(0, "| state_bytes | 1,000 | +0.00% | 1,000 |", "as kept", MEASURED)
 expect(1, "RED: cortex-m7 mcu -O2: state_bytes is 1,001, the limit is 1,000", "over a limit", other(state_bytes=1001))

@@ -21,6 +21,8 @@
 #define SEGCAL_DEFAULT_IMU_SAMPLES 868
 #define SEGCAL_DEFAULT_CLONES 8
 #define SEGCAL_DEFAULT_TRACKS 40
+#define SEGCAL_DEFAULT_FRAME_FEATURES 6
+#define SEGCAL_DEFAULT_START_DELAY_MS 500
 #define SEGCAL_DEFAULT_TIES 4
 #define SEGCAL_DEFAULT_IMU_HISTORY 300
 #define SEGCAL_DEFAULT_EFFECT_ESTIMATES 1
@@ -36,6 +38,8 @@
 #define SEGCAL_DEFAULT_IMU_SAMPLES 2000
 #define SEGCAL_DEFAULT_CLONES 11
 #define SEGCAL_DEFAULT_TRACKS 160
+#define SEGCAL_DEFAULT_FRAME_FEATURES 30
+#define SEGCAL_DEFAULT_START_DELAY_MS 0
 #define SEGCAL_DEFAULT_TIES 8
 #define SEGCAL_DEFAULT_IMU_HISTORY 1000
 #define SEGCAL_DEFAULT_PIXEL_BITS 32
@@ -51,6 +55,8 @@
 #define SEGCAL_DEFAULT_IMU_SAMPLES 8400
 #define SEGCAL_DEFAULT_CLONES 11
 #define SEGCAL_DEFAULT_TRACKS 256
+#define SEGCAL_DEFAULT_FRAME_FEATURES 30
+#define SEGCAL_DEFAULT_START_DELAY_MS 0
 #define SEGCAL_DEFAULT_TIES 16
 #define SEGCAL_DEFAULT_IMU_HISTORY 2000
 #define SEGCAL_DEFAULT_PIXEL_BITS 32
@@ -100,6 +106,17 @@
 /* Feature tracks that the filter follows at the same time, per camera. */
 #ifndef SEGCAL_MAX_TRACKS
 #define SEGCAL_MAX_TRACKS SEGCAL_DEFAULT_TRACKS
+#endif
+/* What the features of one frame may cost the filter, in features that the whole window sees. The others wait, as long as they
+   are seen. It bounds the time of a frame. */
+#ifndef SEGCAL_FRAME_FEATURES
+#define SEGCAL_FRAME_FEATURES SEGCAL_DEFAULT_FRAME_FEATURES
+#endif
+/* The filter's start in motion is background work, which takes effect this long (ms) after the frames that it was made from, so
+   that it does not matter when it was done. 0: it is done at once, in one long frame. The IMU history must hold those frames
+   and this time. */
+#ifndef SEGCAL_START_DELAY_MS
+#define SEGCAL_START_DELAY_MS SEGCAL_DEFAULT_START_DELAY_MS
 #endif
 
 /* Landmarks that calibration shares between segments across gaps, over all segments together; four of them put two

@@ -31,10 +31,10 @@
 #define SEGCAL_FILTER_BYTES                                                                                            \
   (SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_FILTER_COLUMNS + 1u) +                                                     \
                         SEGCAL_LARGER(SEGCAL_FILTER_BLOCK, SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u)) +                   \
-                        2u * SEGCAL_FILTER_COLUMNS + 10u + SEGCAL_LARGER(690u, 61u * (SEGCAL_MAX_CLONES + 1u)) +        \
+                        2u * SEGCAL_FILTER_COLUMNS + 10u + SEGCAL_LARGER(690u, 76u * (SEGCAL_MAX_CLONES + 1u)) +        \
                         24u * (SEGCAL_MAX_CLONES + 1u) + 200u * SEGCAL_MAX_CAMERAS + 100u) +                            \
    16u * (SEGCAL_MAX_CLONES + 1u) +                                                                                     \
-   SEGCAL_MAX_CAMERAS * SEGCAL_MAX_TRACKS * ((SEGCAL_MAX_CLONES + 1u) * 2u * SEGCAL_REAL_BYTES + 8u + SEGCAL_REAL_BYTES) + 256u)
+   SEGCAL_MAX_CAMERAS * SEGCAL_MAX_TRACKS * ((SEGCAL_MAX_CLONES + 1u) * 2u * SEGCAL_REAL_BYTES + 8u + 2u * SEGCAL_REAL_BYTES) + 256u)
 
 /* Elimination of one segment: the reduced triangle; after each other in the same memory one landmark's rows, the chain of
    velocities and biases, and the work of an analysis. */
@@ -68,7 +68,7 @@
 /* Samples and points on their way in. */
 #define SEGCAL_INPUT_BYTES                                                                                             \
   (SEGCAL_IMU_HISTORY * (8u + 6u * SEGCAL_REAL_BYTES) +                                                                 \
-   SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS * (8u + 2u * SEGCAL_REAL_BYTES) + 6u * SEGCAL_MAX_LANDMARKS + 64u)
+   SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS * 2u * (8u + 2u * SEGCAL_REAL_BYTES) + 6u * SEGCAL_MAX_LANDMARKS + 64u)
 
 /* Terms of effects: the copies of theta, and sigmas and verdicts beside it. */
 #define SEGCAL_EFFECT_BYTES ((SEGCAL_MAX_EFFECT_ESTIMATES + 1u) * (10u * (4u + SEGCAL_REAL_BYTES) + 12u * SEGCAL_REAL_BYTES) + 256u)
@@ -77,6 +77,6 @@
 
 #define SEGCAL_STORAGE_BYTES                                                                                           \
   (SEGCAL_DATABASE_BYTES + SEGCAL_FILTER_BYTES + SEGCAL_ELIMINATION_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_INPUT_BYTES + \
-   SEGCAL_EFFECT_BYTES + SEGCAL_MONITOR_BYTES + 470u * SEGCAL_REAL_BYTES + 512u)
+   SEGCAL_EFFECT_BYTES + SEGCAL_MONITOR_BYTES + 470u * SEGCAL_REAL_BYTES + 112u)
 
 #endif

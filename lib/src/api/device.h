@@ -72,11 +72,6 @@ class Device {
   Taken push_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n);
   void flush();
   void new_session();
-  /// Memory for kMaxFramePoints points on their way in, until the filter works on a frame: then they are copied.
-  TrackPoint<S>* lend_points() {
-    static_assert(kMaxFramePoints * sizeof(TrackPoint<S>) <= kBlockSize * sizeof(S), "the filter has too little to lend");
-    return new (vio_.scratch()) TrackPoint<S>[kMaxFramePoints];
-  }
   /// At most `slices` pieces of pending work; returns 1 if some is left, else 0.
   int background(int slices);
   void calibrate();

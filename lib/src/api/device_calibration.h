@@ -9,7 +9,9 @@ namespace SEGCAL_NS {
 /// One slice of the work that waits; false if there is none.
 template <class S>
 bool Device<S>::step() {
-  if (scoring_) {
+  if (vio_.start_pending()) {
+    vio_.start_step(imu_);
+  } else if (scoring_) {
     score_step();
   } else if (calibrating_) {
     calibrating_ = !calibrate_step();
@@ -22,11 +24,12 @@ bool Device<S>::step() {
 template <class S>
 int Device<S>::background(int slices) {
   while (slices > 0 && step()) --slices;
-  return scoring_ || calibrating_ ? 1 : 0;
+  return vio_.start_pending() || scoring_ || calibrating_ ? 1 : 0;
 }
 
 template <class S>
 void Device<S>::read_filter(Release<S>* out, InformationAnalysis<S>* analysis) {
+  vio_.finish_start(imu_);  // it works in the filter's memory
   if (!vio_.knows_sensors()) return release_prior(prior(), out);
   const Calibration<S>& theta = vio_.calibration();
   PackedTriangle<S> R(vio_.scratch(), theta.columns() + 1);

@@ -162,7 +162,10 @@ Taken Device<S>::process_frame() {
   pending_count_ = 0;
   if (imu_.oldest() > pending_time_) return Taken::waiting;
   use_odometry(false);
-  switch (vio_.push_frame(pending_time_, pending_, n, imu_)) {
+  const std::int32_t late_starts = vio_.statistics().late_starts;
+  const VioStatus status = vio_.push_frame(pending_time_, pending_, n, imu_);
+  faults_.slices_late += static_cast<std::uint32_t>(vio_.statistics().late_starts - late_starts);
+  switch (status) {
     case VioStatus::skipped: return Taken::skipped;
     case VioStatus::lost:
       end_segment(false);

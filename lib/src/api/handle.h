@@ -8,6 +8,7 @@ namespace SEGCAL_NS {
 struct CDevice {
   static constexpr std::uint32_t kMagic = 0x5E6CA101u;
   std::uint32_t magic;
+  TrackPoint<Real> points[kMaxFramePoints];  ///< incoming points on their way through
   Device<Real> device;
 };
 

@@ -92,9 +92,8 @@ int segcal_push_tracks(segcal_t* device, int64_t t_ns, const segcal_point_t* poi
   if (!d) return SEGCAL_ERROR_STATE;
   const int error = check_points(*d, points, n);
   if (error != SEGCAL_OK) return error;
-  TrackPoint<Real>* incoming = d->device.lend_points();
-  convert_points(points, n, incoming);
-  return code(d->device.push_tracks(t_ns, incoming, n));
+  convert_points(points, n, d->points);
+  return code(d->device.push_tracks(t_ns, d->points, n));
 }
 
 int segcal_push_keyframe(segcal_t* device, const segcal_state_t* state, const segcal_point_t* points, int32_t n) {
@@ -105,12 +104,11 @@ int segcal_push_keyframe(segcal_t* device, const segcal_state_t* state, const se
   if (error != SEGCAL_OK) return error;
   State<Real> x;
   if (!state_from_c(*state, &x)) return SEGCAL_ERROR_NOT_FINITE;
-  TrackPoint<Real>* incoming = d->device.lend_points();
-  convert_points(points, n, incoming);
+  convert_points(points, n, d->points);
   for (int32_t i = 0; i < n; ++i) {
-    if (!is_finite(incoming[i].uv.x()) || !is_finite(incoming[i].uv.y())) return SEGCAL_ERROR_NOT_FINITE;
+    if (!is_finite(d->points[i].uv.x()) || !is_finite(d->points[i].uv.y())) return SEGCAL_ERROR_NOT_FINITE;
   }
-  return code(d->device.push_keyframe(state->t_ns, x, incoming, n));
+  return code(d->device.push_keyframe(state->t_ns, x, d->points, n));
 }
 
 int segcal_background(segcal_t* device, int32_t slices) {

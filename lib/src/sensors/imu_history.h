@@ -9,6 +9,13 @@ namespace SEGCAL_NS {
 
 constexpr int kImuHistory = SEGCAL_IMU_HISTORY;
 
+/// What terms need to know about [t0, t1].
+template <class S>
+Stretch<S> stretch_between(std::int64_t t0, std::int64_t t1, S warmth, const ImuIntegrator<S>& integrator) {
+  const std::int64_t zero = integrator.time_zero_ns();
+  return {warmth, warmth, S(t0 - zero) * S(1e-9), S(t1 - zero) * S(1e-9)};
+}
+
 template <class S>
 class ImuHistory {
  public:
@@ -40,9 +47,7 @@ class ImuHistory {
 
   /// Integrates from t0 to t1 > t0, which must be covered.
   void integrate(std::int64_t t0, std::int64_t t1, ImuIntegrator<S>* integrator) const {
-    const std::int64_t zero = integrator->time_zero_ns();
-    const Stretch<S> stretch{warmth_, warmth_, S(t0 - zero) * S(1e-9), S(t1 - zero) * S(1e-9)};
-    integrate_samples<S>(*this, t0, t1, S(1e-9), integrator, stretch);
+    integrate_samples<S>(*this, t0, t1, S(1e-9), integrator, stretch_between(t0, t1, warmth_, *integrator));
   }
 
   /// degC above 25 of the newest samples: it changes slowly.
@@ -55,6 +60,21 @@ class ImuHistory {
   S warmth_ = S(0);
   std::int64_t t_[kImuHistory];
   InertialReading<S> reading_[kImuHistory];
+};
+
+/// The samples up to one of them and the warmth of then, while newer ones come in.
+template <class S>
+struct ImuUntil {
+  const ImuHistory<S>& imu;
+  std::int32_t count;
+  S warmth;
+
+  ImuUntil(const ImuHistory<S>& history, std::int64_t last_ns, S warmth_then)
+      : imu(history), count(history.at_or_before(last_ns) + 1), warmth(warmth_then) {}
+  int size() const { return count; }
+  std::int64_t time(int i) const { return imu.time(i); }
+  const InertialReading<S>& reading(int i) const { return imu.reading(i); }
+  int at_or_before(std::int64_t t) const { return SEGCAL_NS::at_or_before(*this, t); }
 };
 
 }  // namespace SEGCAL_NS

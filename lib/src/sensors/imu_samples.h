@@ -104,6 +104,7 @@ class SampleIntegration {
         if (--left_ > 0) continue;
         left_ = kSamples;
         SEGCAL_PAUSE(place_);
+        i_ = at_or_before(samples, t_);  // in a ring that has moved on it stands elsewhere now
       }
       if (beside) set(gyro_slope_at<S>(samples, t1), t1);
       integrator->step(reading_at<S>(samples, t1), S(t1 - t_) * tick_s);

@@ -35,8 +35,8 @@ ReadingSpread<S> reading_spread(const ImuHistory<S>& imu, std::int64_t t0, std::
 
 /// White noise that the readings [first, last] seem to have, standard deviation squared per axis: of their third
 /// differences, which are next to nothing for a motion that the samples resolve. The binomial weights' squares add to 20.
-template <class S>
-InertialReading<S> roughness2(const ImuHistory<S>& imu, int first, int last) {
+template <class S, class Samples>
+InertialReading<S> roughness2(const Samples& imu, int first, int last) {
   InertialReading<S> sum{Vec3<S>::Zero(), Vec3<S>::Zero()};
   for (int i = first; i + 3 <= last; ++i) {
     const InertialReading<S>&a = imu.reading(i), &b = imu.reading(i + 1), &c = imu.reading(i + 2), &d = imu.reading(i + 3);
@@ -56,12 +56,12 @@ S rougher_density(S density, S variance, S interval) {
 
 /// Noise in [t0, t1]. A blow or motors that rattle move the IMU faster than its samples can follow: what they miss does
 /// not average out, and a filter that takes the stated noise for it believes a wrong velocity.
-template <class S>
-ImuNoise<S> noise_in(const ImuHistory<S>& imu, const ImuNoise<S>& stated, std::int64_t t0, std::int64_t t1) {
+template <class S, class Samples>
+ImuNoise<S> noise_in(const Samples& imu, const ImuNoise<S>& stated, std::int64_t t0, std::int64_t t1) {
   const int first = imu.at_or_before(t0), last = imu.at_or_before(t1);
   ImuNoise<S> out = stated;
   if (last - first < 8) return out;
-  const InertialReading<S> rough = roughness2(imu, first, last);
+  const InertialReading<S> rough = roughness2<S>(imu, first, last);
   const S interval = S(imu.time(last) - imu.time(first)) * S(1e-9) / S(last - first);
   out.gyro = rougher_density(stated.gyro, rough.gyro.sum() / S(3), interval);
   out.accel = rougher_density(stated.accel, rough.accel.sum() / S(3), interval);

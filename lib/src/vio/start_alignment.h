@@ -115,18 +115,9 @@ bool fold_alignment_track(Window<S>* w, const StartScratch<S>& s, const VioTrack
   return true;
 }
 
-/// One pass: all tracks folded, v0 and g solved.
+/// v0 and g from the folded tracks; false if they are no numbers.
 template <class S>
-bool alignment_pass(Window<S>* w, const TrackTable<S>& tracks, const StartScratch<S>& s, bool weighted, S sigma,
-                    S magnitude, Vec3<S>* v0, Vec3<S>* g) {
-  S data[packed_size(7)];
-  PackedTriangle<S> R(data, 7);
-  R.clear();
-  int used = 0;
-  for (int k = 0; k < tracks.end(); ++k) {
-    if (tracks[k].used && fold_alignment_track(w, s, tracks[k], weighted, *v0, *g, sigma, &R)) ++used;
-  }
-  if (used < 6) return false;
+bool solve_alignment(const PackedTriangle<S>& R, S magnitude, Vec3<S>* v0, Vec3<S>* g) {
   Mat3<S> R_g = Mat3<S>::Zero();
   Vec3<S> d;
   for (int r = 0; r < 3; ++r) {
@@ -151,20 +142,10 @@ Vec3<S> mean_gravity(const Window<S>& w, const StartScratch<S>& s, S magnitude) 
   return dv * (-magnitude / square_root(dv.squaredNorm()));
 }
 
-/// Velocity and attitude of x0 from the tracks; false if too few of them.
+/// One standard deviation of a bearing, rad.
 template <class S>
-bool align(Window<S>* w, const TrackTable<S>& tracks, const VioOptions<S>& options, const Origin<S>& origin,
-           StartScratch<S>* s) {
-  const S magnitude = square_root(options.g.squaredNorm());
-  Vec3<S> g = mean_gravity(*w, *s, magnitude), v0 = Vec3<S>::Zero();
-  const S sigma = S(2) * options.pixel_sigma / w->theta.camera[0].intrinsics(0);
-  for (int pass = 0; pass < 5; ++pass) {
-    if (!alignment_pass(w, tracks, *s, pass > 0, sigma, magnitude, &v0, &g)) return false;
-  }
-  s->x0.R_GI = origin.attitude(g, options.g);
-  s->x0.v_GI = s->x0.R_GI * v0;
-  s->x0.p_GI = origin.p_GI;
-  return true;
+S alignment_sigma(const Window<S>& w, const VioOptions<S>& options) {
+  return S(2) * options.pixel_sigma / w.theta.camera[0].intrinsics(0);
 }
 
 }  // namespace SEGCAL_NS

@@ -3,6 +3,7 @@
 // Two frames with known relative rotation R see a point along f1 and f2; the three vectors f1, R f2 and the camera's
 // displacement lie in one plane: t' (f1 x R f2) = 0 (Kneip and Lynen 2013). R comes from the gyroscope, so the only
 // unknowns are its bias, common to all pairs, and one direction t per pair, which is eliminated.
+// Pairs are folded one by one (start_motion.h).
 #pragma once
 
 #include "vio/start_links.h"
@@ -88,28 +89,21 @@ void fold_pair(const Window<S>& w, const TrackTable<S>& tracks, const StartScrat
   }
 }
 
-/// Improves x0's gyroscope bias; the links are integrated again at each step.
+/// Prior of the bias at x0's, the equations' beginning.
 template <class S>
-void estimate_gyro_bias(const Window<S>& w, const TrackTable<S>& tracks, const VioOptions<S>& options,
-                        const ImuHistory<S>& imu, StartScratch<S>* s) {
-  for (int iteration = 0; iteration < 4; ++iteration) {
-    integrate_links(w, options, imu, s);
-    S data[packed_size(4)];
-    PackedTriangle<S> total(data, 4);
-    total.clear();
-    for (int c = 0; c < 3; ++c) {
-      total.row(c)[c] = S(1) / options.sigma_b_g;
-      total.row(c)[3] = -s->x0.b_g(c) / options.sigma_b_g;
-    }
-    for (int camera = 0; camera < w.theta.n_cameras; ++camera) {
-      const S sigma = S(1.5) * options.pixel_sigma / w.theta.camera[camera].intrinsics(0);
-      for (int i = 0; i + 2 < w.n_poses; ++i) fold_pair(w, tracks, *s, camera, i, i + 2, sigma, &total);
-    }
-    S step[3] = {total(0, 3), total(1, 3), total(2, 3)};
-    back_substitute(total, 3, step);
-    s->x0.b_g += Vec3<S>(step[0], step[1], step[2]);
+void begin_gyro_bias(const VioOptions<S>& options, const StartScratch<S>& s, PackedTriangle<S>* total) {
+  total->clear();
+  for (int c = 0; c < 3; ++c) {
+    total->row(c)[c] = S(1) / options.sigma_b_g;
+    total->row(c)[3] = -s.x0.b_g(c) / options.sigma_b_g;
   }
-  integrate_links(w, options, imu, s);
+}
+
+template <class S>
+void solve_gyro_bias(const PackedTriangle<S>& total, StartScratch<S>* s) {
+  S step[3] = {total(0, 3), total(1, 3), total(2, 3)};
+  back_substitute(total, 3, step);
+  s->x0.b_g += Vec3<S>(step[0], step[1], step[2]);
 }
 
 }  // namespace SEGCAL_NS

@@ -13,6 +13,8 @@ struct StartLink {
   Vec3<S> dv, dp;          ///< without gravity; m/s, m
   Mat3<S> R_bg;            ///< right perturbation of dR by b_g
   Mat<S, 3, 3> v_ba, v_bg, p_ba, p_bg;
+  Mat3<S> dR_base;         ///< as integrated
+  Vec3<S> dv_base, dp_base;
 };
 
 /// Where the next start puts the device: yaw and place are not observable, so they are continued.
@@ -69,9 +71,9 @@ StartLink<S>* lend_start_links(Window<S>* w) {
 template <class S>
 void copy_link(const ImuIntegral<S>& I, StartLink<S>* link) {
   link->t = I.dt;
-  link->dR = I.dR;
-  link->dv = I.dv;
-  link->dp = I.dp;
+  link->dR = link->dR_base = I.dR;
+  link->dv = link->dv_base = I.dv;
+  link->dp = link->dp_base = I.dp;
   link->R_bg = I.J_R.template leftCols<3>();
   link->v_bg = I.J_v.template middleCols<3>(kInputBg);
   link->v_ba = I.J_v.template middleCols<3>(kInputBa);
@@ -79,22 +81,14 @@ void copy_link(const ImuIntegral<S>& I, StartLink<S>* link) {
   link->p_ba = I.J_p.template middleCols<3>(kInputBa);
 }
 
-/// Integrates once over the whole window at x0's biases and keeps the integral at each frame.
+/// The integrals at x0's biases, which are so far from those that they were made at: to first order (Forster et al. 2017).
 template <class S>
-void integrate_links(const Window<S>& w, const VioOptions<S>& options, const ImuHistory<S>& imu, StartScratch<S>* s) {
-  ImuIntegrator<S> integrator(w.theta.imu, s->x0.b_a, s->x0.b_g, options.noise);
-  std::int64_t t = w.pose[0].time;
-  integrator.start(imu.at(t));
-  copy_link(integrator.result(), &s->link[0]);
-  for (int i = 1; i < w.n_poses; ++i) {
-    const std::int64_t end = w.pose[i].time;
-    for (int k = imu.at_or_before(t) + 1; k < imu.size() && imu.time(k) < end; ++k) {
-      integrator.step(imu.reading(k), S(imu.time(k) - t) * S(1e-9));
-      t = imu.time(k);
-    }
-    if (end > t) integrator.step(imu.at(end), S(end - t) * S(1e-9));
-    t = end;
-    copy_link(integrator.result(), &s->link[i]);
+void correct_links(int n, const Vec3<S>& d_ba, const Vec3<S>& d_bg, StartLink<S>* links) {
+  for (int i = 0; i < n; ++i) {
+    StartLink<S>& link = links[i];
+    link.dR = link.dR_base * so3_exp<S>(Vec3<S>(link.R_bg * d_bg));
+    link.dv = link.dv_base + link.v_bg * d_bg + link.v_ba * d_ba;
+    link.dp = link.dp_base + link.p_bg * d_bg + link.p_ba * d_ba;
   }
 }
 

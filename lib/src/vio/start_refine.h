@@ -85,10 +85,10 @@ struct RefineFit {
   int good = 0;   ///< tracks whose residuals are about what pixel_sigma says
 };
 
-/// One track's rows [l 3 | x0 15 | extrinsics | rhs] into the triangle, Huber weights beyond 2 sigma.
+/// One track's rows [l 3 | x0 15 | extrinsics | rhs] into the triangle, Huber weights beyond 2 sigma. *rho: triangulate_again().
 template <class S>
 void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, const StartScratch<S>& s,
-                  PackedTriangle<S>* R, RefineFit<S>* fit) {
+                  PackedTriangle<S>* R, RefineFit<S>* fit, S* rho) {
   const TrackView<S> view = view_of(*w, track);
   if (view.n < 4) return;
   fit->points += view.n;
@@ -97,7 +97,7 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
   const int n = R->columns() - 1, stride = kLandmarkColumns + n + 1;
   const CameraCalibration<S>& camera = w->theta.camera[track.camera];
   S cost = S(0);
-  bool good = triangulate(*w, view, S(4) * options.pixel_sigma, w->block, &l);
+  bool good = triangulate_again(*w, view, S(4) * options.pixel_sigma, w->block, &l, rho);
   for (int i = 0; good && i < view.n; ++i) {
     const WindowPose<S>& pose = w->pose[view.pose[i]];
     ReprojectionRows<S> rows;
@@ -132,22 +132,17 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
   fold_rows(*R, w->block + 3 * stride + 3, 2 * view.n - 3, stride, 0, n);
 }
 
-/// Linearises the window at s->x0 and the present extrinsics.
+/// Poses and priors at s.x0 and the present extrinsics; the tracks' rows follow one by one (start_motion.h).
 template <class S>
-RefineFit<S> linearise_start(Window<S>* w, const TrackTable<S>& tracks, const VioOptions<S>& options,
-                             const ImuHistory<S>& imu, StartScratch<S>* s, PackedTriangle<S>* R) {
-  integrate_links(*w, options, imu, s);
-  place_poses(w, options, *s);
+RefineFit<S> begin_linearisation(Window<S>* w, const VioOptions<S>& options, const StartScratch<S>& s, PackedTriangle<S>* R) {
+  place_poses(w, options, s);
   R->clear();
   const StartColumns at{0, 3, 6, kStateColumns, kExtrinsicColumns};
-  fold_start_prior(options, s->x0, R, at, S(3), w->block);
+  fold_start_prior(options, s.x0, R, at, S(3), w->block);
   fold_camera_prior(*w, options, R, at, w->block);
   RefineFit<S> fit;
   const int n = R->columns() - 1;
   for (int j = 0; j < n; ++j) fit.cost += (*R)(j, n) * (*R)(j, n);
-  for (int k = 0; k < tracks.end(); ++k) {
-    if (tracks[k].used) refine_track(w, tracks[k], options, *s, R, &fit);
-  }
   return fit;
 }
 
@@ -182,58 +177,30 @@ void take_start_step(Window<S>* w, const S* step, StartScratch<S>* s) {
   }
 }
 
-/// Minimises over x0 and the extrinsics; the best ones stay in s->x0 and the window, with R linearised there.
+/// One damped step from the linearisation in R.
 template <class S>
-RefineFit<S> refine_start(Window<S>* w, const TrackTable<S>& tracks, const VioOptions<S>& options,
-                          const ImuHistory<S>& imu, StartScratch<S>* s, PackedTriangle<S>* R) {
-  S* damped = w->triangle + packed_size(kRefineColumns + 1);
-  RefineFit<S> fit = linearise_start(w, tracks, options, imu, s, R);
-  S lambda = S(1e-3), step[kRefineColumns];
-  for (int iteration = 0; iteration < 8; ++iteration) {
-    s->best = s->x0;
-    for (int c = 0; c < w->theta.n_cameras; ++c) s->best_camera[c] = w->theta.camera[c];
-    damped_step(*R, lambda, damped, w->block, step);
-    take_start_step(w, step, s);
-    const RefineFit<S> next = linearise_start(w, tracks, options, imu, s, R);
-    if (next.cost < fit.cost) {
-      const bool done = fit.cost - next.cost < S(1e-3) * fit.cost;
-      fit = next;
-      lambda *= S(0.1);
-      if (done) break;
-      continue;
-    }
-    lambda *= S(10);
-    s->x0 = s->best;
-    for (int c = 0; c < w->theta.n_cameras; ++c) w->theta.camera[c] = s->best_camera[c];
-    fit = linearise_start(w, tracks, options, imu, s, R);
-    if (lambda > S(10)) break;
-  }
-  return fit;
+void descend(Window<S>* w, const PackedTriangle<S>& R, S lambda, StartScratch<S>* s) {
+  S step[kRefineColumns];
+  damped_step(R, lambda, w->triangle + packed_size(kRefineColumns + 1), w->block, step);
+  take_start_step(w, step, s);
 }
 
-/// Tracks that do not fit the refined window are mismatches or things that move: they are not offered to the filter.
+/// A track that does not fit the refined window is a mismatch or a thing that moves: it is not to be offered to the filter.
 template <class S>
-int discard_misfits(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, S pixel_scale) {
-  int discarded = 0;
+bool misfit(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, S pixel_scale) {
   const S sigma = options.pixel_sigma * pixel_scale;
-  for (int k = 0; k < tracks->end(); ++k) {
-    VioTrack<S>& track = (*tracks)[k];
-    const TrackView<S> view = view_of(*w, track);
-    if (!track.used || view.n < kMinTrackLength) continue;
-    Landmark<S> l;
-    S cost = S(0);
-    bool good = triangulate(*w, view, S(4) * sigma, w->block, &l);
-    for (int i = 0; good && i < view.n; ++i) {
-      const WindowPose<S>& pose = w->pose[view.pose[i]];
-      Vec2<S> r;
-      good = reprojection_residual(w->theta.camera[track.camera], pose.R_GI, pose.p_GI, l, view.uv(*w, i), &r);
-      if (good) cost += r.squaredNorm();
-    }
-    if (good && cost < S(2) * sigma * sigma * chi_square_gate<S>(2 * view.n - 3)) continue;
-    track.slots = 0;
-    ++discarded;
+  const TrackView<S> view = view_of(*w, track);
+  if (!track.used || view.n < kMinTrackLength) return false;
+  Landmark<S> l;
+  S cost = S(0);
+  bool good = triangulate(*w, view, S(4) * sigma, w->block, &l);
+  for (int i = 0; good && i < view.n; ++i) {
+    const WindowPose<S>& pose = w->pose[view.pose[i]];
+    Vec2<S> r;
+    good = reprojection_residual(w->theta.camera[track.camera], pose.R_GI, pose.p_GI, l, view.uv(*w, i), &r);
+    if (good) cost += r.squaredNorm();
   }
-  return discarded;
+  return !(good && cost < S(2) * sigma * sigma * chi_square_gate<S>(2 * view.n - 3));
 }
 
 }  // namespace SEGCAL_NS

@@ -9,7 +9,7 @@
 #pragma once
 
 #include "vio/standstill.h"
-#include "vio/vio_initialise.h"
+#include "vio/start_motion.h"
 #include "vio/vio_propagate.h"
 #include "vio/vio_tracks.h"
 #include "vio/vio_types.h"
@@ -36,6 +36,17 @@ class Vio {
   /// Forgets place and motion and waits for frames, but keeps what was learnt about the sensors, with its information.
   void next_session();
 
+  /// A start in motion waits for slices.
+  bool start_pending() const { return starting_ && motion_.pending(); }
+  /// One of them. Until a frame comes that is late enough for it to take effect, nobody sees what it did.
+  void start_step(const ImuHistory<S>& imu) { motion_.step(start_context(), imu); }
+  /// All that is left of them; false if there was nothing.
+  bool finish_start(const ImuHistory<S>& imu) {
+    const bool pending = start_pending();
+    while (start_pending()) start_step(imu);
+    return pending;
+  }
+
   /// The next frame of all cameras, stamps in IMU time. `imu` must cover the time since the last frame up to t_ns.
   VioStatus push_frame(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
 
@@ -47,7 +58,7 @@ class Vio {
   void covariance(Mat<S, kStateColumns, kStateColumns>* P) { state_covariance(&window_, P); }
 
   /// The calibration that the filter runs with; its cameras are the filter's own estimates.
-  const Calibration<S>& calibration() const { return window_.theta; }
+  const Calibration<S>& calibration() const { return running_ ? window_.theta : window_.given; }
   /// Information on it, as a triangle over theta's columns and a right-hand side of zero; only
   /// where knows_sensors().
   void calibration_information(PackedTriangle<S>* out) { sensor_triangle(&window_, out); }
@@ -71,6 +82,12 @@ class Vio {
  private:
   VioStatus collect(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
   VioStatus track(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
+  VioStatus wait_for_start(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
+  VioStatus try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu);
+  VioStatus begin_running();
+  StartContext<S> start_context() {
+    return {&window_, &tracks_, &start_, options_, origin_, &monitor_, &statistics_};
+  }
   VioStatus give_up();
   void forget();
   void make_room();
@@ -81,14 +98,25 @@ class Vio {
   Window<S> window_;
   TrackTable<S> tracks_;
   StartScratch<S> start_;
+  MotionStart<S> motion_;
   ResidualMonitor<S> monitor_;
   Origin<S> origin_;  ///< where the next start places the device: the last place known
   VioStatistics statistics_;
-  std::int64_t time_, last_update_;
+  std::int64_t time_, last_update_;   ///< of the newest pose; of the last feature
+  std::int64_t arrived_;      ///< newest frame, whether it became a pose or not
+  std::int64_t start_due_;    ///< a start takes effect at the first frame from then on
   std::int32_t denied_rest_;  ///< frames in a row at rest beyond doubt that the filter takes for motion
   std::int32_t place_kept_;   ///< frames in a row that rocked in place, as far as the window reaches
   bool running_, still_;
+  bool starting_;             ///< in motion, from the frames in the window
 };
+
+/// So many samples, and a few, come in the time of the window's last two frames.
+template <class S>
+int samples_until_next_frame(const ImuHistory<S>& imu, const Window<S>& w) {
+  const int n = imu.at_or_before(w.newest().time) - imu.at_or_before(w.pose[w.n_poses - 2].time);
+  return n + n / 4 + 2;
+}
 
 template <class S>
 void Vio<S>::reset(const Calibration<S>& theta, const VioOptions<S>& options) {
@@ -97,13 +125,14 @@ void Vio<S>::reset(const Calibration<S>& theta, const VioOptions<S>& options) {
   origin_ = Origin<S>();
   statistics_ = VioStatistics();
   monitor_ = ResidualMonitor<S>();
-  time_ = INT64_MIN;
+  time_ = arrived_ = INT64_MIN;
   forget();
 }
 
 template <class S>
 void Vio<S>::forget() {
-  running_ = still_ = false;
+  running_ = still_ = starting_ = false;
+  motion_.cancel();
   denied_rest_ = place_kept_ = 0;
   window_.clear();
   tracks_.clear(window_.theta.n_cameras);
@@ -123,24 +152,25 @@ void Vio<S>::next_session() {
   }
   origin_ = Origin<S>();
   monitor_ = ResidualMonitor<S>();
-  time_ = INT64_MIN;
+  time_ = arrived_ = INT64_MIN;
   forget();
 }
 
 template <class S>
 VioStatus Vio<S>::push_frame(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
   if (imu.size() < 2 || imu.newest() < t_ns) return VioStatus::waiting;
-  const bool first = time_ == INT64_MIN;
-  if (!first && t_ns <= time_) return VioStatus::skipped;
+  const bool first = arrived_ == INT64_MIN;
+  if (!first && t_ns <= arrived_) return VioStatus::skipped;
   // One millisecond of grace: stamps jitter, and 0.0999 s is meant to be 0.1 s.
-  if (!first && S(t_ns - time_) * S(1e-9) < options_.frame_interval_s - S(1e-3)) return VioStatus::skipped;
+  if (!first && S(t_ns - arrived_) * S(1e-9) < options_.frame_interval_s - S(1e-3)) return VioStatus::skipped;
   ++statistics_.frames;
-  const bool gap = !first && (S(t_ns - time_) * S(1e-9) > options_.max_gap_s || !imu.covers(time_, t_ns));
+  const bool gap = !first && (S(t_ns - arrived_) * S(1e-9) > options_.max_gap_s || !imu.covers(arrived_, t_ns));
   if (gap && running_) {
-    time_ = t_ns;
+    time_ = arrived_ = t_ns;
     return give_up();
   }
   if (gap) forget();
+  if (starting_) return wait_for_start(t_ns, points, n, imu);
   return running_ ? track(t_ns, points, n, imu) : collect(t_ns, points, n, imu);
 }
 
@@ -148,26 +178,60 @@ VioStatus Vio<S>::push_frame(std::int64_t t_ns, const TrackPoint<S>* points, int
 template <class S>
 VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
   if (!imu.covers(t_ns, t_ns)) return VioStatus::skipped;
-  time_ = t_ns;
-  if (window_.n_poses == kWindow || (window_.n_poses && !imu.covers(window_.pose[0].time, t_ns))) {
+  time_ = arrived_ = t_ns;
+  while (window_.n_poses == kWindow || (window_.n_poses > 0 && !imu.covers(window_.pose[0].time, t_ns))) {
     tracks_.forget_slot(window_.pose[0].slot);
     window_.forget_oldest();
   }
   const int slot = window_.append_empty(t_ns);
   statistics_.dropped_points += tracks_.observe(slot, points, n);
   tracks_.remove_ended_shorter_than(3);
+  return try_to_start(t_ns, imu);
+}
+
+template <class S>
+VioStatus Vio<S>::try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu) {
   start_.link = lend_start_links(&window_);
-  if (!initialise(&window_, &tracks_, &start_, options_, origin_, imu)) return VioStatus::initialising;
+  if (window_at_rest(window_, tracks_, options_, imu)) {
+    start_at_rest(&window_, &tracks_, options_, origin_, imu, &start_);
+    monitor_ = ResidualMonitor<S>();
+    return begin_running();
+  }
+  if (window_.n_poses < kStartFrames) return VioStatus::initialising;
+  motion_.begin(window_, imu);
+  starting_ = true;
+  start_due_ = t_ns + std::int64_t(SEGCAL_START_DELAY_MS) * 1000000;
+  if (start_due_ > t_ns && motion_.keeps_samples(imu, samples_until_next_frame(imu, window_))) return VioStatus::initialising;
+  finish_start(imu);
+  starting_ = false;
+  return motion_.succeeded() ? begin_running() : VioStatus::initialising;
+}
+
+/// Frames between those of the start and its effect are let go: features are tracked over the gap.
+template <class S>
+VioStatus Vio<S>::wait_for_start(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
+  arrived_ = t_ns;
+  if (!motion_.keeps_samples(imu, 0)) {   // no frame came in time: what the slices did is not to be used
+    forget();
+    return collect(t_ns, points, n, imu);
+  }
+  // One millisecond of grace, as for the frames' distance.
+  if (t_ns < start_due_ - 1000000 && motion_.keeps_samples(imu, samples_until_next_frame(imu, window_))) return VioStatus::initialising;
+  if (finish_start(imu)) ++statistics_.late_starts;
+  starting_ = false;
+  if (!motion_.succeeded()) return collect(t_ns, points, n, imu);
+  const VioStatus begun = begin_running();
+  return begun == VioStatus::tracking ? track(t_ns, points, n, imu) : begun;
+}
+
+/// From the window as a start has left it.
+template <class S>
+VioStatus Vio<S>::begin_running() {
   running_ = true;
   still_ = start_.still;
   ++statistics_.starts;
-  monitor_ = ResidualMonitor<S>();
-  monitor_.scale = start_.pixel_scale;
-  last_update_ = t_ns;
-  if (!still_) use_all_tracks(&window_, &tracks_, options_, &monitor_, &statistics_);
-  if (window_.n_poses == kWindow) make_room();
-  if (!healthy()) return give_up();
-  return VioStatus::tracking;
+  last_update_ = time_;
+  return healthy() ? VioStatus::tracking : give_up();
 }
 
 template <class S>
@@ -187,7 +251,7 @@ VioStatus Vio<S>::track(std::int64_t t_ns, const TrackPoint<S>* points, int n, c
     const Mat3<S> R_GI = window_.now.R_GI * I.dR;
     move_on(t_ns, points, n, I, test.place_kept(R_GI, monitor_.nearness, place_kept_, points, n));
   }
-  time_ = t_ns;
+  time_ = arrived_ = t_ns;
   window_.newest().time = t_ns;
   return healthy() ? VioStatus::tracking : give_up();
 }

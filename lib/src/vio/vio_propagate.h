@@ -63,18 +63,31 @@ void stack_motion(Window<S>* w) {
   }
 }
 
-/// Eliminates the old motion and folds what is left, as many of the link's rows at a time as the block has room for.
+/// Where reduce_link() leaves its rows.
+template <class S>
+S* link_rows_in(Window<S>* w) {
+  return w->block + kMotionColumns * kBlockStride + kMotionColumns;
+}
+
+/// After stack_motion(): as many of the link's rows from row `from` on as the block has room for, with the old motion eliminated.
+/// They are to be folded; returns their number.
+template <class S>
+int reduce_link(Window<S>* w, int from, int old_pose, int new_pose) {
+  const int m = kLinkRows - from < kRowsAtATime ? kLinkRows - from : kRowsAtATime, width = w->columns() + 1 + kMotionColumns;
+  S* rows = w->block + kMotionColumns * kBlockStride;
+  for (int c = 0; c < m * kBlockStride; ++c) rows[c] = S(0);
+  place_link(w, from, from + m, kMotionColumns, 0, kMotionColumns, old_pose, new_pose);
+  for (int j = 0; j < kMotionColumns; ++j) reflect_column(w->block + j * kBlockStride, rows, m, kBlockStride, j, width);
+  return m;
+}
+
 template <class S>
 void fold_link(Window<S>* w, int old_pose, int new_pose) {
   stack_motion(w);
-  const int width = w->columns() + 1 + kMotionColumns;
-  S* rows = w->block + kMotionColumns * kBlockStride;
-  for (int from = 0; from < kLinkRows; from += kRowsAtATime) {
-    const int to = from + kRowsAtATime < kLinkRows ? from + kRowsAtATime : kLinkRows;
-    for (int c = 0; c < (to - from) * kBlockStride; ++c) rows[c] = S(0);
-    place_link(w, from, to, kMotionColumns, 0, kMotionColumns, old_pose, new_pose);
-    for (int j = 0; j < kMotionColumns; ++j) reflect_column(w->block + j * kBlockStride, rows, to - from, kBlockStride, j, width);
-    fold_block(w, rows + kMotionColumns, to - from, 0);
+  for (int from = 0; from < kLinkRows;) {
+    const int m = reduce_link(w, from, old_pose, new_pose);
+    fold_block(w, link_rows_in(w), m, 0);
+    from += m;
   }
 }
 

@@ -103,12 +103,10 @@ bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<
   return true;
 }
 
-/// Fits the landmark to its observations at the window's estimates. `scratch` holds 8 kWindow + 8 entries.
-/// False: no convergence, behind a camera, closer than 5 cm. Optional: the inverse distance's sigma, poses exact; 1/m.
+/// Gauss-Newton from *l.
 template <class S>
-bool triangulate(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l,
-                 S rho_sigma = kInverseDistanceSigma<S>, S* sigma_rho = nullptr) {
-  if (!guess_landmark(w, view, l)) return false;
+bool refine_landmark(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l,
+                     S rho_sigma = kInverseDistanceSigma<S>, S* sigma_rho = nullptr) {
   S step[3], pivot, cost = S(0), last = S(-1);
   for (int iteration = 0; iteration < 6; ++iteration) {
     if (!landmark_step(w, view, *l, rho_sigma, pixel_sigma, scratch, step, &pivot, &cost)) return false;
@@ -122,6 +120,26 @@ bool triangulate(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S*
   if (sigma_rho) *sigma_rho = pixel_sigma / (pivot > S(1e-6) ? pivot : S(1e-6));
   // Slightly negative is noise about infinity; clearly negative is behind the camera.
   return is_finite(l->rho) && l->rho * pivot > S(-4) * pixel_sigma && l->rho < S(20);
+}
+
+/// Fits the landmark to its observations at the window's estimates. `scratch` holds 8 kWindow + 8 entries.
+/// False: no convergence, behind a camera, closer than 5 cm. Optional: the inverse distance's sigma, poses exact; 1/m.
+template <class S>
+bool triangulate(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l,
+                 S rho_sigma = kInverseDistanceSigma<S>, S* sigma_rho = nullptr) {
+  return guess_landmark(w, view, l) && refine_landmark(w, view, pixel_sigma, scratch, l, rho_sigma, sigma_rho);
+}
+
+/// The same with *rho for a first guess of the inverse distance, if it is not negative; afterwards *rho serves the next time.
+template <class S>
+bool triangulate_again(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l, S* rho) {
+  const S guess = *rho;
+  *rho = S(-1);
+  if (!(guess < S(0)) ? !ray_in_world(w, view, 0, &l->o, &l->m) : !guess_landmark(w, view, l)) return false;
+  if (!(guess < S(0))) l->rho = guess;
+  if (!refine_landmark<S>(w, view, pixel_sigma, scratch, l)) return false;
+  *rho = l->rho > S(0) ? l->rho : S(0);
+  return true;
 }
 
 }  // namespace SEGCAL_NS

@@ -82,34 +82,32 @@ bool finite_rows(const S* rows, int n_rows, int first, int last) {
   return is_finite(sum);
 }
 
-/// Eliminates the landmark and folds the rest into R, unless the gate refuses it: the residual that R cannot absorb is
-/// the innovation's Mahalanobis distance, given the features folded before it.
+/// One track on its way into R.
 template <class S>
-bool fold_feature(Window<S>* w, const TrackView<S>& view, int rows, ResidualMonitor<S>* monitor) {
-  const int first = pose_column(view.pose[0]), landmark = first - kLandmarkColumns, n = w->columns();
-  reflect_leading_columns(w->block + landmark, rows, kBlockStride, n + 1 - landmark, kLandmarkColumns);
-  const int dof = rows - kLandmarkColumns;
-  S* rest = w->block + kLandmarkColumns * kBlockStride;
-  if (!finite_rows(rest, dof, first, n)) return false;  // what is not a number could not be taken back
-  const S distance = fold_block(w, rest, dof, first);
-  const bool accepted = distance < chi_square_gate<S>(dof);
-  if (!accepted) unfold_block(w, rest, dof, first);
-  monitor->note(distance / S(dof), !accepted);
-  return accepted;
+struct Feature {
+  int first = 0, dof = 0;       ///< first column and number of the rows that are left without the landmark
+  bool finite = false;          ///< what is not a number could not be taken back
+  S rho = S(0), sigma_rho = S(1);   ///< inverse distance, 1/m
+};
+
+/// The rows of a feature without its landmark.
+template <class S>
+S* feature_rest(Window<S>* w) {
+  return w->block + kLandmarkColumns * kBlockStride;
 }
 
-/// One track into R. False: not enough points, no landmark, or gated.
+/// Puts a track's rows into the block and eliminates its landmark. False: not enough points, or no landmark.
 template <class S>
-bool use_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
-               VioStatistics* statistics) {
+bool prepare_feature(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
+                     VioStatistics* statistics, Feature<S>* f) {
   const TrackView<S> view = view_of(*w, track);
   if (view.n < kMinTrackLength) return false;
   const S sigma = options.pixel_sigma * monitor->scale;
   const int camera_columns = options.sigma_focal > S(0) ? kMaxCameraColumns : kExtrinsicColumns;
   Landmark<S> l;
-  S sigma_rho = S(1);
   int rows = 0;
-  if (triangulate(*w, view, sigma, w->block, &l, monitor->rho_sigma, &sigma_rho)) {
+  *f = Feature<S>();
+  if (triangulate(*w, view, sigma, w->block, &l, monitor->rho_sigma, &f->sigma_rho)) {
     rows = feature_rows(w, view, l, monitor->rho_sigma, sigma, camera_columns);
   }
   if (rows == 0) {
@@ -117,24 +115,67 @@ bool use_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& opti
     monitor->note_refused(true);
     return false;
   }
-  const bool accepted = fold_feature(w, view, rows, monitor);
-  if (accepted) monitor->note_distance(l.rho, sigma_rho);
+  f->rho = l.rho;
+  f->first = pose_column(view.pose[0]);
+  f->dof = rows - kLandmarkColumns;
+  const int landmark = f->first - kLandmarkColumns, n = w->columns();
+  reflect_leading_columns(w->block + landmark, rows, kBlockStride, n + 1 - landmark, kLandmarkColumns);
+  f->finite = finite_rows(feature_rest(w), f->dof, f->first, n);
+  if (!f->finite) ++statistics->gated;
+  return f->finite;
+}
+
+/// The gate. The residual that R cannot absorb is the innovation's Mahalanobis distance, given the features folded before it.
+template <class S>
+bool passes_gate(const Feature<S>& f, S distance, ResidualMonitor<S>* monitor, VioStatistics* statistics) {
+  const bool accepted = distance < chi_square_gate<S>(f.dof);
+  monitor->note(distance / S(f.dof), !accepted);
+  if (accepted) monitor->note_distance(f.rho, f.sigma_rho);
   ++(accepted ? statistics->updates : statistics->gated);
   return accepted;
 }
 
-/// Uses the tracks that `due` names, at most `limit`, and updates the state. Ended tracks leave the table; a track that
-/// lives on begins anew with its next point, since each point is used once. Returns the number of features used.
+/// One track into R. False: not enough points, no landmark, or gated.
+template <class S>
+bool use_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
+               VioStatistics* statistics) {
+  Feature<S> f;
+  if (!prepare_feature(w, track, options, monitor, statistics, &f)) return false;
+  const S distance = fold_block(w, feature_rest(w), f.dof, f.first);
+  if (passes_gate(f, distance, monitor, statistics)) return true;
+  unfold_block(w, feature_rest(w), f.dof, f.first);
+  return false;
+}
+
+/// Products of folding `rows` rows over `columns` columns.
+constexpr int fold_work(int rows, int columns) { return rows * columns * columns / 2; }
+/// What the features of one frame may cost.
+constexpr int kFrameWork = SEGCAL_FRAME_FEATURES * fold_work(kFeatureRows - kLandmarkColumns, kFilterColumns + 1 - pose_column(0));
+
+/// What folding a track costs at most.
+template <class S>
+int feature_work(const Window<S>& w, const VioTrack<S>& track) {
+  int first = 0;
+  while (first < w.n_poses && !track.in(w.pose[first].slot)) ++first;
+  return fold_work(2 * track.length() + 1 - kLandmarkColumns, w.columns() + 1 - pose_column(first));
+}
+
+/// Uses the tracks that `due` names, as many as a frame has time for, and updates the state. Ended tracks leave the table; a
+/// track that lives on begins anew with its next point, since each point is used once, or waits for the next frame if it had no
+/// turn. Returns the number of features used.
 template <class S, class Due>
 int use_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
-               VioStatistics* statistics, int limit, Due due) {
-  int used = 0, tried = 0;
+               VioStatistics* statistics, Due due) {
+  int used = 0, tried = 0, work = 0;
   for (int i = 0; i < tracks->end(); ++i) {
     VioTrack<S>& track = (*tracks)[i];
     if (!track.used || !due(track)) continue;
-    if (tried < limit && track.length() >= kMinTrackLength) {
+    const int once = feature_work(*w, track);
+    if (tried < kMaxFeaturesPerFrame && work + once <= kFrameWork && track.length() >= kMinTrackLength) {
       ++tried;
-      used += use_track(w, track, options, monitor, statistics) ? 1 : 0;
+      const bool accepted = use_track(w, track, options, monitor, statistics);
+      work += accepted ? once : 2 * once;  // folded and taken back
+      used += accepted ? 1 : 0;
       track.slots = 0;
     }
     if (!track.alive) track.used = false;
@@ -146,7 +187,7 @@ int use_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options
 template <class S>
 int use_ended_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
                      VioStatistics* statistics) {
-  return use_tracks(w, tracks, options, monitor, statistics, kMaxFeaturesPerFrame,
+  return use_tracks(w, tracks, options, monitor, statistics,
                     [](const VioTrack<S>& track) { return !track.alive; });
 }
 
@@ -155,15 +196,8 @@ template <class S>
 int use_leaving_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
                        VioStatistics* statistics) {
   const int slot = w->pose[0].slot;
-  return use_tracks(w, tracks, options, monitor, statistics, kMaxFeaturesPerFrame,
+  return use_tracks(w, tracks, options, monitor, statistics,
                     [slot](const VioTrack<S>& track) { return !track.alive || track.in(slot); });
-}
-
-/// Right after the start, when the window is all there is.
-template <class S>
-int use_all_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
-                   VioStatistics* statistics) {
-  return use_tracks(w, tracks, options, monitor, statistics, kMaxVioTracks, [](const VioTrack<S>&) { return true; });
 }
 
 }  // namespace SEGCAL_NS

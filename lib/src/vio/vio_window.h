@@ -17,7 +17,7 @@ constexpr int kWindow = SEGCAL_MAX_CLONES + 1;  // past poses and the newest
 constexpr int kMotionColumns = 9;               // v, b_a, b_g
 constexpr int kFilterColumns = kMotionColumns + kPoseColumns * kWindow + kMaxCameraColumns * kMaxCameras + kImuColumns;
 constexpr int kLinkRows = 15;
-constexpr int kStartLinkNumbers = 61;           // start_links.h
+constexpr int kStartLinkNumbers = 76;           // start_links.h
 // The scratch block holds the rows of one feature; or the leading rows of R, with room for the new motion, and as many of a
 // link's rows as find room at a time.
 constexpr int kBlockStride = kFilterColumns + 1 + kMotionColumns;
@@ -50,7 +50,7 @@ struct Window {
   State<S> now, now_first;           ///< newest state; its pose is that of newest()
   std::int32_t n_poses;
   S triangle[packed_size(kFilterColumns + 1)];
-  S block[kBlockSize];
+  alignas(8) S block[kBlockSize];
   S work[kBlockStride];
   bool learnt;                       ///< R's rows of the sensors hold what earlier sessions told
   S pivot[kFilterColumns];           ///< diagonal of R before the last fold, to undo it
@@ -133,21 +133,40 @@ S chi_square_gate(int dof) {
 /// Returns the squared norm of what R cannot absorb: the innovation's Mahalanobis distance if d was zero.
 template <class S>
 S fold_block(Window<S>* w, S* rows, int n_rows, int first) {
-  PackedTriangle<S> R = w->R();
   const int n = w->columns();
-  for (int j = first; j < n; ++j) w->pivot[j] = R(j, j);
-  fold_rows(R, rows, n_rows, kBlockStride, first, n);
+  fold_columns(w, rows, n_rows, first, n);
+  return left_over(w, rows, n_rows);
+}
+
+/// Squared norm of what R did not absorb of the rows.
+template <class S>
+S left_over(const Window<S>* w, const S* rows, int n_rows) {
+  const int n = w->columns();
   S rest = S(0);
   for (int i = 0; i < n_rows; ++i) rest += rows[i * kBlockStride + n] * rows[i * kBlockStride + n];
   return rest;
+}
+
+/// The fold's part of columns [first, last).
+template <class S>
+void fold_columns(Window<S>* w, S* rows, int n_rows, int first, int last) {
+  PackedTriangle<S> R = w->R();
+  for (int j = first; j < last; ++j) w->pivot[j] = R(j, j);
+  fold_rows(R, rows, n_rows, kBlockStride, first, last);
 }
 
 /// Takes the last fold_block() back: the same reflections in reverse order, each its own inverse (up to rounding).
 /// Their vectors are still there: reflect_column() leaves the column that it clears in the block, and `pivot` has the rest.
 template <class S>
 void unfold_block(Window<S>* w, S* rows, int n_rows, int first) {
+  unfold_columns(w, rows, n_rows, first, w->columns());
+}
+
+/// Of columns [first, last), the last first.
+template <class S>
+void unfold_columns(Window<S>* w, S* rows, int n_rows, int first, int last) {
   PackedTriangle<S> R = w->R();
-  for (int j = w->columns() - 1; j >= first; --j) {
+  for (int j = last - 1; j >= first; --j) {
     S* r = R.row(j);
     S below = S(0);
     for (int i = 0; i < n_rows; ++i) below += rows[i * kBlockStride + j] * rows[i * kBlockStride + j];
