@@ -254,8 +254,8 @@ typedef struct {
   uint32_t landmarks_left_out, points_left_out;
   uint32_t segments_outdated;
   uint32_t segments_missed;        /* ended while a calibration was under way */
-  uint32_t slices_late;            /* times that a score or a calibration was finished at once in a call that feeds, because
-                                      segcal_background had not done its slices */
+  uint32_t slices_late;            /* times that a score, a calibration or the filter's start was finished at once in a call that
+                                      feeds, because segcal_background had not done its slices */
   uint32_t calibrations;           /* begun */
 } segcal_counters_t;
 
@@ -320,9 +320,10 @@ int segcal_push_tracks(segcal_t *device, int64_t t_ns, const segcal_point_t *poi
 /* Instead of segcal_push_tracks, for users with their own odometry: a keyframe's state and its points. The filter is not
    used. IMU samples up to its stamp must have been pushed. */
 int segcal_push_keyframe(segcal_t *device, const segcal_state_t *state, const segcal_point_t *points, int32_t n);
-/* Does pending work, the score of a segment that has ended or a calibration: at most `slices` pieces, each bounded (see the
-   budgets in docs). Returns 1 while work is pending, else 0, or an error. How often it is called does not change any bit of
-   what comes out. A score must be done when the next segment ends, a calibration at the fourth end; what is not done then is
+/* Does pending work, the filter's start in motion, the score of a segment that has ended or a calibration: at most `slices`
+   pieces, each bounded (see the budgets in docs). Returns 1 while work is pending, else 0, or an error. How often it is called
+   does not change any bit of what comes out. A start must be done SEGCAL_START_DELAY_MS after its frames (with 0 it is done at
+   once and no background work), a score when the next segment ends, a calibration at the fourth end; what is not done then is
    done at once, and counted in slices_late. */
 int segcal_background(segcal_t *device, int32_t slices);
 /* Ends the open segment now, scores it, and finishes all work that is pending. */

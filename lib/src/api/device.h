@@ -126,7 +126,6 @@ class Device {
   void begin_score();
   bool score_step();
   void settle(const Segment<S>& segment);
-  void leave_score();
   void end_score();
   void finish_score();
   bool knows_enough();

@@ -12,7 +12,7 @@ bool Device<S>::step() {
   if (vio_.start_pending()) {
     vio_.start_step(imu_);
   } else if (scoring_) {
-    score_step();
+    scoring_ = !score_step();
   } else if (calibrating_) {
     calibrating_ = !calibrate_step();
   } else {

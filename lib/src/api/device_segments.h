@@ -123,7 +123,7 @@ bool Device<S>::score_step() {
       end_score();
     } else {
       ++faults_.segments_discarded;
-      leave_score();
+      builder_.move_to(&database_.building());
     }
   }
   SEGCAL_SLICES_END(score_place_);
@@ -138,17 +138,10 @@ void Device<S>::settle(const Segment<S>& segment) {
   if (settled_) monitor_.add(&eliminator_, known_theta_);
 }
 
-/// The open segment moves to the slot that is free now.
-template <class S>
-void Device<S>::leave_score() {
-  scoring_ = false;
-  builder_.move_to(&database_.building());
-}
-
-/// A calibration follows if this segment was the one that was missing.
+/// The open segment moves to the slot that is free now. A calibration follows if this segment was the one that was missing.
 template <class S>
 void Device<S>::end_score() {
-  leave_score();
+  builder_.move_to(&database_.building());
   if (!last_.kept || knew_enough_ || !knows_enough()) return;
   knew_enough_ = true;
   if (!options_.calibrates_itself || options_.joint_filter) return;
@@ -158,7 +151,7 @@ void Device<S>::end_score() {
 
 template <class S>
 void Device<S>::finish_score() {
-  while (scoring_) score_step();
+  while (scoring_) scoring_ = !score_step();
 }
 
 /// True if the kept segments are worth a calibration: there are enough (paper, Alg. 1), or, where there are targets, they

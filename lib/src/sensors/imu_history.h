@@ -9,13 +9,6 @@ namespace SEGCAL_NS {
 
 constexpr int kImuHistory = SEGCAL_IMU_HISTORY;
 
-/// What terms need to know about [t0, t1].
-template <class S>
-Stretch<S> stretch_between(std::int64_t t0, std::int64_t t1, S warmth, const ImuIntegrator<S>& integrator) {
-  const std::int64_t zero = integrator.time_zero_ns();
-  return {warmth, warmth, S(t0 - zero) * S(1e-9), S(t1 - zero) * S(1e-9)};
-}
-
 template <class S>
 class ImuHistory {
  public:
@@ -42,14 +35,6 @@ class ImuHistory {
   /// Last sample with time <= t (which must be covered).
   int at_or_before(std::int64_t t) const { return SEGCAL_NS::at_or_before(*this, t); }
 
-  /// The reading at t by linear interpolation; t must be covered.
-  InertialReading<S> at(std::int64_t t) const { return reading_at<S>(*this, t); }
-
-  /// Integrates from t0 to t1 > t0, which must be covered.
-  void integrate(std::int64_t t0, std::int64_t t1, ImuIntegrator<S>* integrator) const {
-    integrate_samples<S>(*this, t0, t1, S(1e-9), integrator, stretch_between(t0, t1, warmth_, *integrator));
-  }
-
   /// degC above 25 of the newest samples: it changes slowly.
   void set_warmth(S warmth) { warmth_ = warmth; }
   S warmth() const { return warmth_; }
@@ -61,6 +46,13 @@ class ImuHistory {
   std::int64_t t_[kImuHistory];
   InertialReading<S> reading_[kImuHistory];
 };
+
+/// What terms need to know about [t0, t1].
+template <class S>
+Stretch<S> stretch_between(std::int64_t t0, std::int64_t t1, S warmth, const ImuIntegrator<S>& integrator) {
+  const std::int64_t zero = integrator.time_zero_ns();
+  return {warmth, warmth, S(t0 - zero) * S(1e-9), S(t1 - zero) * S(1e-9)};
+}
 
 /// The samples up to one of them and the warmth of then, while newer ones come in.
 template <class S>
@@ -75,6 +67,11 @@ struct ImuUntil {
   std::int64_t time(int i) const { return imu.time(i); }
   const InertialReading<S>& reading(int i) const { return imu.reading(i); }
   int at_or_before(std::int64_t t) const { return SEGCAL_NS::at_or_before(*this, t); }
+
+  /// Integrates from t0 to t1 > t0, which must be covered.
+  void integrate(std::int64_t t0, std::int64_t t1, ImuIntegrator<S>* integrator) const {
+    integrate_samples<S>(*this, t0, t1, S(1e-9), integrator, stretch_between(t0, t1, warmth, *integrator));
+  }
 };
 
 }  // namespace SEGCAL_NS

@@ -23,8 +23,9 @@ State<S> predicted(const ImuIntegral<S>& I, const State<S>& x0, const Vec3<S>& g
 template <class S>
 ImuIntegral<S> integral_between(const Window<S>& w, const VioOptions<S>& options, const ImuHistory<S>& imu,
                                 const State<S>& x0, std::int64_t t0, std::int64_t t1) {
-  ImuIntegrator<S> integrator(w.theta.imu, x0.b_a, x0.b_g, noise_in(imu, options.noise, t0, t1), &w.theta.effects);
-  imu.integrate(t0, t1, &integrator);
+  const ImuUntil<S> samples(imu, imu.newest(), imu.warmth());
+  ImuIntegrator<S> integrator(w.theta.imu, x0.b_a, x0.b_g, noise_in(samples, options.noise, t0, t1), &w.theta.effects);
+  samples.integrate(t0, t1, &integrator);
   return integrator.result();
 }
 
