@@ -57,10 +57,11 @@ SyntheticOptions small(std::uint32_t seed, int segments, double gap) {
 
 Calibrator<double>* begin(SyntheticSession* session) {
   Calibrator<double>* calibrator = &solver<double>()->calibrator;
+  static ThetaPrior<double> prior;
+  prior = prior_of(session->nominal);
   Segment<double>* pointers[kMaxSegments];
   for (std::size_t s = 0; s < session->segments.size(); ++s) pointers[s] = session->segments[s].get();
-  calibrator->begin(pointers, static_cast<int>(session->segments.size()), prior_of(session->nominal), session->nominal,
-                    session->model);
+  calibrator->begin(pointers, static_cast<int>(session->segments.size()), prior, session->nominal, session->model);
   return calibrator;
 }
 
@@ -303,7 +304,8 @@ Outcome calibrate(const SyntheticSession& session, bool tied = true, double outl
     pointers[copies.size() - 1] = copies.back().get();
   }
   const Calibration<S> nominal = test::cast<S>(session.nominal);
-  calibrator->begin(pointers, static_cast<int>(copies.size()), prior_of(nominal), nominal, MeasurementModel<S>());
+  const ThetaPrior<S> prior = prior_of(nominal);
+  calibrator->begin(pointers, static_cast<int>(copies.size()), prior, nominal, MeasurementModel<S>());
   calibrator->run(CalibratorOptions(), &solver<S>()->eliminator);
   if (outliers > 0) {
     calibrator->reject_outliers(S(outliers));

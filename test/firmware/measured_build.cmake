@@ -35,8 +35,9 @@ function(segcal_measured_build target profile optimisation)
   if(tools)
     list(APPEND options -DCMAKE_TOOLCHAIN_FILE=${PROJECT_SOURCE_DIR}/cmake/toolchains/${target}.cmake)
   endif()
-  # Compiler caches do not keep call graphs.
+  # Compiler caches do not keep call graphs. One job each: several of these builds run side by side.
   ExternalProject_Add(${name} SOURCE_DIR ${PROJECT_SOURCE_DIR} BINARY_DIR ${build} BUILD_ALWAYS ON INSTALL_COMMAND ""
+    BUILD_COMMAND ${CMAKE_COMMAND} --build <BINARY_DIR> -j 1
     CMAKE_ARGS -GNinja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_C_FLAGS_RELEASE=-O2 -DNDEBUG" "-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DNDEBUG"
                -DCMAKE_CXX_COMPILER_LAUNCHER= -DCMAKE_C_COMPILER_LAUNCHER=
                -DSEGCAL_BUILD_HOST_TOOLS=OFF -DSEGCAL_BUILD_TESTS=OFF -DSEGCAL_BUILD_IMAGES=ON -DSEGCAL_OPTIMISATION=${optimisation}

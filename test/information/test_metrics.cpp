@@ -100,6 +100,8 @@ void check_metrics(const Id& id, const Metrics<double>& expected, const Metrics<
 template <class S>
 InformationAnalysis<S>* analysis() {
   static InformationAnalysis<S> instance;
+  static S work[kMaxTheta * kMaxTheta];
+  instance.W = work;
   return &instance;
 }
 

@@ -197,7 +197,9 @@ void test_whitening() {
   link_rows<double>(I, link.x0, link.x1, link.x0, link.x1, kGravity, &rows);
   const ImuRows<double> plain = rows;
   TEST_ASSERT_TRUE(whiten(I, noise, &rows));
-  const Mat<double, 15, 15> information = link_covariance(I, noise).inverse();
+  Mat<double, 15, 15> covariance;
+  link_covariance(I, noise, &covariance);
+  const Mat<double, 15, 15> information = covariance.inverse();
   const double expected = plain.r.dot(information * plain.r);
   test::check_near(Id().add("check", "whitening"), "squared length", expected, rows.r.squaredNorm(), 1e-8 * expected);
   const Eigen::MatrixXd gram = plain.J.transpose() * information * plain.J, whitened = rows.J.transpose() * rows.J;

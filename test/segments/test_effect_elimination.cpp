@@ -135,9 +135,11 @@ void test_candidates_leave_information_alone() {
 
 Calibrator<double>* begin(test::SyntheticSession* session, const Calibration<double>& theta) {
   static Calibrator<double> calibrator;
+  static ThetaPrior<double> prior;
+  prior = prior_of(theta);
   Segment<double>* pointers[kMaxSegments];
   for (std::size_t s = 0; s < session->segments.size(); ++s) pointers[s] = session->segments[s].get();
-  calibrator.begin(pointers, static_cast<int>(session->segments.size()), prior_of(theta), theta, session->model);
+  calibrator.begin(pointers, static_cast<int>(session->segments.size()), prior, theta, session->model);
   return &calibrator;
 }
 

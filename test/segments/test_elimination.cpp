@@ -178,10 +178,11 @@ DenseProblem dense_chain(const Session& session, Calibrator<double>* calibrator,
 
 Calibrator<double>* begin_calibrator(Session* session) {
   static Calibrator<double> calibrator;
+  static ThetaPrior<double> prior;
+  prior = prior_of(session->nominal);
   Segment<double>* pointers[kMaxSegments];
   for (std::size_t s = 0; s < session->segments.size(); ++s) pointers[s] = session->segments[s].get();
-  calibrator.begin(pointers, static_cast<int>(session->segments.size()), prior_of(session->nominal), session->nominal,
-                   session->model);
+  calibrator.begin(pointers, static_cast<int>(session->segments.size()), prior, session->nominal, session->model);
   return &calibrator;
 }
 

@@ -199,7 +199,8 @@ Mat<double, 15, 15> covariance_error(const ImuNoise<double>& noise, Mat<double, 
   const Path path = make_path();
   mean.start(measure(path, device(), biases(), 0));
   for (int i = 1; i <= kSteps; ++i) mean.step(measure(path, device(), biases(), i * kDt), kDt);
-  const Mat<double, 15, 15> Q = link_covariance(mean.result(), noise);
+  Mat<double, 15, 15> Q;
+  link_covariance(mean.result(), noise, &Q);
   const Vec<double, 15> scale = Q.diagonal().cwiseSqrt().cwiseInverse();
   *correlation = scale.asDiagonal() * Q * scale.asDiagonal();
   return scale.asDiagonal() * (sum - Q) * scale.asDiagonal();

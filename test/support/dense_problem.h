@@ -198,7 +198,8 @@ class DenseProblem {
     link_term_columns(rows, &terms);
     Eigen::MatrixXd J_terms(15, terms.n);
     for (int t = 0; t < terms.n; ++t) J_terms.col(t) = Eigen::Map<const Eigen::VectorXd>(terms.link[t], 15);
-    const Eigen::MatrixXd Q = link_covariance(I, model_.imu);
+    Mat<double, 15, 15> Q;
+    link_covariance(I, model_.imu, &Q);
     const Eigen::LLT<Eigen::MatrixXd> llt(Q);
     const Eigen::MatrixXd J = llt.matrixL().solve(Eigen::MatrixXd(rows.J));
     const Eigen::VectorXd r = llt.matrixL().solve(Eigen::VectorXd(rows.r));

@@ -13,53 +13,70 @@
 #define SEGCAL_WIDE_COLUMNS (SEGCAL_SENSOR_COLUMNS + SEGCAL_MAX_EFFECT_COLUMNS)
 #define SEGCAL_TIE_COLUMNS (3u * SEGCAL_MAX_TIES)
 #define SEGCAL_PACKED(n) ((n) * ((n) + 1u) / 2u)
+#define SEGCAL_LARGER(a, b) ((a) > (b) ? (a) : (b))
 
 /* One slot of the database: raw IMU samples, image points, states and landmarks, R_theta. */
+#define SEGCAL_OBSERVATION_BYTES                                                                                       \
+  (SEGCAL_PIXEL_BITS == 16 && SEGCAL_MAX_LANDMARKS < 512 && SEGCAL_MAX_KEYFRAMES <= 32 && SEGCAL_MAX_CAMERAS <= 2        \
+       ? 6u : 4u + SEGCAL_PIXEL_BITS / 4u)
 #define SEGCAL_SEGMENT_BYTES                                                                                           \
-  (SEGCAL_MAX_IMU_SAMPLES * 14u + SEGCAL_MAX_IMU_SAMPLES / 4u + SEGCAL_MAX_OBSERVATIONS * (4u + SEGCAL_PIXEL_BITS / 4u) +                         \
+  (SEGCAL_MAX_IMU_SAMPLES * 14u + SEGCAL_MAX_IMU_SAMPLES / 4u + SEGCAL_MAX_OBSERVATIONS * SEGCAL_OBSERVATION_BYTES +   \
    SEGCAL_MAX_KEYFRAMES * (21u * SEGCAL_REAL_BYTES + 8u) + SEGCAL_MAX_LANDMARKS * (7u * SEGCAL_REAL_BYTES + 6u) +       \
-   SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 160u)
+   SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 104u)
 #define SEGCAL_DATABASE_BYTES ((SEGCAL_MAX_SEGMENTS + 1u) * (SEGCAL_SEGMENT_BYTES + 1u) + 128u)
 
-/* The filter: a triangle and a block over its columns, and the tracks it follows. */
-#define SEGCAL_FILTER_COLUMNS (11u + 6u * (SEGCAL_MAX_CLONES + 1u) + 14u * SEGCAL_MAX_CAMERAS)
+/* The filter: a triangle over its columns, a block of rows, one inertial link, its poses, and the tracks it follows. */
+#define SEGCAL_FILTER_COLUMNS (24u + 6u * (SEGCAL_MAX_CLONES + 1u) + 14u * SEGCAL_MAX_CAMERAS)
+#define SEGCAL_FILTER_BLOCK (SEGCAL_LARGER(2u * SEGCAL_MAX_CLONES + 3u, 18u) * (SEGCAL_FILTER_COLUMNS + 10u))
 #define SEGCAL_FILTER_BYTES                                                                                            \
-  (SEGCAL_REAL_BYTES * SEGCAL_FILTER_COLUMNS * SEGCAL_FILTER_COLUMNS * 5u / 3u +                                             \
-   SEGCAL_MAX_CAMERAS * SEGCAL_MAX_TRACKS * ((SEGCAL_MAX_CLONES + 1u) * 2u * SEGCAL_REAL_BYTES + 16u) + 1024u)
+  (SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_FILTER_COLUMNS + 1u) +                                                     \
+                        SEGCAL_LARGER(SEGCAL_FILTER_BLOCK, SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u)) +                   \
+                        2u * SEGCAL_FILTER_COLUMNS + 10u + SEGCAL_LARGER(690u, 76u * (SEGCAL_MAX_CLONES + 1u)) +        \
+                        24u * (SEGCAL_MAX_CLONES + 1u) + 200u * SEGCAL_MAX_CAMERAS + 100u) +                            \
+   16u * (SEGCAL_MAX_CLONES + 1u) +                                                                                     \
+   SEGCAL_MAX_CAMERAS * SEGCAL_MAX_TRACKS * ((SEGCAL_MAX_CLONES + 1u) * 2u * SEGCAL_REAL_BYTES + 8u + 2u * SEGCAL_REAL_BYTES) + 256u)
 
-/* Elimination of one segment: the reduced triangle, one landmark's rows, the chain of velocities and biases. */
+/* Elimination of one segment: the reduced triangle; after each other in the same memory one landmark's rows, the chain of
+   velocities and biases, and the work of an analysis. */
 #define SEGCAL_REDUCED_COLUMNS (6u * (SEGCAL_MAX_KEYFRAMES - 1u) + 30u + SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
+#define SEGCAL_LANDMARK_NUMBERS ((2u * SEGCAL_MAX_KEYFRAMES * SEGCAL_MAX_CAMERAS + 4u) * (SEGCAL_REDUCED_COLUMNS + 3u) + 10u)
+#define SEGCAL_CHAIN_COLUMNS (49u + SEGCAL_MAX_EFFECT_COLUMNS + 6u * SEGCAL_MAX_KEYFRAMES)
+#define SEGCAL_CHAIN_NUMBERS                                                                                           \
+  (9u * SEGCAL_CHAIN_COLUMNS + SEGCAL_LARGER(15u * SEGCAL_CHAIN_COLUMNS, 9u * SEGCAL_REDUCED_COLUMNS) +                  \
+   6u * SEGCAL_REDUCED_COLUMNS + 486u)
 #define SEGCAL_ELIMINATION_BYTES                                                                                       \
   (SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_REDUCED_COLUMNS) +                                                         \
-                        (2u * SEGCAL_MAX_KEYFRAMES * SEGCAL_MAX_CAMERAS + 4u) * (SEGCAL_REDUCED_COLUMNS + 3u) +         \
-                        25u * (49u + SEGCAL_MAX_EFFECT_COLUMNS + 6u * SEGCAL_MAX_KEYFRAMES) + 31u * (SEGCAL_MAX_EFFECT_COLUMNS + 1u) + 12u * SEGCAL_REDUCED_COLUMNS +                         \
-                        171u * SEGCAL_MAX_KEYFRAMES) + 256u)
+                        SEGCAL_LARGER(SEGCAL_LARGER(SEGCAL_LANDMARK_NUMBERS, SEGCAL_CHAIN_NUMBERS),                     \
+                                      SEGCAL_THETA_COLUMNS * SEGCAL_THETA_COLUMNS) +                                    \
+                        31u * (SEGCAL_MAX_EFFECT_COLUMNS + 1u) + 2u * SEGCAL_REDUCED_COLUMNS) + 272u)
 
-/* Calibration: saved states and one row block per segment, the chain between segments, the triangle of ties and theta,
-   directions, and who shares what with whom. */
+/* Calibration: per segment one row block and later, in the same memory, saved states; the chain between segments or the cost
+   of one; the triangle of ties and theta, directions, and who shares what with whom. */
 #define SEGCAL_LINK_COLUMNS (30u + SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
 #define SEGCAL_LEFT_COLUMNS (15u + SEGCAL_THETA_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
 #define SEGCAL_PARTITION_BYTES                                                                                         \
   ((SEGCAL_MAX_TIES + 1u) * (8u + 2u * SEGCAL_MAX_SEGMENTS) + SEGCAL_MAX_SEGMENTS * (SEGCAL_MAX_SEGMENTS + 1u))
+#define SEGCAL_STATES_NUMBERS (21u * SEGCAL_MAX_KEYFRAMES + 7u * SEGCAL_MAX_LANDMARKS)
 #define SEGCAL_CALIBRATION_BYTES                                                                                       \
-  (SEGCAL_MAX_SEGMENTS * SEGCAL_REAL_BYTES * (21u * SEGCAL_MAX_KEYFRAMES + 7u * SEGCAL_MAX_LANDMARKS + 12u) +           \
-   (SEGCAL_MAX_SEGMENTS - 1u) * SEGCAL_REAL_BYTES * (15u * SEGCAL_LEFT_COLUMNS - 105u) +                        \
-   SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_LINK_COLUMNS) + 2u * SEGCAL_LINK_COLUMNS +                                 \
-                        SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u) + 16u * SEGCAL_MAX_KEYFRAMES +     \
-                        4u * SEGCAL_THETA_COLUMNS * (SEGCAL_THETA_COLUMNS + 1u)) + SEGCAL_PARTITION_BYTES + 2048u)
+  (SEGCAL_REAL_BYTES * (SEGCAL_STATES_NUMBERS + (SEGCAL_MAX_SEGMENTS - 1u) *                                            \
+                        SEGCAL_LARGER(SEGCAL_STATES_NUMBERS, 15u * SEGCAL_LEFT_COLUMNS - 105u) +                         \
+                        SEGCAL_LARGER(31u * SEGCAL_LINK_COLUMNS - 435u, 480u) +                                         \
+                        SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u) + SEGCAL_LINK_COLUMNS +            \
+                        16u * SEGCAL_MAX_KEYFRAMES + 2u * SEGCAL_THETA_COLUMNS * (SEGCAL_THETA_COLUMNS + 3u)) +         \
+   SEGCAL_PARTITION_BYTES + 40u * SEGCAL_MAX_SEGMENTS + 180u * SEGCAL_REAL_BYTES)
 
 /* Samples and points on their way in. */
 #define SEGCAL_INPUT_BYTES                                                                                             \
   (SEGCAL_IMU_HISTORY * (8u + 6u * SEGCAL_REAL_BYTES) +                                                                 \
-   SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS * 2u * (8u + 2u * SEGCAL_REAL_BYTES) + 6u * SEGCAL_MAX_LANDMARKS + 512u)
+   SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS * 2u * (8u + 2u * SEGCAL_REAL_BYTES) + 6u * SEGCAL_MAX_LANDMARKS + 64u)
 
 /* Terms of effects: the copies of theta, and sigmas and verdicts beside it. */
 #define SEGCAL_EFFECT_BYTES ((SEGCAL_MAX_EFFECT_ESTIMATES + 1u) * (10u * (4u + SEGCAL_REAL_BYTES) + 12u * SEGCAL_REAL_BYTES) + 256u)
 /* The score tests' running triangle. */
-#define SEGCAL_MONITOR_BYTES (SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 4u * SEGCAL_MAX_EFFECT_COLUMNS + 768u)
+#define SEGCAL_MONITOR_BYTES (SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 4u * SEGCAL_MAX_EFFECT_COLUMNS + 384u)
 
 #define SEGCAL_STORAGE_BYTES                                                                                           \
   (SEGCAL_DATABASE_BYTES + SEGCAL_FILTER_BYTES + SEGCAL_ELIMINATION_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_INPUT_BYTES + \
-   SEGCAL_EFFECT_BYTES + SEGCAL_MONITOR_BYTES + 2048u)
+   SEGCAL_EFFECT_BYTES + SEGCAL_MONITOR_BYTES + 470u * SEGCAL_REAL_BYTES + 112u)
 
 #endif

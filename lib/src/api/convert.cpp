@@ -80,7 +80,7 @@ bool noise_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
 bool effects_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   if (c.estimate_effects >> kEffects || c.watch_effects >> kEffects) return false;
   if (c.n_terms < 0 || c.n_terms > SEGCAL_MAX_EFFECT_ESTIMATES) return false;
-  EffectTerms<Real>& effects = out->theta.effects;
+  EffectTerms<Real>& effects = out->prior.mean.effects;
   CandidateTerms wanted;
   for (int e = 0; e < kEffects; ++e) {
     if (!(c.estimate_effects >> e & 1)) continue;
@@ -106,13 +106,13 @@ bool effects_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
 }
 
 bool sigmas_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
-  default_prior_sigmas(out->theta, out->prior_sigma);
+  default_prior_sigmas(out->prior.mean, out->prior.sigma);
   out->calibrates_itself = c.trigger_fraction != -1;
   if (out->calibrates_itself && !(c.trigger_fraction >= 0 && c.trigger_fraction < 1)) return false;
-  for (int i = 0; i < out->theta.columns(); ++i) {
-    if (!positive(c.prior_sigma[i], static_cast<double>(out->prior_sigma[i]), 1e6, &out->prior_sigma[i])) return false;
-    if (!positive(c.sigma_ref[i], static_cast<double>(out->prior_sigma[i]), 1e6, &out->sigma_ref[i])) return false;
-    const double relative = (out->calibrates_itself ? c.trigger_fraction : 0) * static_cast<double>(out->prior_sigma[i]);
+  for (int i = 0; i < out->prior.mean.columns(); ++i) {
+    if (!positive(c.prior_sigma[i], static_cast<double>(out->prior.sigma[i]), 1e6, &out->prior.sigma[i])) return false;
+    if (!positive(c.sigma_ref[i], static_cast<double>(out->prior.sigma[i]), 1e6, &out->sigma_ref[i])) return false;
+    const double relative = (out->calibrates_itself ? c.trigger_fraction : 0) * static_cast<double>(out->prior.sigma[i]);
     if (!positive(c.trigger_sigma[i], relative, 1e6, &out->target_sigma[i])) return false;
   }
   return true;
@@ -125,12 +125,12 @@ bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   if (c.keep_segments < 0 || c.keep_segments > SEGCAL_MAX_SEGMENTS) return false;
   if (c.metric < SEGCAL_METRIC_A || c.metric > SEGCAL_METRIC_SET_D) return false;
   if (c.strategy != SEGCAL_SINGLE_SESSION && c.strategy != SEGCAL_MULTI_SESSION) return false;
-  out->theta = Calibration<Real>();
-  out->theta.n_cameras = c.n_cameras == 0 ? 1 : c.n_cameras;
-  for (int i = 0; i < out->theta.n_cameras; ++i) {
-    if (!camera_from_c(c.camera[i], &out->theta.camera[i])) return false;
+  out->prior.mean = Calibration<Real>();
+  out->prior.mean.n_cameras = c.n_cameras == 0 ? 1 : c.n_cameras;
+  for (int i = 0; i < out->prior.mean.n_cameras; ++i) {
+    if (!camera_from_c(c.camera[i], &out->prior.mean.camera[i])) return false;
   }
-  if (!imu_from_c(c.imu, &out->theta.imu) || !noise_from_config(c, out) || !effects_from_config(c, out)) return false;
+  if (!imu_from_c(c.imu, &out->prior.mean.imu) || !noise_from_config(c, out) || !effects_from_config(c, out)) return false;
   out->has_temperature = c.has_temperature != 0;
   out->keep_segments = c.keep_segments > 0 ? c.keep_segments : (SEGCAL_MAX_SEGMENTS < 8 ? SEGCAL_MAX_SEGMENTS : 8);
   out->metric = static_cast<Metric>(c.metric);
@@ -148,7 +148,7 @@ bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   }
   // Half a nat per parameter: what stands still, or is only shaken by motors, stays well below.
   return positive(c.filter_share, 1, 1, &out->filter_share) &&
-         positive(c.least_gain_nats, 0.5 * out->theta.columns(), 1e6, &out->least_gain) && sigmas_from_config(c, out);
+         positive(c.least_gain_nats, 0.5 * out->prior.mean.columns(), 1e6, &out->least_gain) && sigmas_from_config(c, out);
 }
 
 void parameter_names(const Calibration<Real>& theta, segcal_parameter_t* out) {

@@ -19,8 +19,8 @@ namespace SEGCAL_NS {
 
 template <class S>
 struct DeviceOptions {
-  Calibration<S> theta;         ///< starting calibration, mean of the prior
-  S prior_sigma[kMaxTheta], sigma_ref[kMaxTheta];
+  ThetaPrior<S> prior;          ///< its mean is the starting calibration
+  S sigma_ref[kMaxTheta];
   S target_sigma[kMaxTheta];    ///< calibration starts when the kept segments predict these; all 0: when the database is full
   MeasurementModel<S> model;
   S imu_rate_hz = S(200), gyro_range = S(35), accel_range = S(157);
@@ -113,6 +113,7 @@ class Device {
 
  private:
   static constexpr std::int64_t kNever = INT64_MIN;
+  const ThetaPrior<S>& prior() const { return options_.prior; }
   Taken process_frame();
   void count_missing_frames(std::int64_t t_ns);
   void take_keyframe(std::int64_t t_ns, const State<S>& state, const TrackPoint<S>* points, int n);
@@ -151,12 +152,11 @@ class Device {
   /// Sums of information, in the eliminator's memory: what it holds is lost.
   JointInformation<S> joint_information() {
     static_assert(kJointScratch <= ReducedSystem<S>::kScratch, "the eliminator has too little to lend");
-    return JointInformation<S>(prior_.sigma, theta_.columns(), eliminator_.reduced().scratch());
+    return JointInformation<S>(prior().sigma, theta_.columns(), eliminator_.reduced().scratch());
   }
 
   DeviceOptions<S> options_;
   Calibration<S> theta_;   ///< best known: released, else the start
-  ThetaPrior<S> prior_;
   ImuHistory<S> imu_;
   Vio<S> vio_;
   Database<S> database_;
@@ -184,11 +184,9 @@ class Device {
   bool calibrating_;
   std::int32_t window_;        ///< > 0: segment ends until a calibration takes effect
   Segment<S>* spare_;          ///< lent by the calibrator
-  Calibration<S> score_theta_; ///< as known when that segment ended
-  Calibration<S> start_theta_; ///< of the calibration under way
+  Calibration<S> known_theta_; ///< as known when the segment that is scored ended, or where the calibration under way began
   Place score_place_, calibrate_place_, inner_place_;
   LargestEigenvalue<S> largest_;
-  CostSteps<S> cost_;
   Agreement<S> agreement_;
   Segment<S>* taking_part_[kMaxSegments];
   std::int32_t n_taking_part_, i_, round_;

@@ -29,15 +29,14 @@ int Device<S>::background(int slices) {
 
 template <class S>
 void Device<S>::read_filter(Release<S>* out, InformationAnalysis<S>* analysis) {
-  finish_score();  // analysis_ is lent below
-  vio_.finish_start(imu_);  // it works in the filter's triangle
-  if (!vio_.knows_sensors()) return release_prior(prior_, out);
+  vio_.finish_start(imu_);  // it works in the filter's memory
+  if (!vio_.knows_sensors()) return release_prior(prior(), out);
   const Calibration<S>& theta = vio_.calibration();
-  PackedTriangle<S> R(analysis_.W, theta.columns() + 1);  // free between two scores
+  PackedTriangle<S> R(vio_.scratch(), theta.columns() + 1);
   vio_.calibration_information(&R);
-  for (int i = theta.effect_column(); i < theta.columns(); ++i) R.row(i)[i] = S(1) / prior_.sigma[i];
-  if (analysis) analyse_with_prior(R, prior_.sigma, analysis);
-  judge_filter(theta, prior_, ReleaseRules<S>{}, &R, out);
+  for (int i = theta.effect_column(); i < theta.columns(); ++i) R.row(i)[i] = S(1) / prior().sigma[i];
+  if (analysis) analyse_with_prior(R, prior().sigma, analysis);
+  judge_filter(theta, prior(), ReleaseRules<S>{}, &R, out);
 }
 
 template <class S>
@@ -59,10 +58,9 @@ void Device<S>::calibrate() {
 template <class S>
 void Device<S>::begin_calibration(const Calibration<S>& theta) {
   ++faults_.calibrations;
-  start_theta_ = theta;
+  known_theta_ = theta;
   n_taking_part_ = database_.in_order(taking_part_);
   eliminator_.restart();
-  cost_.restart();
   calibrate_place_ = inner_place_ = 0;
   calibrating_ = true;
 }
@@ -81,7 +79,7 @@ bool Device<S>::calibrate_step() {
   rough.converged = rough.settled = 0.1;
   SEGCAL_SLICES(calibrate_place_) {
     for (round_ = 0;; ++round_) {
-      calibrator_.begin(taking_part_, n_taking_part_, prior_, start_theta_, options_.model);
+      calibrator_.begin(taking_part_, n_taking_part_, prior(), known_theta_, options_.model);
       SEGCAL_PAUSE(calibrate_place_);
       calibrator_.accept_all();
       SEGCAL_PAUSE(calibrate_place_);
@@ -98,10 +96,10 @@ bool Device<S>::calibrate_step() {
       n_taking_part_ = database_.in_order(taking_part_);
     }
     SEGCAL_PAUSE(calibrate_place_);
-    begin_analysis_with_prior(calibrator_.theta_triangle(), prior_.sigma, &joint_);
+    begin_analysis_with_prior(calibrator_.theta_triangle(), prior().sigma, &joint_);
     SEGCAL_AWAIT(calibrate_place_, analyse_with_prior_step(theta_.columns(), &joint_));
     SEGCAL_PAUSE(calibrate_place_);
-    judge(&calibrator_, prior_, ReleaseRules<S>{}, &release_);
+    judge(&calibrator_, prior(), ReleaseRules<S>{}, &release_);
     calibrated_ = true;
     if (release_.status == Status::failed) SEGCAL_AWAIT(calibrate_place_, drop_misfits_step());
   }
@@ -112,7 +110,7 @@ template <class S>
 void Device<S>::take_release() {
   if (release_.status == Status::failed) return;
   theta_ = release_.theta;
-  monitor_.reset(prior_, theta_);
+  monitor_.reset(prior(), theta_);
   use_stamp_shift();
   if (vio_.initialised()) vio_.set_calibration(theta_);
 }
@@ -138,7 +136,7 @@ S Device<S>::linearise(const std::uint8_t* use_slot, const CandidateTerms& candi
   bool use[kMaxSegments];
   const int count = database_.in_order(segments);
   const bool known = calibrated_ && release_.status != Status::failed && !options_.joint_filter;
-  calibrator_.continue_with(segments, count, prior_, known ? calibrator_.theta() : working_theta(), options_.model);
+  calibrator_.continue_with(segments, count, prior(), known ? calibrator_.theta() : working_theta(), options_.model);
   for (int i = 0; i < count; ++i) use[i] = use_slot[segments[i] - &database_.slot(0)] != 0;
   return calibrator_.rows_of(use, candidates, &eliminator_);
 }
@@ -174,7 +172,7 @@ template <class S>
 void Device<S>::begin_agreement() {
   const SegmentInformation<S>* information[kMaxSegments];
   for (int i = 0; i < n_taking_part_; ++i) information[i] = &taking_part_[i]->information;
-  agreement_ = Agreement<S>(prior_, calibrator_.theta(), options_.outdated_level / S(n_taking_part_ - 1),
+  agreement_ = Agreement<S>(prior(), calibrator_.theta(), options_.outdated_level / S(n_taking_part_ - 1),
                             noise_of(information, n_taking_part_), &joint_, eliminator_.reduced().scratch());
 }
 
@@ -182,10 +180,11 @@ void Device<S>::begin_agreement() {
 template <class S>
 bool Device<S>::drop_misfits_step() {
   SEGCAL_SLICES(inner_place_) {
+    calibrator_.lend_cost_steps();
     for (i_ = 0; i_ < Database<S>::kSlots; ++i_) {
       if (!database_.kept(i_)) continue;
-      SEGCAL_AWAIT(inner_place_, cost_.step(database_.slot(i_), GuestLink<S>{}, calibrator_.theta(), options_.model));
-      if (cost_.total() <= ReleaseRules<S>{}.most_chi2_per_dof * S(database_.slot(i_).information.dof)) continue;
+      SEGCAL_AWAIT(inner_place_, calibrator_.cost_steps().step(database_.slot(i_), GuestLink<S>{}, calibrator_.theta(), options_.model));
+      if (calibrator_.cost_steps().total() <= ReleaseRules<S>{}.most_chi2_per_dof * S(database_.slot(i_).information.dof)) continue;
       database_.drop(i_);
       ++faults_.segments_unsettled;
     }

@@ -83,11 +83,11 @@ template <class S>
 void Device<S>::begin_score() {
   scoring_ = true;
   score_place_ = 0;
-  score_theta_ = working_theta();
+  known_theta_ = working_theta();
   spare_ = calibrator_.lend_segment();
   builder_.restart_close();
   eliminator_.restart();
-  cost_.restart();
+  calibrator_.lend_cost_steps();
   largest_.restart();
 }
 
@@ -95,22 +95,22 @@ template <class S>
 bool Device<S>::score_step() {
   Segment<S>& segment = database_.building();
   SEGCAL_SLICES(score_place_) {
-    SEGCAL_AWAIT(score_place_, builder_.close_step(&segment, score_theta_, options_.model));
+    SEGCAL_AWAIT(score_place_, builder_.close_step(&segment, known_theta_, options_.model));
     if (SegmentBuilder<S>::useful(segment)) {
       SEGCAL_PAUSE(score_place_);
-      segment.turned_only = segment.wide_depth_prior = !translation_shows(segment, score_theta_, options_.model);
+      segment.turned_only = segment.wide_depth_prior = !translation_shows(segment, known_theta_, options_.model);
       SEGCAL_PAUSE(score_place_);
-      SEGCAL_AWAIT(score_place_, eliminator_.eliminate_step(segment, GuestLink<S>{}, score_theta_, options_.model, S(0),
+      SEGCAL_AWAIT(score_place_, eliminator_.eliminate_step(segment, GuestLink<S>{}, known_theta_, options_.model, S(0),
                                                             monitor_.candidates()));
       SEGCAL_PAUSE(score_place_);
       eliminator_.extract(&segment.information);
       SEGCAL_PAUSE(score_place_);
-      begin_analysis(segment.information, prior_.sigma, &analysis_);
+      begin_analysis(segment.information, prior().sigma, &analysis_);
       SEGCAL_AWAIT(score_place_, analyse_step(segment.information.n_theta, &analysis_));
-      segment.metrics = metrics_but_E(&analysis_, prior_.sigma, options_.sigma_ref);
+      segment.metrics = metrics_but_E(&analysis_, prior().sigma, options_.sigma_ref);
       SEGCAL_AWAIT(score_place_, largest_.step(analysis_.W, analysis_.n));
       segment.metrics.E = largest_.value();
-      SEGCAL_AWAIT(score_place_, cost_.inertial_step(segment, GuestLink<S>{}, score_theta_, options_.model));
+      SEGCAL_AWAIT(score_place_, calibrator_.cost_steps().inertial_step(segment, GuestLink<S>{}, known_theta_, options_.model));
       SEGCAL_PAUSE(score_place_);
       settle(segment);
       SEGCAL_PAUSE(score_place_);
@@ -133,9 +133,9 @@ bool Device<S>::score_step() {
 template <class S>
 void Device<S>::settle(const Segment<S>& segment) {
   last_ = summary_of(segment);
-  settled_ = follows_its_imu(segment, cost_.inertial(), score_theta_.effects.count() > 0 || monitor_.active());
+  settled_ = follows_its_imu(segment, calibrator_.cost_steps().inertial(), known_theta_.effects.count() > 0 || monitor_.active());
   if (!settled_) ++faults_.segments_unsettled;
-  if (settled_) monitor_.add(&eliminator_, score_theta_);
+  if (settled_) monitor_.add(&eliminator_, known_theta_);
 }
 
 /// The open segment moves to the slot that is free now. A calibration follows if this segment was the one that was missing.
@@ -145,7 +145,7 @@ void Device<S>::end_score() {
   if (!last_.kept || knew_enough_ || !knows_enough()) return;
   knew_enough_ = true;
   if (!options_.calibrates_itself || options_.joint_filter) return;
-  begin_calibration(score_theta_);
+  begin_calibration(known_theta_);
   window_ = kCalibrationWindow;
 }
 
@@ -165,7 +165,7 @@ bool Device<S>::knows_enough() {
     if (database_.kept(i)) segments[n++] = &database_.slot(i).information;
   }
   JointInformation<S> joint = joint_information();
-  return reaches_targets(joint.sum(segments, n), prior_.sigma, options_.target_sigma, database_.full());
+  return reaches_targets(joint.sum(segments, n), prior().sigma, options_.target_sigma, database_.full());
 }
 
 }  // namespace SEGCAL_NS

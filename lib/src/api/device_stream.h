@@ -8,14 +8,13 @@ namespace SEGCAL_NS {
 template <class S>
 void Device<S>::create(const DeviceOptions<S>& options) {
   options_ = options;
-  theta_ = options.theta;
-  prior_.mean = options.theta;
-  for (int i = 0; i < kMaxTheta; ++i) prior_.sigma[i] = options.prior_sigma[i];
+  theta_ = options.prior.mean;
   database_.reset(options.keep_segments, options.metric, options.strategy, options.least_gain, options.seed);
   builder_.reset(options.gyro_range, options.accel_range);
   faults_ = FaultCounts{};
   release_ = Release<S>{};
   joint_.n = analysis_.n = 0;
+  joint_.W = analysis_.W = eliminator_.lend();
   frame_period_ = 0;
   session_ = serial_ = frame_ = 0;
   trajectory_ = Hash{};
@@ -28,7 +27,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   score_place_ = calibrate_place_ = inner_place_ = 0;
   spare_ = nullptr;
   stamp_shift_ns_ = stamp_shift(theta_);
-  monitor_.begin(options.watch_effects, prior_, theta_);
+  monitor_.begin(options.watch_effects, prior(), theta_);
   vio_.reset(theta_, vio_options());
   restart_filter();
 }
@@ -42,12 +41,12 @@ VioOptions<S> Device<S>::vio_options() const {
   vio.frame_interval_s = options_.frame_interval_s;
   vio.share_calibration(options_.filter_share);
   if (!options_.joint_filter) return vio;
-  const S* sigma = options_.prior_sigma;
-  const S* imu_sigma = sigma + options_.theta.imu_column();
+  const S* sigma = prior().sigma;
+  const S* imu_sigma = sigma + prior().mean.imu_column();
   vio.pixel_sigma = options_.model.pixel_sigma;
   vio.sigma_r_CI = sigma[0];
   vio.sigma_p_CI = sigma[3];
-  vio.sigma_focal = sigma[6] / options_.theta.camera[0].intrinsics(0);
+  vio.sigma_focal = sigma[6] / prior().mean.camera[0].intrinsics(0);
   vio.sigma_centre = sigma[8];
   vio.sigma_distortion = sigma[10];
   vio.sigma_gyro = imu_sigma[0];
@@ -110,7 +109,7 @@ Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading) 
 /// Signal::time counts from the first sample.
 template <class S>
 void Device<S>::start_clock(std::int64_t t_ns) {
-  options_.theta.effects.time_zero_ns = theta_.effects.time_zero_ns = prior_.mean.effects.time_zero_ns = t_ns;
+  options_.prior.mean.effects.time_zero_ns = theta_.effects.time_zero_ns = t_ns;
   vio_.set_time_zero(t_ns);
 }
 

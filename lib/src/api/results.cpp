@@ -37,13 +37,13 @@ void release_to_c(const CDevice& d, const Release<Real>& release, segcal_result_
   double value[SEGCAL_MAX_PARAMETERS], initial[SEGCAL_MAX_PARAMETERS];
   parameter_names(release.theta, out->parameter);
   parameter_values(release.theta, value);
-  parameter_values(d.device.options().theta, initial);
+  parameter_values(d.device.options().prior.mean, initial);
   for (int i = 0; i < out->n_parameters; ++i) {
     segcal_parameter_t& p = out->parameter[i];
     p.value = value[i];
     p.initial = initial[i];
     p.sigma = static_cast<double>(release.printed_sigma[i]);
-    p.prior_sigma = static_cast<double>(d.device.options().prior_sigma[i]);
+    p.prior_sigma = static_cast<double>(d.device.options().prior.sigma[i]);
     p.verdict = static_cast<int32_t>(release.verdict[i]);
   }
 }
@@ -212,7 +212,7 @@ int segcal_get_segment_sigmas(const segcal_t* device, double* sigma, int32_t cap
       const Real share = a.V[j * a.n + i] * a.relative_sigma(i);
       sum += share * share;
     }
-    sigma[j] = static_cast<double>(d->device.options().prior_sigma[j] * square_root(sum));
+    sigma[j] = static_cast<double>(d->device.options().prior.sigma[j] * square_root(sum));
   }
   return j;
 }

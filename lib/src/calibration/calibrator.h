@@ -39,9 +39,11 @@ template <class S>
 class Calibrator {
  public:
   /// Sets up a problem over `segments` (pointers, in time order within each session; count <= kMaxSegments). Their
-  /// states are moved by run().
+  /// states are moved by run(). The prior must stay where it is.
   void begin(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
              const MeasurementModel<S>& model);
+  void begin(Segment<S>* const* segments, int count, ThetaPrior<S>&& prior, const Calibration<S>& theta,
+             const MeasurementModel<S>& model) = delete;
   /// The same where a calibration was made from exactly these segments: its fit stays as it is.
   void continue_with(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
                      const MeasurementModel<S>& model) {
@@ -59,6 +61,10 @@ class Calibrator {
   }
   /// The same in slices (math/resumable.h). Between two of them the eliminator is not the caller's.
   bool run_step(const CalibratorOptions& options, SegmentEliminator<S>* eliminator);
+
+  /// For costs of single segments, while no run is under way.
+  void lend_cost_steps() { new (&work_.cost) CostSteps<S>; }
+  CostSteps<S>& cost_steps() { return work_.cost; }
 
   const Calibration<S>& theta() const { return theta_; }
   const CalibrationFit<S>& fit() const { return fit_; }
@@ -145,7 +151,9 @@ class Calibrator {
     const S rho = theta_triangle()(theta_.columns(), theta_.columns());
     fit_.chi2 = rho * rho;
   }
-  void save();
+  LeftRows<S>* left(int i) { return i > 0 ? &memory_.other[i - 1].left : nullptr; }
+  SegmentStates<S>& saved(int i) { return i > 0 ? memory_.other[i - 1].states : memory_.first; }
+  void save_states(int i) { new (&saved(i)) SegmentStates<S>(segment_[i]->states); }
   void restore();
   bool turned_back(const S* theta_step);
   bool iterate_step(SegmentEliminator<S>* eliminator, const CalibratorOptions& options);
@@ -154,17 +162,23 @@ class Calibrator {
   Segment<S>* segment_[kMaxSegments];
   SegmentLink<S> link_[kMaxSegments];
   std::int32_t count_ = 0;
-  ThetaPrior<S> prior_;
+  const ThetaPrior<S>* prior_;
   Calibration<S> theta_, saved_theta_;
   MeasurementModel<S> model_;
   CalibrationFit<S> fit_;
-  Chain<S> chain_;
   Partitions<S> partitions_;
   std::int32_t partition_count_ = 0;
+  /// Of one segment, while a fit is under way: what came from the left until its guest's step is known, then the states that
+  /// its own step moves.
+  union Kept {
+    Kept() {}
+    LeftRows<S> left;
+    SegmentStates<S> states;
+  };
   /// What is only there while a fit is under way.
   struct Memory {
-    LeftRows<S> left[kMaxSegments > 1 ? kMaxSegments - 1 : 1];  ///< the first segment has nobody on its left
-    SegmentStates<S> saved[kMaxSegments];
+    SegmentStates<S> first;   ///< nobody is on its left
+    Kept other[kMaxSegments > 1 ? kMaxSegments - 1 : 1];
   };
   alignas(Segment<S>) Memory memory_;
   S last_step_[kMaxTheta];
@@ -178,14 +192,20 @@ class Calibrator {
   bool settled_ = false, flat_ = false;
   S theta_step_[kMaxTheta], guest_step_[kStateColumns], last_keyframe_step_[kStateColumns];
   const S* global_step_ = nullptr;  ///< ties and theta, in global_
-  CostSteps<S> cost_steps_;
+  /// One after the other: the chain makes a step, then its cost is told.
+  union Work {
+    Work() {}
+    Chain<S> chain;
+    CostSteps<S> cost;
+  };
+  Work work_;
 };
 
 template <class S>
 void Calibrator<S>::begin(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
                           const MeasurementModel<S>& model) {
   count_ = count;
-  prior_ = prior;
+  prior_ = &prior;
   theta_ = theta;
   model_ = model;
   fit_ = CalibrationFit<S>{};
@@ -230,12 +250,12 @@ const Landmark<S>& Calibrator<S>::tie(int t) const {
 template <class S>
 bool Calibrator<S>::total_cost_step() {
   SEGCAL_SLICES(inner_place_) {
-    total_ = prior_cost(prior_, theta_);
+    total_ = prior_cost(*prior_, theta_);
     for (int t = 0; t < partitions_.ties().count(); ++t) total_ += inverse_depth_cost(tie(t), model_.inverse_depth_sigma);
-    cost_steps_.restart();
+    lend_cost_steps();
     for (i_ = 0; i_ < count_; ++i_) {
-      SEGCAL_AWAIT(inner_place_, cost_steps_.step(*segment_[i_], guest(i_), theta_, model_));
-      total_ += cost_steps_.total();
+      SEGCAL_AWAIT(inner_place_, work_.cost.step(*segment_[i_], guest(i_), theta_, model_));
+      total_ += work_.cost.total();
     }
   }
   SEGCAL_SLICES_END(inner_place_);
@@ -269,8 +289,8 @@ bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, 
       segment_[i_]->turned_only = !translation_shows(*segment_[i_], theta_, model_);
       SEGCAL_PAUSE(inner_place_);
       SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping, candidates));
-      SEGCAL_AWAIT(inner_place_, chain_.add_step(eliminator, link_[i_].join != Join::none, link_[i_].passes_on,
-                                                 i_ > 0 && !candidates ? &memory_.left[i_ - 1] : nullptr, &G));
+      SEGCAL_AWAIT(inner_place_, work_.chain.add_step(eliminator, link_[i_].join != Join::none, link_[i_].passes_on,
+                                                 candidates ? nullptr : left(i_), &G));
       fit_.image_points += eliminator->counts().image_points;
       fit_.dof += S(eliminator->counts().residuals - eliminator->counts().unknowns) + eliminator->prior_share();
     }
@@ -284,9 +304,9 @@ PackedTriangle<S> Calibrator<S>::begin_linearisation(S damping, const CandidateT
   const int ties = partitions_.ties().count();
   global_.begin(ties, theta_.columns() + (candidates ? candidates->count() : 0));
   global_.triangle().clear();
-  if (with_prior) global_.clear_to_prior(prior_, theta_);
+  if (with_prior) global_.clear_to_prior(*prior_, theta_);
   for (int t = 0; t < ties; ++t) global_.add_tie(t, tie(t), model_, damping);
-  chain_.begin(global_.columns());
+  (new (&work_.chain) Chain<S>)->begin(global_.columns());
   fit_.image_points = 0;
   fit_.dof = count_ > 0 ? -S(theta_.columns()) : S(0);
   return global_.triangle();
@@ -298,7 +318,8 @@ S Calibrator<S>::rows_of(const bool* use, const CandidateTerms& candidates, Segm
   bool turned_only[kMaxSegments];
   const int count = count_;
   const CalibrationFit<S> fit = fit_;
-  save();   // ties of other partitions give landmarks other values
+  saved_theta_ = theta_;
+  for (int i = 0; i < count; ++i) save_states(i);  // ties of other partitions give landmarks other values
   count_ = 0;
   for (int i = 0; i < count; ++i) {
     all[i] = segment_[i];
@@ -333,13 +354,14 @@ bool Calibrator<S>::step_back_step(SegmentEliminator<S>* eliminator, S damping) 
         SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping));
       }
       if (link_[i_].join != Join::none) {
-        SEGCAL_AWAIT(inner_place_, chain_.solve_guest_step(eliminator, link_[i_].passes_on, memory_.left[i_ - 1], last_keyframe_step_,
+        SEGCAL_AWAIT(inner_place_, work_.chain.solve_guest_step(eliminator, link_[i_].passes_on, *left(i_), last_keyframe_step_,
                                                            global_step_, guest_step_));
         SEGCAL_PAUSE(inner_place_);
       }
       gather_step(*eliminator, i_);
       SEGCAL_AWAIT(inner_place_, eliminator->back_substitute_step(*segment_[i_], guest(i_), theta_, model_, damping, step_,
                                                                   link_[i_].passes_on ? eliminator->last_column() : eliminator->guest_column()));
+      save_states(i_);
       SEGCAL_AWAIT(inner_place_, eliminator->move_step(segment_[i_], theta_, model_, damping, step_));
     }
   }
@@ -378,15 +400,9 @@ bool Calibrator<S>::refine_landmarks_step() {
 }
 
 template <class S>
-void Calibrator<S>::save() {
-  saved_theta_ = theta_;
-  for (int i = 0; i < count_; ++i) memory_.saved[i] = segment_[i]->states;
-}
-
-template <class S>
 void Calibrator<S>::restore() {
   theta_ = saved_theta_;
-  for (int i = 0; i < count_; ++i) segment_[i]->states = memory_.saved[i];
+  for (int i = 0; i < count_; ++i) segment_[i]->states = saved(i);
 }
 
 /// True if this step goes against the last one (by more than 120 deg): undamped steps swing about the minimum along weak
@@ -395,7 +411,7 @@ template <class S>
 bool Calibrator<S>::turned_back(const S* theta_step) {
   S along = S(0), now = S(0), before = S(0);
   for (int i = 0; i < theta_.columns(); ++i) {
-    const S a = theta_step[i] / prior_.sigma[i], b = last_step_[i];
+    const S a = theta_step[i] / prior_->sigma[i], b = last_step_[i];
     along += a * b;
     now += a * a;
     before += b * b;
@@ -424,7 +440,7 @@ bool Calibrator<S>::iterate_step(SegmentEliminator<S>* eliminator, const Calibra
   SEGCAL_SLICES(iterate_place_) {
     SEGCAL_AWAIT(iterate_place_, linearise_step(eliminator, damping_));
     solve_theta();
-    save();
+    saved_theta_ = theta_;
     SEGCAL_PAUSE(iterate_place_);
     SEGCAL_AWAIT(iterate_place_, step_back_step(eliminator, damping_));
     add_step(&theta_, theta_step_);

@@ -3,8 +3,9 @@
 // from left to right.
 //
 // For each segment a small triangle over [guest 15 | last 15 | ties | theta | rhs] takes what came from the left and what
-// the segment says; its first 15 rows give the guest, the next 15 go on to the right, the rest is global. For
-// back-substitution only what came from the left is kept: the segment is eliminated a second time then anyway.
+// the segment says; its first 15 rows give the guest, the next 15 go on to the right, and what is left of a row after
+// these 30 is global: it goes on at once. For back-substitution only what came from the left is kept: the segment is
+// eliminated a second time then anyway.
 #pragma once
 
 #include "math/resumable.h"
@@ -29,7 +30,7 @@ class Chain {
   void begin(int n_global) {
     n_global_ = n_global;
     place_ = 0;
-    link().clear();
+    clear_from(0);
   }
 
   /// Takes segment i, just eliminated. `passes_on`: a later segment hangs on its last keyframe. `left`: what
@@ -41,18 +42,18 @@ class Chain {
       take_from_left();
       if (has_guest && left) keep(left);
       for (row_ = 0; passes_on && row_ < kStateColumns; ++row_) {
-        fold_segment_row(segment, row_, segment->layout().last(), kStateColumns);
+        fold_segment_row(segment, row_, segment->layout().last(), kStateColumns, global);
         if (row_ % kRowsPerSlice == kRowsPerSlice - 1) SEGCAL_PAUSE(place_);
       }
       for (row_ = 0; has_guest && row_ < kStateColumns; ++row_) {
-        fold_segment_row(segment, row_, segment->layout().guest(), 0);
+        fold_segment_row(segment, row_, segment->layout().guest(), 0, global);
         if (row_ % kRowsPerSlice == kRowsPerSlice - 1) SEGCAL_PAUSE(place_);
       }
-      for (row_ = 0; row_ <= n_global_; ++row_) {
+      for (row_ = 0; row_ <= segment->layout().global_columns(); ++row_) {
         fold_global(segment, row_, global);
         if (row_ % kRowsPerSlice == kRowsPerSlice - 1) SEGCAL_PAUSE(place_);
       }
-      if (!passes_on) link().clear();
+      if (!passes_on) clear_from(0);
     }
     SEGCAL_SLICES_END(place_);
   }
@@ -64,11 +65,11 @@ class Chain {
     SEGCAL_SLICES(place_) {
       restore(left);
       for (row_ = 0; passes_on && row_ < kStateColumns; ++row_) {
-        fold_segment_row(segment, row_, segment->layout().last(), kStateColumns);
+        fold_segment_row(segment, row_, segment->layout().last(), kStateColumns, nullptr);
         if (row_ % kRowsPerSlice == kRowsPerSlice - 1) SEGCAL_PAUSE(place_);
       }
       for (row_ = 0; row_ < kStateColumns; ++row_) {
-        fold_segment_row(segment, row_, segment->layout().guest(), 0);
+        fold_segment_row(segment, row_, segment->layout().guest(), 0, nullptr);
         if (row_ % kRowsPerSlice == kRowsPerSlice - 1) SEGCAL_PAUSE(place_);
       }
       solve(last_step, global_step, guest_step);
@@ -90,7 +91,15 @@ class Chain {
   }
 
   int width() const { return 2 * kStateColumns + n_global_ + 1; }
+  /// Rows of guest and last only.
   PackedTriangle<S> link() { return PackedTriangle<S>(link_, width()); }
+  void clear_from(int first) {
+    PackedTriangle<S> L = link();
+    for (int i = first; i < kLinkRows; ++i) {
+      S* r = L.row(i);
+      for (int c = i; c < width(); ++c) r[c] = S(0);
+    }
+  }
 
   void take_from_left() {
     PackedTriangle<S> L = link();
@@ -101,14 +110,12 @@ class Chain {
       for (int c = kStateColumns; c < 2 * kStateColumns; ++c) to[c] = S(0);
       for (int c = 2 * kStateColumns; c < width(); ++c) to[c] = from[c];
     }
-    for (int i = kStateColumns; i < width(); ++i) {
-      S* r = L.row(i);
-      for (int c = i; c < width(); ++c) r[c] = S(0);
-    }
+    clear_from(kStateColumns);
   }
 
   /// Folds row i of the 15 of the segment's R that begin at column `from`; they stand at column `to` of the link triangle.
-  void fold_segment_row(SegmentEliminator<S>* segment, int i, int from, int to) {
+  /// `global`: takes what is left of it; null: it has that already.
+  void fold_segment_row(SegmentEliminator<S>* segment, int i, int from, int to, PackedTriangle<S>* global) {
     PackedTriangle<S> L = link();
     const S* r = segment->reduced().R().row(from + i);
     const int guest = segment->layout().guest(), theta = segment->layout().theta();
@@ -118,7 +125,9 @@ class Chain {
       for (int c = guest; c < theta; ++c) block_[c - guest] = r[c];
     }
     segment->reduced().to_global_order(r, 0, block_ + 2 * kStateColumns);
-    fold_rows(L, block_, 1, width(), 0, width());
+    fold_rows(L, block_, 1, width(), 0, kLinkRows);
+    const int n = n_global_ + 1;
+    if (global) fold_rows(*global, block_ + kLinkRows, 1, n, 0, n);
   }
 
   /// The columns of "last" are zero there.
@@ -133,7 +142,7 @@ class Chain {
 
   void restore(const LeftRows<S>& left) {
     PackedTriangle<S> L = link();
-    L.clear();
+    clear_from(0);
     const S* from = left.data;
     for (int i = 0; i < kStateColumns; ++i) {
       for (int c = i; c < kStateColumns; ++c) L.row(i)[c] = *from++;
@@ -143,28 +152,17 @@ class Chain {
 
   /// Row i of what touches ties and theta only.
   void fold_global(SegmentEliminator<S>* segment, int i, PackedTriangle<S>* global) {
-    PackedTriangle<S> L = link();
     const int n = n_global_ + 1;
-    if (i <= segment->layout().global_columns()) {
-      segment->reduced().global_row(i, block_);
-      fold_rows(*global, block_, 1, n, 0, n);
-    }
-    S* from_link = L.row(2 * kStateColumns + i) + 2 * kStateColumns;
-    fold_link_row(from_link, i, global);
-    for (int c = i; c < n; ++c) from_link[c] = S(0);
-  }
-
-  void fold_link_row(const S* row, int first, PackedTriangle<S>* global) {
-    const int n = n_global_ + 1;
-    for (int c = 0; c < n; ++c) block_[c] = c < first ? S(0) : row[c];
-    fold_rows(*global, block_, 1, n, first, n);
+    segment->reduced().global_row(i, block_);
+    fold_rows(*global, block_, 1, n, 0, n);
   }
 
   static constexpr int kRowsPerSlice = 5;
+  static constexpr int kLinkRows = 2 * kStateColumns;
   int n_global_ = 0;
   Place place_ = 0;
   std::int32_t row_ = 0;
-  S link_[packed_size(kLinkColumns)];
+  S link_[packed_size(kLinkColumns) - packed_size(kLinkColumns - kLinkRows)];
   S block_[kLinkColumns];
 };
 

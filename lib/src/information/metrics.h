@@ -97,13 +97,13 @@ class SingularValues {
   bool rotated_ = false;
 };
 
-/// Memory of one analysis.
+/// An analysis. Its work W is lent by the owner, kMaxTheta^2 numbers: it is needed until directions and metrics are there.
 template <class S>
 struct InformationAnalysis {
   std::int32_t n = 0;
   S s[kMaxTheta];                   ///< singular values against the prior, largest first
   S V[kMaxTheta * kMaxTheta];       ///< column i: direction i, in prior units
-  S W[kMaxTheta * kMaxTheta];
+  S* W = nullptr;
   SingularValues<S> values;         ///< under way
 
   /// Direction i's sigma after the measurement, in units of the prior's.

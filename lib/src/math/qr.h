@@ -255,23 +255,34 @@ void back_substitute(const PackedTriangle<S>& R, int n, S* rhs) {
   }
 }
 
-/// Lower Cholesky factor of a small symmetric positive matrix; false if a pivot is not positive.
+/// Lower Cholesky factor of a small symmetric positive matrix, in its place: what is above the diagonal stays as it was.
+/// False if a pivot is not positive.
+template <class S, int N>
+bool cholesky_in_place(Mat<S, N, N>* A) {
+  Mat<S, N, N>& L = *A;
+  for (int j = 0; j < N; ++j) {
+    S d = L(j, j);
+    for (int k = 0; k < j; ++k) d -= L(j, k) * L(j, k);
+    if (!(d > S(0))) return false;
+    const S pivot = square_root(d);
+    L(j, j) = pivot;
+    for (int i = j + 1; i < N; ++i) {
+      S s = L(i, j);
+      for (int k = 0; k < j; ++k) s -= L(i, k) * L(j, k);
+      L(i, j) = s / pivot;
+    }
+  }
+  return true;
+}
+
+/// The same in another matrix, with zeros above the diagonal.
 template <class S, int N>
 bool cholesky_lower(const Mat<S, N, N>& A, Mat<S, N, N>* L) {
   L->setZero();
   for (int j = 0; j < N; ++j) {
-    S d = A(j, j);
-    for (int k = 0; k < j; ++k) d -= (*L)(j, k) * (*L)(j, k);
-    if (!(d > S(0))) return false;
-    const S pivot = square_root(d);
-    (*L)(j, j) = pivot;
-    for (int i = j + 1; i < N; ++i) {
-      S s = A(i, j);
-      for (int k = 0; k < j; ++k) s -= (*L)(i, k) * (*L)(j, k);
-      (*L)(i, j) = s / pivot;
-    }
+    for (int i = j; i < N; ++i) (*L)(i, j) = A(i, j);
   }
-  return true;
+  return cholesky_in_place<S, N>(L);
 }
 
 }  // namespace SEGCAL_NS

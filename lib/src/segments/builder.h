@@ -143,8 +143,8 @@ void SegmentBuilder<S>::add_point(const TrackPoint<S>& point) {
     ++counts_.landmarks_left_out;
     return;
   }
-  s.observation[s.n_observations++] = {u, v, static_cast<std::uint16_t>(j), static_cast<std::uint8_t>(k),
-                                       static_cast<std::uint8_t>(point.camera & 0x7F), 0};
+  s.observation[s.n_observations++] = {u, v, static_cast<ObservationBits>(j), static_cast<ObservationBits>(k),
+                                       static_cast<ObservationBits>(point.camera), 0};
   last_seen_[j] = static_cast<std::uint8_t>(k);
   ++seen_[j];
 }
@@ -157,7 +157,7 @@ void SegmentBuilder<S>::thin() {
   for (int o = 0; o < s.n_observations; ++o) {
     Observation z = s.observation[o];
     if (z.keyframe % 2 != 0) continue;
-    z.keyframe = static_cast<std::uint8_t>(z.keyframe / 2);
+    z.keyframe = static_cast<ObservationBits>(z.keyframe / 2);
     s.observation[kept++] = z;
     ++seen_[z.landmark];
   }

@@ -6,6 +6,8 @@
 // neighbours; its rows from theta on are the SegmentInformation.
 #pragma once
 
+#include <new>
+
 #include "math/resumable.h"
 #include "segments/landmark_elimination.h"
 #include "segments/velocity_bias_chain.h"
@@ -52,7 +54,6 @@ class SegmentEliminator {
   /// Forgets work that is under way.
   void restart() {
     place_ = inner_place_ = 0;
-    link_.restart();
   }
 
   /// What is left, and where its columns stand.
@@ -60,6 +61,9 @@ class SegmentEliminator {
   const ReducedLayout& layout() const { return reduced_.layout(); }
   const EliminationCounts& counts() const { return counts_; }
   S prior_share() const { return prior_share_; }
+
+  /// Memory for theta's n x n numbers, between eliminations: what reduced() holds stays.
+  S* lend() { return work_.lent; }
 
   /// Copies the rows of theta; for a segment without ties. Candidates are held at zero.
   void extract(SegmentInformation<S>* out);
@@ -109,8 +113,18 @@ class SegmentEliminator {
 
   EliminationCounts counts_;
   S prior_share_ = S(0);
-  LandmarkBlock<S> landmark_;
-  VelocityBiasChain<S> chain_;
+  struct Linked {
+    VelocityBiasChain<S> chain;
+    LinkIntegration<S> link;
+  };
+  /// One after the other: landmarks, then the chain; between eliminations what others need for a while.
+  union Work {
+    Work() {}
+    LandmarkBlock<S> landmark;
+    Linked linked;
+    S lent[kMaxTheta * kMaxTheta];
+  };
+  Work work_;
   ReducedSystem<S> reduced_;
   ImuTermColumns<S> imu_terms_;
   Term camera_term_[kMaxEffectColumns + 1];
@@ -119,7 +133,6 @@ class SegmentEliminator {
   Place place_ = 0, inner_place_ = 0;
   std::int32_t k_ = 0, j_ = 0;
   LandmarkFit<S> fit_;
-  LinkIntegration<S> link_;
 };
 
 /// Typical sizes of a step: damping is measured against them. rad, m, m/s, m/s^2, rad/s.
@@ -137,6 +150,7 @@ bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const Guest
                                           const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates) {
   SEGCAL_SLICES(place_) {
     lay_out(segment, guest, theta, candidates);
+    new (&work_.landmark) LandmarkBlock<S>;
     counts_ = EliminationCounts{};
     prior_share_ = S(0);
     SEGCAL_AWAIT(place_, fold_landmarks_step(segment, theta, model, damping));
@@ -150,15 +164,15 @@ bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const Guest
       damp_pose(k_, 3, damping);
       SEGCAL_PAUSE(place_);
     }
-    chain_.begin(nullptr, layout());
+    (new (&work_.linked) Linked)->chain.begin(nullptr, layout(), nullptr);
     SEGCAL_AWAIT(place_, run_chain_step(segment, guest, theta, model, damping));
     SEGCAL_PAUSE(place_);
-    chain_.finish(&reduced_);
+    work_.linked.chain.finish(&reduced_);
     SEGCAL_AWAIT(place_, reduced_.fold_step());
     // Gauge, bias prior and damping are no residuals; the bias walk over a gap is.
     counts_.unknowns -= (guest.holds_gauge() ? 4 : 0) + (guest.join == Join::none ? 6 : 0);
     counts_.residuals += guest.join == Join::bias ? 6 : 0;
-    counts_.residuals += 2 * counts_.image_points + 15 * chain_.links();
+    counts_.residuals += 2 * counts_.image_points + 15 * work_.linked.chain.links();
     counts_.unknowns += 3 * counts_.landmarks + kStateColumns * layout().keyframes;
   }
   SEGCAL_SLICES_END(place_);
@@ -200,10 +214,10 @@ bool SegmentEliminator<S>::fold_landmarks_step(const Segment<S>& segment, const 
     for (k_ = 0; k_ < segment.n_keyframes; ++k_) {
       for (j_ = 0; j_ < segment.n_landmarks; ++j_) {
         if (segment.last_keyframe(j_) != k_ || layout().tied.place_of(j_) >= 0) continue;
-        fit_ = landmark_.build(segment, j_, theta, model, layout(), camera_term_, landmark_damping);
+        fit_ = work_.landmark.build(segment, j_, theta, model, layout(), camera_term_, landmark_damping);
         if (fit_.used < 2) continue;
-        landmark_.eliminate(&fit_);
-        reduced_.begin_visual(landmark_.rest(), fit_.rows - kLandmarkColumns, landmark_.stride(), fit_.first_keyframe,
+        work_.landmark.eliminate(&fit_);
+        reduced_.begin_visual(work_.landmark.rest(), fit_.rows - kLandmarkColumns, work_.landmark.stride(), fit_.first_keyframe,
                               fit_.last_keyframe, false);
         SEGCAL_PAUSE(inner_place_);
         SEGCAL_AWAIT(inner_place_, reduced_.fold_step());
@@ -224,9 +238,9 @@ bool SegmentEliminator<S>::fold_ties_step(const Segment<S>& segment, const Calib
                                           const MeasurementModel<S>& model) {
   SEGCAL_SLICES(inner_place_) {
     for (j_ = 0; j_ < layout().tied.n; ++j_) {
-      fit_ = landmark_.build_tied(segment, j_, theta, model, layout(), camera_term_);
+      fit_ = work_.landmark.build_tied(segment, j_, theta, model, layout(), camera_term_);
       if (fit_.used == 0) continue;
-      reduced_.begin_visual(landmark_.tied_rows(), fit_.rows, landmark_.stride(), fit_.first_keyframe, fit_.last_keyframe, true);
+      reduced_.begin_visual(work_.landmark.tied_rows(), fit_.rows, work_.landmark.stride(), fit_.first_keyframe, fit_.last_keyframe, true);
       SEGCAL_PAUSE(inner_place_);
       SEGCAL_AWAIT(inner_place_, reduced_.fold_step());
       counts_.image_points += fit_.used;
@@ -259,13 +273,13 @@ bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const Guest
                                           const MeasurementModel<S>& model, S damping) {
   SEGCAL_SLICES(inner_place_) {
     if (guest.join == Join::imu) {
-      SEGCAL_AWAIT(inner_place_, link_.step(segment, 0, theta, guest.state.b_a, guest.state.b_g, model.imu, &imu_terms_));
+      SEGCAL_AWAIT(inner_place_, work_.linked.link.step(segment, 0, theta, guest.state.b_a, guest.state.b_g, model.imu, &imu_terms_));
       SEGCAL_PAUSE(inner_place_);
     }
     if (guest.join != Join::none) {
       link_guest(segment, guest, model);
       SEGCAL_PAUSE(inner_place_);
-      SEGCAL_AWAIT(inner_place_, chain_.hand_over_step(&reduced_));
+      SEGCAL_AWAIT(inner_place_, work_.linked.chain.hand_over_step(&reduced_));
       SEGCAL_PAUSE(inner_place_);
     }
     for (j_ = 0; j_ < 3; ++j_) {
@@ -274,19 +288,19 @@ bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const Guest
     }
     for (k_ = 0; k_ < segment.n_keyframes; ++k_) {
       for (j_ = kPoseColumns; damping > S(0) && j_ < kStateColumns; ++j_) {
-        chain_.add_scalar(j_ - kPoseColumns, damping / typical_step<S>(j_), S(0), &reduced_);
+        work_.linked.chain.add_scalar(j_ - kPoseColumns, damping / typical_step<S>(j_), S(0), &reduced_);
         SEGCAL_PAUSE(inner_place_);
       }
       if (k_ + 1 == segment.n_keyframes) break;
-      SEGCAL_AWAIT(inner_place_, link_.step(segment, k_ + 1, theta, segment.states.x[k_].b_a, segment.states.x[k_].b_g, model.imu, &imu_terms_));
+      SEGCAL_AWAIT(inner_place_, work_.linked.link.step(segment, k_ + 1, theta, segment.states.x[k_].b_a, segment.states.x[k_].b_g, model.imu, &imu_terms_));
       SEGCAL_PAUSE(inner_place_);
       link_keyframes(segment, k_, model);
       SEGCAL_PAUSE(inner_place_);
-      chain_.finish_current();
+      work_.linked.chain.finish_current();
       SEGCAL_PAUSE(inner_place_);
-      chain_.move_on();
+      work_.linked.chain.move_on();
       SEGCAL_PAUSE(inner_place_);
-      SEGCAL_AWAIT(inner_place_, chain_.hand_over_step(&reduced_));
+      SEGCAL_AWAIT(inner_place_, work_.linked.chain.hand_over_step(&reduced_));
       SEGCAL_PAUSE(inner_place_);
     }
   }
@@ -296,12 +310,12 @@ bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const Guest
 template <class S>
 void SegmentEliminator<S>::link_keyframes(const Segment<S>& segment, int k, const MeasurementModel<S>& model) {
   const State<S>* x = segment.states.x;
-  const ImuIntegral<S> I = link_.result();
-  ImuRows<S> rows;
+  const ImuIntegral<S>& I = work_.linked.link.result();
+  ImuRows<S>& rows = work_.linked.chain.lend_rows();
   link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model.g, &rows);
   link_term_columns(rows, &imu_terms_);
   whiten(I, model.imu, &rows, &imu_terms_);
-  chain_.begin_link(rows, imu_terms_, &reduced_);
+  work_.linked.chain.begin_link(rows, imu_terms_, &reduced_);
 }
 
 /// The link, integrated already, or the walk from the guest to the first keyframe.
@@ -309,14 +323,14 @@ template <class S>
 void SegmentEliminator<S>::link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model) {
   const State<S>& x = segment.states.x[0];
   if (guest.join == Join::imu) {
-    const ImuIntegral<S> I = link_.result();
-    ImuRows<S> rows;
+    const ImuIntegral<S>& I = work_.linked.link.result();
+    ImuRows<S>& rows = work_.linked.chain.lend_rows();
     link_rows(I, guest.state, x, guest.state, x, model.g, &rows);
     link_term_columns(rows, &imu_terms_);
-    if (whiten(I, model.imu, &rows, &imu_terms_)) chain_.add_guest_link(rows, imu_terms_, &reduced_);
+    if (whiten(I, model.imu, &rows, &imu_terms_)) work_.linked.chain.add_guest_link(rows, imu_terms_, &reduced_);
   } else {
     const S root = square_root(guest.gap_s);
-    chain_.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g, S(1) / (model.imu.accel_walk * root),
+    work_.linked.chain.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g, S(1) / (model.imu.accel_walk * root),
                          S(1) / (model.imu.gyro_walk * root), &reduced_);
   }
 }
@@ -326,10 +340,10 @@ template <class S>
 void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model,
                                        int axis) {
   const State<S>& x = segment.states.x[0];
-  chain_.add_scalar(axis, S(1) / model.velocity_sigma, -x.v_GI(axis) / model.velocity_sigma, &reduced_);
+  work_.linked.chain.add_scalar(axis, S(1) / model.velocity_sigma, -x.v_GI(axis) / model.velocity_sigma, &reduced_);
   if (guest.join != Join::none) return;
-  chain_.add_scalar(3 + axis, S(1) / model.bias_a_sigma, -x.b_a(axis) / model.bias_a_sigma, &reduced_);
-  chain_.add_scalar(6 + axis, S(1) / model.bias_g_sigma, -x.b_g(axis) / model.bias_g_sigma, &reduced_);
+  work_.linked.chain.add_scalar(3 + axis, S(1) / model.bias_a_sigma, -x.b_a(axis) / model.bias_a_sigma, &reduced_);
+  work_.linked.chain.add_scalar(6 + axis, S(1) / model.bias_g_sigma, -x.b_g(axis) / model.bias_g_sigma, &reduced_);
 }
 
 template <class S>
@@ -373,10 +387,10 @@ bool SegmentEliminator<S>::back_substitute_step(const Segment<S>& segment, const
     reduced_.back_substitute(step_, at.last() + known - last_column());
     for (int c = 0; c < at.last(); ++c) step[kStateColumns * (c / kPoseColumns) + c % kPoseColumns] = step_[c];
     for (int c = 0; c < kStateColumns; ++c) step[last_column() + c] = step_[at.last() + c];
-    chain_.begin(step_, at);
+    (new (&work_.linked) Linked)->chain.begin(step_, at, reduced_.scratch());  // the triangle has told what it knows
     SEGCAL_PAUSE(place_);
     SEGCAL_AWAIT(place_, run_chain_step(segment, guest, theta, model, damping));
-    chain_.back_substitute(step + kPoseColumns, kStateColumns);
+    work_.linked.chain.back_substitute(step + kPoseColumns, kStateColumns);
   }
   SEGCAL_SLICES_END(place_);
 }
@@ -405,11 +419,11 @@ void SegmentEliminator<S>::move_landmark(Segment<S>* segment, int j, const Calib
     add_step(&segment->states.landmark[j], step + tie_column() + kLandmarkColumns * tie);
     return;
   }
-  LandmarkFit<S> fit = landmark_.build(*segment, j, theta, model, layout(), camera_term_, damping / kTypicalLandmarkStep<S>);
+  LandmarkFit<S> fit = work_.landmark.build(*segment, j, theta, model, layout(), camera_term_, damping / kTypicalLandmarkStep<S>);
   if (fit.used < 2) return;
-  landmark_.eliminate(&fit);
+  work_.landmark.eliminate(&fit);
   S landmark_step[kLandmarkColumns];
-  landmark_.solve(step_, landmark_step);
+  work_.landmark.solve(step_, landmark_step);
   add_step(&segment->states.landmark[j], landmark_step);
 }
 

@@ -5,9 +5,6 @@
 
 namespace SEGCAL_NS {
 
-/// Landmark of an image point that is to vanish.
-constexpr int kDroppedLandmark = 0xFFFF;
-
 /// Heap sort: in place, no recursion, the same order everywhere.
 template <class S>
 void sort_observations(Segment<S>* s) {
@@ -48,7 +45,7 @@ void index_observations(Segment<S>* segment, int fewest) {
       s.first_observation[landmarks] = static_cast<std::uint16_t>(kept);
       for (int i = o; i < end; ++i) {
         s.observation[kept] = s.observation[i];
-        s.observation[kept++].landmark = static_cast<std::uint16_t>(landmarks);
+        s.observation[kept++].landmark = static_cast<ObservationBits>(landmarks);
       }
       ++landmarks;
     }

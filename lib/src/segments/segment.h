@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "information/segment_information.h"
 #include "segments/imu_store.h"
@@ -15,13 +16,24 @@ constexpr int kMaxKeyframes = SEGCAL_MAX_KEYFRAMES;
 constexpr int kMaxLandmarks = SEGCAL_MAX_LANDMARKS;
 constexpr int kMaxObservations = SEGCAL_MAX_OBSERVATIONS;
 
+/// Bits that tell numbers up to n.
+constexpr int bits_for(int n) {
+  int bits = 1;
+  while (n >> bits != 0) ++bits;
+  return bits;
+}
+constexpr int kLandmarkBits = bits_for(kMaxLandmarks), kKeyframeBits = bits_for(kMaxKeyframes - 1), kCameraBits = bits_for(kMaxCameras - 1);
+constexpr int kDroppedLandmark = (1 << kLandmarkBits) - 1;   ///< landmark of an image point that is to vanish
+using ObservationBits =
+    std::conditional_t<kLandmarkBits + kKeyframeBits + kCameraBits + 1 <= 16, std::uint16_t, std::uint32_t>;
+
 /// One image point of a landmark.
 struct Observation {
-  StoredPixel u, v;          ///< px
-  std::uint16_t landmark;    ///< index in the segment
-  std::uint8_t keyframe;     ///< index in the segment
-  std::uint8_t camera : 7;
-  std::uint8_t rejected : 1; ///< far off although the model fits: left out by the last calibration
+  StoredPixel u, v;                           ///< px
+  ObservationBits landmark : kLandmarkBits;   ///< index in the segment
+  ObservationBits keyframe : kKeyframeBits;   ///< index in the segment
+  ObservationBits camera : kCameraBits;
+  ObservationBits rejected : 1;               ///< far off although the model fits: left out by the last calibration
 };
 
 /// What the optimiser moves in a segment.
@@ -110,14 +122,14 @@ class LinkIntegration {
   bool step(const Segment<S>& s, int k, const Calibration<S>& theta, const Vec3<S>& b_a, const Vec3<S>& b_g,
             const ImuNoise<S>& noise, ImuTermColumns<S>* columns = nullptr) {
     SEGCAL_SLICES(place_) {
-      integrator_ = ImuIntegrator<S>(theta.imu, b_a, b_g, noise, &theta.effects, columns);
+      integrator_.begin(theta.imu, b_a, b_g, noise, &theta.effects, columns);
       samples_.restart();
       SEGCAL_AWAIT(place_, samples_.step(s.imu, s.link_start(k), s.t_us[k], S(1e-6), &integrator_,
                                          integrator_.wants_surroundings() ? s.stretch(k, theta) : Stretch<S>{}));
     }
     SEGCAL_SLICES_END(place_);
   }
-  ImuIntegral<S> result() { return integrator_.result(); }
+  const ImuIntegral<S>& result() { return integrator_.result(); }
   void restart() { place_ = 0; }
 
  private:

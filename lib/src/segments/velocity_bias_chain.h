@@ -6,8 +6,11 @@
 // [vb k 9 | vb k + 1 9 | rhs | guest 15 | IMU part of theta 15 and terms | poses 6 K]; poses last, so that only those seen so far cost.
 //
 // Back-substitution runs the chain a second time with everything but velocities and biases known: rows are then 19 wide,
-// which costs an integration of the samples and saves the memory that the full rows would take.
+// which costs an integration of the samples and saves the memory that the full rows would take. The finished ones stand where
+// the triangle was: all else is known.
 #pragma once
+
+#include <new>
 
 #include "math/resumable.h"
 #include "segments/reduced_system.h"
@@ -22,17 +25,25 @@ class VelocityBiasChain {
   static constexpr int kSolved = kRhs + 1;  ///< width when all else is known
   static constexpr int kGuest = kSolved;
   static constexpr int kImu = kGuest + kStateColumns;
+  static constexpr int kKept = kMaxKeyframes * kVelocityBiasColumns * kSolved;
   static constexpr int kWidth = kImu + kImuColumns + kMaxEffectColumns + kPoseColumns * kMaxKeyframes;
 
-  /// `known`: null to eliminate; else a step in the reduced layout, for back-substitution.
-  void begin(const S* known, const ReducedLayout& layout) {
+  /// `known`: null to eliminate; else a step in the reduced layout, for back-substitution, which needs kKept numbers of
+  /// memory to keep.
+  void begin(const S* known, const ReducedLayout& layout, S* memory) {
     known_ = known;
+    kept_ = memory;
     poses_ = kImu + layout.imu_columns();
     current_ = 0;
     links_ = 0;
     handed_ = hand_until_ = 0;
     place_ = 0;
     for (S& v : now_) v = S(0);
+  }
+  /// Memory for the rows of the next link, until they are added: what is handed over stands there only later.
+  ImuRows<S>& lend_rows() {
+    static_assert(sizeof(ImuRows<S>) <= sizeof(spread_), "the rows of a link are too many to lend memory for");
+    return *new (spread_) ImuRows<S>;
   }
   /// Links folded so far.
   int links() const { return links_; }
@@ -212,13 +223,14 @@ class VelocityBiasChain {
 
   static constexpr int kBlockRows = 15;
   static constexpr int kBlockSize = kBlockRows * kWidth > 9 * kReducedColumns ? kBlockRows * kWidth : 9 * kReducedColumns;
+  static_assert(kKept <= ReducedSystem<S>::kScratch, "the triangle's memory is too small to keep the chain's rows");
   const S* known_ = nullptr;
+  S* kept_ = nullptr;
   int current_ = 0, links_ = 0, poses_ = 0, handed_ = 0, hand_until_ = 0;
   Place place_ = 0;
   S now_[kVelocityBiasColumns * kWidth];
   S block_[kBlockSize];
-  S spread_[kPoseColumns * kReducedColumns];
-  S kept_[kMaxKeyframes * kVelocityBiasColumns * kSolved];
+  alignas(ImuRows<S>) S spread_[kPoseColumns * kReducedColumns];
 };
 
 }  // namespace SEGCAL_NS

@@ -61,30 +61,14 @@ void sensor_input_columns(const Mat3<S>& M, const Vec3<S>& x, Out&& out) {
 template <class S>
 class ImuIntegrator {
  public:
-  ImuIntegrator() = default;   ///< to be assigned to before use
-  /// `terms`: taken off the readings; null: none. `columns`: derivatives wanted, with their memory; null: none.
+  ImuIntegrator() = default;   ///< begin() before use
   ImuIntegrator(const ImuCalibration<S>& imu, const Vec3<S>& b_a, const Vec3<S>& b_g, const ImuNoise<S>& noise,
-                const EffectTerms<S>* terms = nullptr, ImuTermColumns<S>* columns = nullptr)
-      : T_g_inv_(inverse_scale_misalignment(imu.gyro_scale, imu.gyro_misalignment)),
-        T_a_inv_(inverse_scale_misalignment(imu.accel_scale, imu.accel_misalignment)),
-        R_IA_(imu.R_AI.transpose()),
-        B_(R_IA_ * T_a_inv_),
-        b_a_(b_a),
-        b_g_(b_g),
-        noise_(noise),
-        N_g_(noise.gyro * noise.gyro * (T_g_inv_ * T_g_inv_.transpose())),
-        terms_(terms && terms->any_of_imu() ? terms : nullptr),
-        columns_(columns && columns->count() > 0 ? columns : nullptr) {
-    I_.dt = S(0);
-    I_.dR.setIdentity();
-    I_.dv.setZero();
-    I_.dp.setZero();
-    I_.J_R.setZero();
-    I_.J_v.setZero();
-    I_.J_p.setZero();
-    I_.P.setZero();
-    I_.P_b.setZero();
+                const EffectTerms<S>* terms = nullptr, ImuTermColumns<S>* columns = nullptr) {
+    begin(imu, b_a, b_g, noise, terms, columns);
   }
+  /// `terms`: taken off the readings; null: none. `columns`: derivatives wanted, with their memory; null: none.
+  void begin(const ImuCalibration<S>& imu, const Vec3<S>& b_a, const Vec3<S>& b_g, const ImuNoise<S>& noise,
+             const EffectTerms<S>* terms = nullptr, ImuTermColumns<S>* columns = nullptr);
 
   /// True if terms need to know what is beside each reading: surroundings() is to be set before start() and step().
   bool wants_surroundings() const { return kMaxEffectColumns > 0 && (terms_ || columns_); }
@@ -153,6 +137,31 @@ class ImuIntegrator {
 /// pass approaches by the factor c phi'. At worst, k = 0.017 s/rad at 3 rad/s or k = 6e-3 s^2/m at 10 m/s^2, that is 0.1; two
 /// passes left 4 k^3 w^4 of the reading, which moved k by 3 %, seven of its sigmas.
 constexpr int kTermPasses = 4;
+
+template <class S>
+void ImuIntegrator<S>::begin(const ImuCalibration<S>& imu, const Vec3<S>& b_a, const Vec3<S>& b_g, const ImuNoise<S>& noise,
+                             const EffectTerms<S>* terms, ImuTermColumns<S>* columns) {
+  T_g_inv_ = inverse_scale_misalignment(imu.gyro_scale, imu.gyro_misalignment);
+  T_a_inv_ = inverse_scale_misalignment(imu.accel_scale, imu.accel_misalignment);
+  R_IA_ = imu.R_AI.transpose();
+  B_ = R_IA_ * T_a_inv_;
+  b_a_ = b_a;
+  b_g_ = b_g;
+  noise_ = noise;
+  N_g_ = noise.gyro * noise.gyro * (T_g_inv_ * T_g_inv_.transpose());
+  terms_ = terms && terms->any_of_imu() ? terms : nullptr;
+  columns_ = columns && columns->count() > 0 ? columns : nullptr;
+  surroundings_ = Surroundings<S>{};
+  I_.dt = S(0);
+  I_.dR.setIdentity();
+  I_.dv.setZero();
+  I_.dp.setZero();
+  I_.J_R.setZero();
+  I_.J_v.setZero();
+  I_.J_p.setZero();
+  I_.P.setZero();
+  I_.P_b.setZero();
+}
 
 template <class S>
 void ImuIntegrator<S>::take_off_terms(const InertialReading<S>& r, Corrected* c) const {
@@ -239,7 +248,6 @@ void ImuIntegrator<S>::step(const InertialReading<S>& reading, S dt) {
   const Corrected first = current_, next = corrected(reading);
   const Mat3<S> dR0 = I_.dR;
   const Mat<S, 3, kGyroInputs> J_R0 = I_.J_R, W0 = W_;
-  const Mat<S, 3, kInputs> D0 = D_;
   sensor_input_columns(T_g_inv_, next.w_I, W_);
   // Rotation over a stretch h of linear rate, from w0 to w1: h (w0 + w1) / 2 + h^2 (w0 x w1) / 12. Half a step ends at the
   // mean of both.
@@ -254,8 +262,11 @@ void ImuIntegrator<S>::step(const InertialReading<S>& reading, S dt) {
   current_.f_A = S(0.5) * (first.f_A + next.f_A);
   current_.f_I = S(0.5) * (first.f_I + next.f_I);
   const Vec3<S> a0 = dR0 * first.f_I, am = I_.dR * current_.f_I;
-  Mat<S, 3, kInputs> Dm;
-  force_derivative(&Dm);
+  const S sixth = dt / S(6), square = dt * dt / S(6);
+  Mat<S, 3, kInputs> D;   // at the middle; then what the integral needs of start and middle
+  force_derivative(&D);
+  I_.J_p += dt * I_.J_v + square * (D_ + S(2) * D);
+  D = D_ + S(4) * D;
   if (columns_) {
     frames.R_m = I_.dR;
     frames.F_m = -(I_.dR * skew(current_.f_I));
@@ -268,11 +279,9 @@ void ImuIntegrator<S>::step(const InertialReading<S>& reading, S dt) {
   force_derivative(&D_);
   const Vec3<S> a1 = I_.dR * next.f_I;
 
-  const S sixth = dt / S(6), square = dt * dt / S(6);
   I_.dp += dt * I_.dv + square * (a0 + S(2) * am);
-  I_.J_p += dt * I_.J_v + square * (D0 + S(2) * Dm);
   I_.dv += sixth * (a0 + S(4) * am + a1);
-  I_.J_v += sixth * (D0 + S(4) * Dm + D_);
+  I_.J_v += sixth * (D + D_);
   if (columns_) {
     frames.Et = Et;
     frames.Jr = Jr;

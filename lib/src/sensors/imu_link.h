@@ -16,8 +16,9 @@ struct ImuRows {
 
 /// Covariance of the link's 15 residuals: P with the walk of both biases over dt.
 template <class S>
-Mat<S, 15, 15> link_covariance(const ImuIntegral<S>& I, const ImuNoise<S>& noise) {
-  Mat<S, 15, 15> Q = Mat<S, 15, 15>::Zero();
+void link_covariance(const ImuIntegral<S>& I, const ImuNoise<S>& noise, Mat<S, 15, 15>* covariance) {
+  Mat<S, 15, 15>& Q = *covariance;
+  Q.setZero();
   Q.template topLeftCorner<9, 9>() = I.P;
   // Residual and P_b are both "truth minus integral": a bias that has grown by b1 - b0 makes the integral too large.
   Q.template topRightCorner<9, 6>() = I.P_b;
@@ -26,7 +27,6 @@ Mat<S, 15, 15> link_covariance(const ImuIntegral<S>& I, const ImuNoise<S>& noise
     Q(9 + i, 9 + i) = noise.accel_walk * noise.accel_walk * I.dt;
     Q(12 + i, 12 + i) = noise.gyro_walk * noise.gyro_walk * I.dt;
   }
-  return Q;
 }
 
 /// Residual r = (Log(dR' R0' R1), R0'(v1 - v0 - g dt) - dv, R0'(p1 - p0 - v0 dt - g dt^2/2) - dp, b1 - b0), not whitened.
@@ -98,7 +98,8 @@ void link_term_columns(const ImuRows<S>& rows, ImuTermColumns<S>* columns) {
   }
 }
 
-/// Square root of the link's information: a scale per row and a lower triangle, so that whitened = L^-1 (scale r).
+/// Square root of the link's information: a scale per row and a lower triangle, so that whitened = L^-1 (scale r). Above its
+/// diagonal L holds what is left of the covariance.
 template <class S>
 struct LinkWhitening {
   Vec<S, 15> scale;
@@ -109,7 +110,8 @@ struct LinkWhitening {
 /// decades, and float keeps seven digits of each ratio.
 template <class S>
 bool link_whitening(const ImuIntegral<S>& I, const ImuNoise<S>& noise, LinkWhitening<S>* w) {
-  Mat<S, 15, 15> Q = link_covariance(I, noise);
+  Mat<S, 15, 15>& Q = w->L;
+  link_covariance(I, noise, &Q);
   for (int i = 0; i < 15; ++i) {
     if (!(Q(i, i) > S(0))) return false;
     w->scale(i) = S(1) / square_root(Q(i, i));
@@ -117,7 +119,7 @@ bool link_whitening(const ImuIntegral<S>& I, const ImuNoise<S>& noise, LinkWhite
   for (int j = 0; j < 15; ++j) {
     for (int i = 0; i < 15; ++i) Q(i, j) = (Q(i, j) * w->scale(i)) * w->scale(j);
   }
-  return cholesky_lower<S, 15>(Q, &w->L);
+  return cholesky_in_place<S, 15>(&Q);
 }
 
 /// Whitens the residual alone.

@@ -131,7 +131,7 @@ S still_distance(Window<S>* w, S sigma_v) {
   constexpr int rows = kLinkRows + 3, dof = rows - kMotionColumns;
   const int newest = w->n_poses - 1, n = w->columns();
   w->clear_block(rows);
-  place_link(w, 0, kMotionColumns, 0, newest, newest);
+  place_link(w, 0, kLinkRows, 0, kMotionColumns, 0, newest, newest);
   zero_rows(w->block + kLinkRows * kBlockStride, 0, kMotionColumns + n, w->now.v_GI, sigma_v);
   reflect_leading_columns(w->block, rows, kBlockStride, n + 1 + kMotionColumns, kMotionColumns);
   Mat<S, dof, dof> C, L;

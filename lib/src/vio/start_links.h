@@ -53,13 +53,20 @@ struct Origin {
 /// Memory of the start.
 template <class S>
 struct StartScratch {
-  StartLink<S> link[kWindow];
+  StartLink<S>* link = nullptr;   ///< one for each pose, in the window's memory
   State<S> x0, best;       ///< state at the window's first frame, and the best one so far
   State<S> aligned;        ///< what the descent from the linear alignment found
   CameraCalibration<S> best_camera[kMaxCameras], aligned_camera[kMaxCameras];
   S pixel_scale;           ///< what the fit says about pixel_sigma, 1..4
   bool still;
 };
+
+/// The window's memory for them, until the first link is folded into it.
+template <class S>
+StartLink<S>* lend_start_links(Window<S>* w) {
+  static_assert(sizeof(StartLink<S>) == kStartLinkNumbers * sizeof(S), "the start's links do not fit where they are lent memory");
+  return new (w->start_links) StartLink<S>[kWindow];
+}
 
 template <class S>
 void copy_link(const ImuIntegral<S>& I, StartLink<S>* link) {

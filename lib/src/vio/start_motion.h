@@ -3,6 +3,8 @@
 // come meanwhile do not touch window and tracks, so that what comes out does not depend on when the slices were done.
 #pragma once
 
+#include <new>
+
 #include "math/resumable.h"
 #include "vio/start_alignment.h"
 #include "vio/start_gyro_bias.h"
@@ -102,6 +104,10 @@ class MotionStart {
   bool fold_some(Window<S>* w, S* rows, int m);
   bool unfold_some(Window<S>* w, S* rows, int m, int first);
 
+  ImuIntegrator<S>* new_integrator(Window<S>* w) {
+    static_assert(sizeof(ImuIntegrator<S>) <= sizeof(w->block), "the window's block is too small for an integrator");
+    return integrator_ = new (w->block) ImuIntegrator<S>;
+  }
   void correct(const StartContext<S>& c) {
     correct_links(c.w->n_poses, Vec3<S>(c.s->x0.b_a - base_.b_a), Vec3<S>(c.s->x0.b_g - base_.b_g), c.s->link);
   }
@@ -119,7 +125,7 @@ class MotionStart {
   static constexpr int kFoldWork = 30000;  // products per slice, as fold_work() counts them
   bool pending_ = false, good_ = false, had_before_ = false, settled_ = false;
   Place place_ = 0, inner_ = 0, leaf_ = 0;
-  std::int32_t i_ = 0, k_ = 0, camera_ = 0, iteration_ = 0, column_ = 0, used_ = 0, discarded_ = 0;
+  std::int32_t i_ = 0, k_ = 0, camera_ = 0, iteration_ = 0, column_ = 0, row_ = 0, rows_ = 0, used_ = 0, discarded_ = 0;
   std::int64_t first_ns_ = 0, last_imu_ns_ = 0, t_ = 0;
   S warmth_ = S(0), lambda_ = S(0);
   State<S> base_;              ///< biases that the links were integrated at
@@ -128,7 +134,7 @@ class MotionStart {
   RefineFit<S> fit_, trial_, aligned_;
   S rho_[kMaxVioTracks];       ///< inverse distances at the last linearisation, 1/m; negative: none
   Feature<S> feature_;
-  ImuIntegrator<S> integrator_;
+  ImuIntegrator<S>* integrator_ = nullptr;   ///< in the window's block, which is free while samples are integrated
   SampleIntegration<S, std::int64_t> samples_;
 };
 
@@ -175,16 +181,16 @@ template <class S>
 bool MotionStart<S>::integrate_step(const StartContext<S>& c, const Samples& imu) {
   SEGCAL_SLICES(leaf_) {
     base_ = c.s->x0;
-    integrator_ = ImuIntegrator<S>(c.w->theta.imu, base_.b_a, base_.b_g, c.options.noise);
+    new_integrator(c.w)->begin(c.w->theta.imu, base_.b_a, base_.b_g, c.options.noise);
     t_ = c.w->pose[0].time;
-    integrator_.start(reading_at<S>(imu, t_));
-    copy_link(integrator_.result(), &c.s->link[0]);
+    integrator_->start(reading_at<S>(imu, t_));
+    copy_link(integrator_->result(), &c.s->link[0]);
     for (i_ = 1; i_ < c.w->n_poses; ++i_) {
       while (t_ < c.w->pose[i_].time) {
         integrate_some(imu, c.w->pose[i_].time);
         SEGCAL_PAUSE(leaf_);
       }
-      copy_link(integrator_.result(), &c.s->link[i_]);
+      copy_link(integrator_->result(), &c.s->link[i_]);
     }
   }
   SEGCAL_SLICES_END(leaf_);
@@ -196,7 +202,7 @@ void MotionStart<S>::integrate_some(const Samples& imu, std::int64_t end) {
   for (int left = kSamplesPerSlice; left > 0; --left, ++k) {
     const bool between = k < imu.size() && imu.time(k) < end;
     const std::int64_t to = between ? imu.time(k) : end;
-    integrator_.step(between ? imu.reading(k) : reading_at<S>(imu, end), S(to - t_) * S(1e-9));
+    integrator_->step(between ? imu.reading(k) : reading_at<S>(imu, end), S(to - t_) * S(1e-9));
     t_ = to;
     if (!between) return;
   }
@@ -337,29 +343,33 @@ bool MotionStart<S>::open_step(const StartContext<S>& c, const Samples& imu) {
     begin_window(c.w, c.options, c.s->x0, S(3));
     SEGCAL_PAUSE(inner_);
     for (i_ = 1; i_ < c.w->n_poses && good_; ++i_) {
-      integrator_ = ImuIntegrator<S>(c.w->theta.imu, c.w->now.b_a, c.w->now.b_g,
-                                     noise_in(imu, c.options.noise, c.w->pose[i_ - 1].time, c.w->pose[i_].time), &c.w->theta.effects);
+      new_integrator(c.w)->begin(c.w->theta.imu, c.w->now.b_a, c.w->now.b_g,
+                                 noise_in(imu, c.options.noise, c.w->pose[i_ - 1].time, c.w->pose[i_].time), &c.w->theta.effects);
       samples_.restart();
-      SEGCAL_AWAIT(inner_, samples_.step(imu, c.w->pose[i_ - 1].time, c.w->pose[i_].time, S(1e-9), &integrator_,
-                                         stretch_between(c.w->pose[i_ - 1].time, c.w->pose[i_].time, imu.warmth, integrator_)));
+      SEGCAL_AWAIT(inner_, samples_.step(imu, c.w->pose[i_ - 1].time, c.w->pose[i_].time, S(1e-9), integrator_,
+                                         stretch_between(c.w->pose[i_ - 1].time, c.w->pose[i_].time, imu.warmth, *integrator_)));
       SEGCAL_PAUSE(inner_);
       good_ = link_poses(c);
-      SEGCAL_PAUSE(inner_);
-      for (column_ = 0; good_ && !fold_some(c.w, link_rows_in(c.w), kLinkRows);) SEGCAL_PAUSE(inner_);
+      for (row_ = 0; good_ && row_ < kLinkRows; row_ += rows_) {
+        SEGCAL_PAUSE(inner_);
+        rows_ = reduce_link(c.w, row_, i_ - 1, i_);
+        SEGCAL_PAUSE(inner_);
+        for (column_ = 0; !fold_some(c.w, link_rows_in(c.w), rows_);) SEGCAL_PAUSE(inner_);
+      }
     }
   }
   SEGCAL_SLICES_END(inner_);
 }
 
-/// The rows of link i_ into the block, without the old motion; its second pose is placed.
+/// Linearises link i_; the old motion goes into the block, and the link's second pose is placed.
 template <class S>
 bool MotionStart<S>::link_poses(const StartContext<S>& c) {
   Window<S>* w = c.w;
-  const ImuIntegral<S>& I = integrator_.result();
+  const ImuIntegral<S>& I = integrator_->result();
   const State<S> x1 = predicted(I, w->now, c.options.g);
   if (!linearise_link(w, c.options, I, x1, x1)) return false;
   w->link.r.setZero();
-  reduce_link(w, i_ - 1, i_);
+  stack_motion(w);
   w->pose[i_].R_GI = w->pose[i_].R_first = x1.R_GI;
   w->pose[i_].p_GI = w->pose[i_].p_first = x1.p_GI;
   w->now = w->now_first = x1;

@@ -74,6 +74,8 @@ class Vio {
   /// Factor on pixel_sigma that the residuals ask for (1 when the calibration fits).
   S pixel_scale() const { return monitor_.scale; }
   bool standing_still() const { return still_; }
+  /// Memory for a triangle over theta and a right-hand side, until the next call of anything else.
+  S* scratch() { return window_.block; }
   /// Poses in the window and their first estimates.
   const Window<S>& window() const { return window_; }
 
@@ -189,6 +191,7 @@ VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n,
 
 template <class S>
 VioStatus Vio<S>::try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu) {
+  start_.link = lend_start_links(&window_);
   if (window_at_rest(window_, tracks_, options_, imu)) {
     start_at_rest(&window_, &tracks_, options_, origin_, imu, &start_);
     monitor_ = ResidualMonitor<S>();

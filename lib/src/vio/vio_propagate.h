@@ -35,11 +35,11 @@ void place_columns(const Window<S>& w, S* row, int i, int from, int to, int n) {
   for (int c = 0; c < n; ++c) row[to + c] += w.link.J(i, from + c);
 }
 
-/// The whitened link's rows into the block from row `row` on; R's columns from the poses on stand one motion later.
+/// Rows [from, to) of the whitened link into the block from row `row` on; R's columns from the poses on stand one motion later.
 template <class S>
-void place_link(Window<S>* w, int row, int old_motion, int new_motion, int old_pose, int new_pose) {
-  for (int i = 0; i < kLinkRows; ++i) {
-    S* out = w->block + (row + i) * kBlockStride;
+void place_link(Window<S>* w, int from, int to, int row, int old_motion, int new_motion, int old_pose, int new_pose) {
+  for (int i = from; i < to; ++i) {
+    S* out = w->block + (row + i - from) * kBlockStride;
     place_columns(*w, out, i, kPoseColumns, old_motion, kMotionColumns);
     place_columns(*w, out, i, kStateColumns + kPoseColumns, new_motion, kMotionColumns);
     place_columns(*w, out, i, 0, kMotionColumns + pose_column(old_pose), kPoseColumns);
@@ -49,11 +49,11 @@ void place_link(Window<S>* w, int row, int old_motion, int new_motion, int old_p
   }
 }
 
-/// The block that carries the old motion away: rows of R that hold it, then the whitened link.
+/// The block that carries the old motion away: rows of R that hold it, then those of the whitened link.
 /// Columns: [old motion 9 | new motion 9 | R's columns from the poses on].
 template <class S>
-void stack_link(Window<S>* w, int old_pose, int new_pose) {
-  w->clear_block(kMotionColumns + kLinkRows);
+void stack_motion(Window<S>* w) {
+  w->clear_block(kMotionColumns);
   PackedTriangle<S> R = w->R();
   const int n = w->columns();
   for (int j = 0; j < kMotionColumns; ++j) {
@@ -62,7 +62,6 @@ void stack_link(Window<S>* w, int old_pose, int new_pose) {
     for (int c = kMotionColumns; c <= n; ++c) row[kMotionColumns + c] = R(j, c);
     for (int c = j; c <= n; ++c) R.row(j)[c] = S(0);
   }
-  place_link(w, kMotionColumns, 0, kMotionColumns, old_pose, new_pose);
 }
 
 /// Where reduce_link() leaves its rows.
@@ -71,18 +70,26 @@ S* link_rows_in(Window<S>* w) {
   return w->block + kMotionColumns * kBlockStride + kMotionColumns;
 }
 
-/// Eliminates the old motion; what is left, kLinkRows rows, is to be folded.
+/// After stack_motion(): as many of the link's rows from row `from` on as the block has room for, with the old motion eliminated.
+/// They are to be folded; returns their number.
 template <class S>
-void reduce_link(Window<S>* w, int old_pose, int new_pose) {
-  stack_link(w, old_pose, new_pose);
-  const int width = w->columns() + 1 + kMotionColumns;
-  reflect_leading_columns(w->block, kMotionColumns + kLinkRows, kBlockStride, width, kMotionColumns);
+int reduce_link(Window<S>* w, int from, int old_pose, int new_pose) {
+  const int m = kLinkRows - from < kRowsAtATime ? kLinkRows - from : kRowsAtATime, width = w->columns() + 1 + kMotionColumns;
+  S* rows = w->block + kMotionColumns * kBlockStride;
+  for (int c = 0; c < m * kBlockStride; ++c) rows[c] = S(0);
+  place_link(w, from, from + m, kMotionColumns, 0, kMotionColumns, old_pose, new_pose);
+  for (int j = 0; j < kMotionColumns; ++j) reflect_column(w->block + j * kBlockStride, rows, m, kBlockStride, j, width);
+  return m;
 }
 
 template <class S>
 void fold_link(Window<S>* w, int old_pose, int new_pose) {
-  reduce_link(w, old_pose, new_pose);
-  fold_block(w, link_rows_in(w), kLinkRows, 0);
+  stack_motion(w);
+  for (int from = 0; from < kLinkRows;) {
+    const int m = reduce_link(w, from, old_pose, new_pose);
+    fold_block(w, link_rows_in(w), m, 0);
+    from += m;
+  }
 }
 
 /// Whitened link rows between the newest state and `x1`; Jacobians at first estimates, x1's at `first`. False: no

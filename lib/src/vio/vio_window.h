@@ -17,10 +17,16 @@ constexpr int kWindow = SEGCAL_MAX_CLONES + 1;  // past poses and the newest
 constexpr int kMotionColumns = 9;               // v, b_a, b_g
 constexpr int kFilterColumns = kMotionColumns + kPoseColumns * kWindow + kMaxCameraColumns * kMaxCameras + kImuColumns;
 constexpr int kLinkRows = 15;
-// The scratch block holds a link with the leading rows of R and room for the new motion, or the rows of one feature.
+constexpr int kStartLinkNumbers = 76;           // start_links.h
+// The scratch block holds the rows of one feature; or the leading rows of R, with room for the new motion, and as many of a
+// link's rows as find room at a time.
 constexpr int kBlockStride = kFilterColumns + 1 + kMotionColumns;
 constexpr int kFeatureRows = 2 * kWindow + 1;  // the last one: what is known about distances
-constexpr int kBlockRows = kFeatureRows > kLinkRows + kMotionColumns ? kFeatureRows : kLinkRows + kMotionColumns;
+constexpr int kBlockRows = kFeatureRows > kLinkRows + 3 ? kFeatureRows : kLinkRows + 3;
+constexpr int kRowsAtATime = kBlockRows - kMotionColumns < kLinkRows ? kBlockRows - kMotionColumns : kLinkRows;
+// Between frames it is lent for a triangle over theta and a right-hand side.
+constexpr int kBlockSize =
+    kBlockRows * kBlockStride > packed_size(kMaxTheta + 1) ? kBlockRows * kBlockStride : packed_size(kMaxTheta + 1);
 
 constexpr int pose_column(int i) { return kMotionColumns + kPoseColumns * i; }
 constexpr int camera_column(int camera) { return pose_column(kWindow) + kMaxCameraColumns * camera; }
@@ -44,11 +50,17 @@ struct Window {
   State<S> now, now_first;           ///< newest state; its pose is that of newest()
   std::int32_t n_poses;
   S triangle[packed_size(kFilterColumns + 1)];
-  S block[kBlockRows * kBlockStride];
+  alignas(8) S block[kBlockSize];
   S work[kBlockStride];
   bool learnt;                       ///< R's rows of the sensors hold what earlier sessions told
   S pivot[kFilterColumns];           ///< diagonal of R before the last fold, to undo it
-  ImuRows<S> link;
+  /// The inertial link that is folded in; before that, while there are no links yet, the start's.
+  union {
+    ImuRows<S> link;
+    S start_links[kStartLinkNumbers * kWindow];
+  };
+
+  Window() {}
 
   int imu_column() const { return camera_column(theta.n_cameras); }
   int columns() const { return imu_column() + kImuColumns; }
