@@ -75,18 +75,32 @@ def pushed_bytes(opcode, operands):
     return 0
 
 
+def leaves(opcode, operands):
+    """Whether nothing after this instruction runs: a jump, a return, or data behind the code."""
+    op = opcode.split(".")[0]
+    return op in ("b", "bx", "tbb", "tbh", "udf", "bkpt") or opcode.startswith(".") or "pc" in operands
+
+
 class Image:
     """Frames and calls of functions in a linked Thumb image."""
 
     def __init__(self, path, objdump):
-        listing = subprocess.run([objdump, "-d", "--no-show-raw-insn", path], check=True, capture_output=True, text=True).stdout
-        self.body, name = {}, None
-        for line in listing.splitlines():
-            if start := re.match(r"[0-9a-f]+ <([^>]+)>:", line):
-                name = start[1]
+        def lines(*options):
+            return subprocess.run([objdump, *options, path], check=True, capture_output=True, text=True).stdout.splitlines()
+
+        self.body, self.follows, name, at = {}, {}, None, {}
+        for line in lines("-d", "--no-show-raw-insn"):
+            if start := re.match(r"([0-9a-f]+) <([^>]+)>:", line):
+                self.follows[name] = start[2]
+                name = at[int(start[1], 16)] = start[2]
                 self.body[name] = []
             elif name and (code := re.match(r"\s*[0-9a-f]+:\s+(\S+)\s*(.*)", line)):
                 self.body[name].append((code[1], code[2]))
+        # A function may have several names, of which the listing shows one: __aeabi_dadd is __adddf3.
+        for line in lines("-t"):
+            symbol = re.match(r"([0-9a-f]+) .*\s(\S+)$", line)
+            if symbol and symbol[2] not in self.body and (shown := at.get(int(symbol[1], 16))):
+                self.body[symbol[2]], self.follows[symbol[2]] = self.body[shown], self.follows.get(shown)
 
     def add_to(self, graph, name):
         """All that the function pushes, whichever way it takes: an upper bound."""
@@ -95,11 +109,14 @@ class Image:
             taken = pushed_bytes(opcode, operands)
             dynamic |= taken is None
             size += taken or 0
-            target = re.search(r"<([^>+]+)>", operands)
+            target = re.search(r"<([^>+]+)(\+0x[0-9a-f]+)?>", operands)
             if re.match(r"(b|bl|blx|b\.\w+|b[a-z]{2}(\.\w)?)$", opcode) and target and target[1] != name:
                 calls.add(target[1])
             elif opcode == "blx":
                 calls.add("__indirect_call")
+        code = [line for line in self.body[name] if line[0].split(".")[0] != "nop"]  # without padding
+        if code and not leaves(*code[-1]) and self.follows.get(name):
+            calls.add(self.follows[name])  # it runs on into the next one, as __aeabi_dsub does
         graph.add(name, size, dynamic)
         graph.calls[name] = calls
 

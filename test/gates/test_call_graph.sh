@@ -35,6 +35,16 @@ expect 1 indirect 'indirect call from segcal_f' 'int segcal_f(int (*g)(int)) { r
 expect 0 callback 'worst stack' 'int segcal_f(int (*g)(int)) { return g(1) + 1; }' --callbacks segcal_f
 expect 1 unknown 'no frame is known of use' "$use int segcal_f(void) { char a[8]; use(a); return a[0]; }"
 expect 1 limit 'over the limit of 100 bytes' "$use int segcal_f(void) { char a[128]; use(a); return a[0]; }" --assume use=0 --limit 100
+# Assembly of a linked image: a function with two names, and one that runs on into it, as in libgcc.
+if [ -n "$tools" ]; then
+  assembly='__asm__(".syntax unified\n.thumb\n.thumb_func\n.global through\n.type through,%function\nthrough: push {r4, r5}\n"
+        ".thumb_func\n.global shown\n.type shown,%function\nshown: push {r4, lr}\npop {r4, pc}\nnop\n"
+        ".thumb_func\n.global another\n.type another,%function\nanother: push {r0-r7}\nbx lr\n.thumb_set alias, shown\n.global alias\n");'
+  expect 0 alias 'worst stack: 16 bytes' "$assembly void alias(void); void segcal_f(void) { alias(); alias(); }" \
+         --image "$work/call_graph_alias/alias.o" --objdump "${tools}objdump"
+  expect 0 through 'worst stack: 24 bytes' "$assembly void through(void); void segcal_f(void) { through(); through(); }" \
+         --image "$work/call_graph_through/through.o" --objdump "${tools}objdump"
+fi
 expect 2 nothing 'no call graph' 'int other(void) { return 1; }'
 
 [ "$failures" -eq 0 ] && echo "call graph: all kinds are refused"
