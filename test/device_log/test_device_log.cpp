@@ -49,6 +49,20 @@ void test_configuration_comes_back() {
   TEST_ASSERT_TRUE(read.noise.rate_hz == 200);  // zero in the configuration: the default
 }
 
+/// Whatever changes the bits of a result is in the header: a build that differs in one of its numbers is none of the profiles.
+void test_every_capacity_counts() {
+  LoggedCalls log;
+  log.end();
+  const std::size_t payload = SEGCAL_NS::kLogMagicBytes + SEGCAL_NS::kBlockHead, numbers = 19;
+  for (std::size_t i = 2; i < numbers; ++i) {
+    std::vector<std::uint8_t> bytes = log.bytes;
+    bytes[payload + 4 * i] ^= 1;
+    SEGCAL_NS::ByteWriter crc(bytes.data() + payload + 4 * numbers, SEGCAL_NS::kBlockTail);
+    crc.integer(SEGCAL_NS::crc32(bytes.data() + payload, 4 * numbers));
+    check_true(Id().add("number", i), "no known profile", parsed(bytes).sessions[0].device->profile.empty());
+  }
+}
+
 std::vector<std::uint8_t> encoded(const segcal_config_t& config) {
   std::vector<std::uint8_t> out(2 * sizeof config);
   SEGCAL_NS::ByteWriter writer(out.data(), out.size());
@@ -147,6 +161,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_crc_is_the_known_one);
   RUN_TEST(test_calls_come_back);
   RUN_TEST(test_configuration_comes_back);
+  RUN_TEST(test_every_capacity_counts);
   RUN_TEST(test_no_field_is_forgotten);
   RUN_TEST(test_older_configuration_has_defaults_behind_its_end);
   RUN_TEST(test_a_full_disk_is_reported_and_stays_so);

@@ -143,8 +143,8 @@ void test_whole_blocks_with_wrong_content_are_refused() {
   check_says(Id().add("case", "long"), refusal(with_block(6, {1})), {"expected another number of bytes"});
   check_says(Id().add("case", "second configuration"), refusal(with_block(1, {})), {"found a second one"});
   Bytes format(64, 0);
-  format[0] = 2;
-  check_says(Id().add("case", "format"), refusal(with_block(0, format)), {"expected log format 1, found 2"});
+  format[0] = 1;
+  check_says(Id().add("case", "format"), refusal(with_block(0, format)), {"expected log format 2, found 1"});
 }
 
 /// Nothing comes out that did not go in: refused, or cut short at the end with a note.

@@ -23,7 +23,7 @@
 extern "C" {
 #endif
 
-#define SEGCAL_LOG_FORMAT 1u
+#define SEGCAL_LOG_FORMAT 2u
 
 /* Bytes of the block that hold any configuration and any frame. A larger block means fewer and longer writes. */
 #define SEGCAL_LOG_TRACKS_BYTES (12u + 13u * SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS)

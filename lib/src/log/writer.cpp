@@ -39,7 +39,8 @@ int write_header(segcal_log_t* log) {
                                    SEGCAL_MAX_LANDMARKS,    SEGCAL_MAX_OBSERVATIONS, SEGCAL_MAX_IMU_SAMPLES,
                                    SEGCAL_MAX_CLONES,       SEGCAL_MAX_TRACKS,       SEGCAL_MAX_TIES,
                                    SEGCAL_SHARED_LANDMARKS, SEGCAL_IMU_HISTORY,      SEGCAL_MAX_EFFECT_ESTIMATES,
-                                   SEGCAL_MAX_EFFECT_COLUMNS};
+                                   SEGCAL_MAX_EFFECT_COLUMNS, SEGCAL_FRAME_FEATURES, SEGCAL_START_DELAY_MS,
+                                   SEGCAL_PIXEL_BITS};
   for (std::uint32_t n : numbers) out.integer(n);
   return write_block(log, LogBlock::header, out.size());
 }
