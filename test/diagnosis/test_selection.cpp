@@ -240,6 +240,30 @@ void test_step_beside_an_effect() {
   TEST_ASSERT_GREATER_OR_EQUAL_INT(38, right);
 }
 
+/// A strong effect whose value scatters as long as it is not in the fit, and a step that is gone when it is: the step goes, and
+/// nothing of it stays behind.
+void test_step_that_is_dropped() {
+  LinearRecording far = catalogue(), fitted = catalogue();
+  far.truth(0) = fitted.truth(0) = 0.4;
+  far.step = Eigen::VectorXd::Zero(far.n_theta);
+  far.step.head(3) << 0.2, 0.3, -0.1;
+  far.step_at = 5;
+  int right = 0;
+  for (int seed = 0; seed < 40; ++seed) {
+    test::Random random(1400 + seed);
+    far.outside = [&random](int, const Eigen::MatrixXd& J, Eigen::VectorXd* r) { *r += 0.2 * random.normal() * J.col(6); };
+    const Problem first = problem_of(far, &random), second = problem_of(fitted, &random);
+    const Selection s = select_effects(far.candidates, {}, [&](const std::vector<int>& accepted) { return accepted.empty() ? first : second; });
+    if (s.candidates.size() == far.candidates.size() || s.shifted) continue;  // the step was never in, or is all there is
+    ++right;
+    TEST_ASSERT_TRUE(names(s) == std::vector<std::string>{"offset"});
+    TEST_ASSERT_EQUAL_DOUBLE(0, s.leftover);
+    TEST_ASSERT_TRUE(s.pairs.empty());
+  }
+  std::printf("steps that were dropped: %d of 40\n", right);
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(10, right);
+}
+
 /// Noise three times as large as stated: no name, and values with honest sigmas.
 void test_noise_larger_than_stated() {
   LinearRecording recording = catalogue();
@@ -266,6 +290,7 @@ int main() {
   RUN_TEST(test_halves_that_disagree);
   RUN_TEST(test_step_of_theta);
   RUN_TEST(test_step_beside_an_effect);
+  RUN_TEST(test_step_that_is_dropped);
   RUN_TEST(test_noise_larger_than_stated);
   return UNITY_END();
 }

@@ -54,6 +54,10 @@ class Search {
     return out;
   }
 
+  bool is_chosen(int c) const { return std::count(chosen_.begin(), chosen_.end(), c) > 0; }
+  /// Could be chosen now. The columns of a step that was dropped are no longer in the rows.
+  bool open_to(int c) const { return out_.alone[c].seen > 0 && !is_chosen(c) && c < given_; }
+
   double corrected(int c, const EffectTest& test) const {
     return test.log10_p + std::log10(std::max(1, tested_)) + candidates_[c].handicap;
   }
@@ -64,7 +68,7 @@ class Search {
     std::vector<std::pair<double, int>> order;
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const int c = static_cast<int>(i);
-      if (out_.alone[i].seen == 0 || std::count(chosen_.begin(), chosen_.end(), c) > 0) continue;
+      if (!open_to(c)) continue;
       EffectTest test = test_effect(out_.problem, candidates_[i], groups_but(-1));
       if (!significant(c, test)) continue;
       calm(c, &test);
@@ -163,7 +167,10 @@ class Search {
       why_[c] = "not needed beside " + candidates_[chosen_.back()].name;
       dropped_.push_back(c);
       chosen_.erase(chosen_.begin() + static_cast<std::ptrdiff_t>(i));
-      if (c >= given_) out_.shifted = false;
+      if (c >= given_) {
+        out_.shifted = false;
+        shift_refused_ = true;
+      }
       fit_again();
       i = 0;
     }
@@ -178,8 +185,7 @@ class Search {
     }
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const int c = static_cast<int>(i);
-      const bool was_chosen = std::count(chosen_.begin(), chosen_.end(), c) > 0;
-      if (!was_chosen && significant(c, out_.alone[i])) out_.rejected.push_back({c, reason(c)});
+      if (!is_chosen(c) && significant(c, out_.alone[i])) out_.rejected.push_back({c, reason(c)});
     }
   }
 
@@ -187,7 +193,7 @@ class Search {
     for (const Pair& pair : out_.pairs) {
       if (pair.other == c) return "this motion does not tell it from " + candidates_[pair.accepted].name;
     }
-    const bool open = significant(c, test_effect(out_.problem, candidates_[c], groups_but(-1)));
+    const bool open = open_to(c) && significant(c, test_effect(out_.problem, candidates_[c], groups_but(-1)));
     if (!why_[c].empty() && (open || dropped_before(c))) return why_[c];
     return chosen_.empty() ? "not significant" : "explained by " + candidates_[chosen_.front()].name;
   }
@@ -197,7 +203,7 @@ class Search {
     const std::vector<TermGroup> others = groups_but(a.candidate);
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const int b = static_cast<int>(i);
-      if (out_.alone[i].seen == 0 || std::count(chosen_.begin(), chosen_.end(), b) > 0) continue;
+      if (!open_to(b)) continue;
       const EffectTest instead = test_effect(out_.problem, candidates_[i], others);
       std::vector<TermGroup> with_b = others;
       with_b.push_back(candidates_[i].columns);

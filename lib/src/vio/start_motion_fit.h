@@ -1,0 +1,111 @@
+// Second part of the start in motion (start_motion.h): the alignment is refined with the extrinsics,
+// judged, and rid of tracks that miss.
+#pragma once
+
+#include "vio/start_motion.h"
+
+namespace SEGCAL_NS {
+
+/// Standard deviation of entries [column, column + 3) of a triangle's solution, the largest.
+template <class S>
+S largest_sigma(const PackedTriangle<S>& R, int column, S* y) {
+  S worst = S(0);
+  for (int c = column; c < column + 3; ++c) {
+    covariance_factor(R, R.columns() - 1, c, y);
+    const S variance = factor_product<S>(y, y, R.columns() - 1);
+    if (variance > worst) worst = variance;
+  }
+  return square_root(worst);
+}
+
+/// Is the fit one to fly with: most tracks agree, residuals are what pixel_sigma says, velocity and tilt are known?
+/// In a wrong minimum (rotation with little parallax) many tracks miss by some pixel_sigma, and a window that has too
+/// little to tell has large sigmas: both wait for better frames.
+template <class S>
+bool acceptable(Window<S>* w, const RefineFit<S>& fit, const PackedTriangle<S>& R, StartScratch<S>* s) {
+  if (fit.tracks < 8 || fit.points < 60) return false;
+  const S dof = S(2 * fit.points - 3 * fit.tracks);
+  const S ratio = fit.cost / (dof > S(1) ? dof : S(1));
+  s->pixel_scale = ratio < S(1) ? S(1) : square_root(ratio < S(16) ? ratio : S(16));
+  if (ratio > S(2.25) || S(fit.good) < S(0.8) * S(fit.tried)) return false;
+  return s->pixel_scale * largest_sigma(R, 6, w->block) < S(0.1) && largest_sigma(R, 0, w->block) < S(0.05) &&
+         s->x0.v_GI.squaredNorm() < S(36);
+}
+
+/// Linearises the window at x0 and the present extrinsics; trial_ is the fit there.
+template <class S>
+bool MotionStart<S>::linearise_step(const StartContext<S>& c) {
+  PackedTriangle<S> R = triangle(c);
+  SEGCAL_SLICES(leaf_) {
+    correct(c);
+    trial_ = begin_linearisation(c.w, c.options, *c.s, &R);
+    SEGCAL_PAUSE(leaf_);
+    for (k_ = 0; k_ < c.tracks->end(); ++k_) {
+      if (!(*c.tracks)[k_].used) continue;
+      refine_track(c.w, (*c.tracks)[k_], c.options, *c.s, &R, &trial_, &rho_[k_]);
+      if (k_ % kTracksPerSlice == 0) SEGCAL_PAUSE(leaf_);
+    }
+  }
+  SEGCAL_SLICES_END(leaf_);
+}
+
+/// Minimises over x0 and the extrinsics; the best ones stay in x0 and the window, with R linearised there.
+template <class S>
+bool MotionStart<S>::refine_step(const StartContext<S>& c) {
+  const int cameras = c.w->theta.n_cameras;
+  SEGCAL_SLICES(inner_) {
+    for (S& rho : rho_) rho = S(-1);
+    SEGCAL_AWAIT(inner_, linearise_step(c));
+    fit_ = trial_;
+    lambda_ = S(1e-3);
+    for (iteration_ = 0; iteration_ < 8; ++iteration_) {
+      c.s->best = c.s->x0;
+      copy_cameras(c.w->theta.camera, cameras, c.s->best_camera);
+      descend(c.w, triangle(c), lambda_, c.s);
+      SEGCAL_PAUSE(inner_);
+      SEGCAL_AWAIT(inner_, linearise_step(c));
+      if (trial_.cost < fit_.cost) {
+        settled_ = fit_.cost - trial_.cost < S(1e-3) * fit_.cost;
+        fit_ = trial_;
+        lambda_ *= S(0.1);
+        if (settled_) break;
+        continue;
+      }
+      lambda_ *= S(10);
+      c.s->x0 = c.s->best;
+      copy_cameras(c.s->best_camera, cameras, c.w->theta.camera);
+      SEGCAL_AWAIT(inner_, linearise_step(c));
+      fit_ = trial_;
+      if (lambda_ > S(10)) break;
+    }
+  }
+  SEGCAL_SLICES_END(inner_);
+}
+
+/// Keeps the aligned fit and begins anew without velocity.
+template <class S>
+void MotionStart<S>::begin_from_rest(const StartContext<S>& c) {
+  aligned_ = fit_;
+  c.s->aligned = c.s->x0;
+  copy_cameras(c.w->theta.camera, c.w->theta.n_cameras, c.s->aligned_camera);
+  give_cameras_back(c);
+  c.s->x0.R_GI = c.origin.attitude(mean_gravity(*c.w, *c.s, square_root(c.options.g.squaredNorm())), c.options.g);
+  c.s->x0.v_GI = c.s->x0.b_a = Vec3<S>::Zero();
+}
+
+template <class S>
+bool MotionStart<S>::discard_step(const StartContext<S>& c) {
+  SEGCAL_SLICES(inner_) {
+    discarded_ = 0;
+    for (k_ = 0; k_ < c.tracks->end(); ++k_) {
+      if (misfit(c.w, (*c.tracks)[k_], c.options, c.s->pixel_scale)) {
+        (*c.tracks)[k_].slots = 0;
+        ++discarded_;
+      }
+      SEGCAL_PAUSE(inner_);
+    }
+  }
+  SEGCAL_SLICES_END(inner_);
+}
+
+}  // namespace SEGCAL_NS
