@@ -240,6 +240,23 @@ void test_step_beside_an_effect() {
   TEST_ASSERT_GREATER_OR_EQUAL_INT(38, right);
 }
 
+/// A step that says a fiftieth (a statistic is over the dispersion without the effect: 5000 counts as 1100) of what an effect does may be what that effect leaves: no name, but it is not forgotten.
+void test_small_step_beside_a_strong_effect() {
+  LinearRecording recording = catalogue();
+  recording.truth(1) = value_for(recording, 5000, 1);
+  recording.step = Eigen::VectorXd::Zero(recording.n_theta);
+  recording.step.head(3) << 0.25, 0, 0;  // theta takes half of it: of 1440 rows a statistic of about 22, just significant or not
+  recording.step_at = 6;
+  int left = 0;
+  for (int seed = 0; seed < 40; ++seed) {
+    const Selection s = selected(recording, 1600 + seed);
+    TEST_ASSERT_TRUE(names(s) == std::vector<std::string>{"shutter"});
+    left += s.leftover > 10;
+  }
+  std::printf("small step: left over in %d of 40\n", left);
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(20, left);
+}
+
 /// A strong effect whose value scatters as long as it is not in the fit, and a step that is gone when it is: the step goes, and
 /// nothing of it stays behind.
 void test_step_that_is_dropped() {
@@ -290,6 +307,7 @@ int main() {
   RUN_TEST(test_halves_that_disagree);
   RUN_TEST(test_step_of_theta);
   RUN_TEST(test_step_beside_an_effect);
+  RUN_TEST(test_small_step_beside_a_strong_effect);
   RUN_TEST(test_step_that_is_dropped);
   RUN_TEST(test_noise_larger_than_stated);
   return UNITY_END();

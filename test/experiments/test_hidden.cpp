@@ -38,6 +38,23 @@ void cases_are_complete_and_reproducible() {
   for (std::size_t k = 0; k < cells.size(); ++k) TEST_ASSERT_TRUE(cells[k].parameters == again[k].parameters);
 }
 
+/// A range that is given as a share of the largest reading: some samples stand at it, and none beyond.
+void saturation_clips_in_every_session() {
+  int seen = 0;
+  for (const auto& cell : host::experiments::hidden_cells({})) {
+    const std::string effect = cell.parameters.at("effects").empty() ? "" : std::string(cell.parameters.at("effects")[0]);
+    if (effect.rfind("saturation=", 0) != 0 || ++seen > 2) continue;
+    const host::SimulationResult session = host::experiments::hidden_session(cell.parameters);
+    const bool gyro = effect.substr(effect.size() - 2) == ",0";
+    std::map<double, int> count;
+    for (const auto& s : session.recording.imu.samples)
+      for (double value : gyro ? s.gyro : s.accel) ++count[std::abs(value)];
+    const int at_limit = count.rbegin()->second;
+    TEST_ASSERT_GREATER_OR_EQUAL_INT_MESSAGE(3, at_limit, effect.c_str());
+  }
+  TEST_ASSERT_EQUAL_INT(10, seen);
+}
+
 /// An answer as `diagnosed` gives it.
 Json answer(const std::string& verdict, const std::vector<std::string>& named, const Json& values = Json::object()) {
   return {{"verdict", verdict}, {"judged", true}, {"named", named}, {"values", values}, {"pairs", Json::array()}, {"gap_closed", 0.97},
@@ -116,6 +133,7 @@ void tearDown() {}
 int main() {
   UNITY_BEGIN();
   RUN_TEST(cases_are_complete_and_reproducible);
+  RUN_TEST(saturation_clips_in_every_session);
   RUN_TEST(right_and_wrong_answers_are_told_apart);
   RUN_TEST(limits_follow_from_the_answers);
   RUN_TEST(a_lens_is_described_by_another_model);

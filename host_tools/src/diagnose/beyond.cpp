@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/shift.h"
 #include "segcal/config.h"
 
 namespace host::diagnosis {
@@ -20,59 +21,73 @@ Beyond::Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<dou
     : evidence_(evidence), terms_(terms), start_(start), selection_(selection), dictionary_(dictionary(has_temperature)) {}
 
 void Beyond::run(const Fit& fit) {
-  for (int i = 0; i < kMostTerms; ++i) {
-    const Best best = search();
-    if (!best.found) return;
-    add(best.term, fit);
+  std::vector<Open> open = scan();
+  for (int i = 0; i < kMostTerms && !selection_->shifted; ++i) {  // fits do not know steps
+    const Open* best = first_that_holds(open);
+    if (!best) break;
+    add(TermInfo(best->term), fit);
     drop_superfluous(fit);
+    open = scan();
   }
+  for (const Open& o : open) selection_->leftover = std::max(selection_->leftover, o.statistic);
 }
 
-/// The most significant term that both halves tell of, at the last fit. All are tested on all rows; the halves are asked
-/// about the best few.
-Beyond::Best Beyond::search() {
-  std::vector<Best> worth;
+/// Terms that are significant beside what was accepted, at the last fit, the most significant first.
+std::vector<Beyond::Open> Beyond::scan() {
+  std::vector<Open> out;
   for (std::size_t from = 0; from < dictionary_.size(); from += kBatch) {
     const std::size_t to = std::min(from + kBatch, dictionary_.size());
     const std::vector<TermInfo> batch(dictionary_.begin() + static_cast<std::ptrdiff_t>(from), dictionary_.begin() + static_cast<std::ptrdiff_t>(to));
     const Problem problem = problem_with(batch, false);
     for (std::size_t i = 0; i < batch.size(); ++i) {
-      const EffectTest test = test_effect(problem, candidate_at(i, batch[i]), taken());
-      const double p = test.log10_p + std::log10(static_cast<double>(dictionary_.size())) + kHandicap;
-      if (test.seen > 0 && p < kLevel) worth.push_back({batch[i], p, true});
+      const EffectTest test = test_effect(problem, candidate_at(i, batch[i]), free_in(problem));
+      if (test.seen > 0 && corrected(test.log10_p) < kLevel) out.push_back({batch[i], test.statistic, test.log10_p});
     }
   }
-  std::sort(worth.begin(), worth.end(), [](const Best& a, const Best& b) { return a.log10_p < b.log10_p; });
-  if (worth.size() > kAskHalves) worth.resize(kAskHalves);
-  for (const Best& b : worth) {
-    const Problem problem = problem_with({b.term}, true);
-    if (holds(problem, candidate_at(0, b.term))) return b;
+  std::sort(out.begin(), out.end(), [](const Open& a, const Open& b) { return a.log10_p < b.log10_p; });
+  return out;
+}
+
+double Beyond::corrected(double log10_p) const { return log10_p + std::log10(static_cast<double>(dictionary_.size())); }
+
+/// The halves are asked about the best few.
+const Beyond::Open* Beyond::first_that_holds(const std::vector<Open>& open) {
+  for (std::size_t i = 0; i < std::min(open.size(), kAskHalves); ++i) {
+    if (corrected(open[i].log10_p) + kHandicap >= kLevel) break;
+    const Problem problem = problem_with({open[i].term}, true);
+    if (holds(problem, candidate_at(0, open[i].term))) return &open[i];
   }
-  return {};
+  return nullptr;
 }
 
 /// As for an effect of the catalogue: significant against its own scatter, the same in both halves, and of use to the other.
 bool Beyond::holds(const Problem& problem, const Candidate& candidate) const {
-  const EffectTest test = test_effect(problem, candidate, taken());
-  const Scatter scatter = scatter_over_time(problem, candidate, taken());
-  if (scatter.log10_p(test.statistic, test.seen) + std::log10(static_cast<double>(dictionary_.size())) + kHandicap >= kLevel) return false;
-  const HalvesTest halves = test_halves(problem, candidate, taken());
+  const std::vector<TermGroup> free = free_in(problem);
+  const EffectTest test = test_effect(problem, candidate, free);
+  const Scatter scatter = scatter_over_time(problem, candidate, free);
+  if (corrected(scatter.log10_p(test.statistic, test.seen)) + kHandicap >= kLevel) return false;
+  const HalvesTest halves = test_halves(problem, candidate, free);
   return halves.log10_p_disagree >= SelectionOptions{}.log10_disagree && halves.gain >= 0.25 * test.statistic;
 }
 
-Problem Beyond::problem_with(const std::vector<TermInfo>& candidates, bool halves) {
-  Problem out = evidence_->at_last_fit(candidates, halves);
+/// Columns [theta | taken | candidates | step].
+Problem Beyond::problem_with(const std::vector<TermInfo>& candidates, bool in_parts) {
+  Problem out = evidence_->at_last_fit(candidates, in_parts || selection_->shifted);
   out.noise = selection_->problem.noise;
-  return out;
+  return selection_->shifted ? with_shift(out, selection_->shift) : out;
 }
 
 Candidate Beyond::candidate_at(std::size_t i, const TermInfo& term) const {
   return {"unlisted", {static_cast<int>(evidence_->taken().size() + i), 1}, {term.size}, 0};
 }
 
-std::vector<TermGroup> Beyond::taken() const {
+/// What was accepted.
+std::vector<TermGroup> Beyond::free_in(const Problem& problem) const {
   const int n = static_cast<int>(evidence_->taken().size());
-  return n > 0 ? std::vector<TermGroup>{{0, n}} : std::vector<TermGroup>{};
+  std::vector<TermGroup> out;
+  if (n > 0) out.push_back({0, n});
+  if (selection_->shifted) out.push_back(shift_candidate(problem, selection_->shift).columns);
+  return out;
 }
 
 void Beyond::add(const TermInfo& term, const Fit& fit) {

@@ -1,5 +1,8 @@
-// Beyond the catalogue: simple additive terms, searched the same way, where the catalogue leaves a gap or where one of them
-// says more than what was accepted.
+// Beyond the catalogue: simple additive terms, searched the same way. One that passes every test of an effect becomes a term of
+// the model, and takes the place of an effect of the catalogue that was only its likeness. One that is significant, but not
+// the same throughout the recording, gets no name; but then something is left over, and a name beside it must explain much
+// more than that (held_out_report.h): a small hysteresis of the gyroscope looks like a lag, an accelerometer's error that
+// follows attitude like g-sensitivity, except to these terms.
 #pragma once
 
 #include "diagnose/evidence.h"
@@ -12,19 +15,21 @@ class Beyond {
 
   /// Works on the selection in place; `terms` and `start` grow by what is added.
   Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<double>* start, Selection* selection, bool has_temperature);
+  /// What stays significant is in the selection's leftover.
   void run(const Fit& fit);
 
  private:
-  struct Best {
+  struct Open {
     TermInfo term;
-    double log10_p = 0;
-    bool found = false;
+    double statistic = 0, log10_p = 0;
   };
-  Best search();
+  std::vector<Open> scan();
+  double corrected(double log10_p) const;
+  const Open* first_that_holds(const std::vector<Open>& open);
   bool holds(const Problem& problem, const Candidate& candidate) const;
-  Problem problem_with(const std::vector<TermInfo>& candidates, bool halves);
+  Problem problem_with(const std::vector<TermInfo>& candidates, bool in_parts);
   Candidate candidate_at(std::size_t i, const TermInfo& term) const;
-  std::vector<TermGroup> taken() const;
+  std::vector<TermGroup> free_in(const Problem& problem) const;
   void add(const TermInfo& term, const Fit& fit);
   void drop_superfluous(const Fit& fit);
   void refit(const Fit& fit);

@@ -11,6 +11,7 @@
 #include "diagnose/catalogue.h"
 #include "diagnose/evidence.h"
 #include "diagnose/held_out_report.h"
+#include "sensors/effect_terms.h"
 
 namespace host {
 namespace {
@@ -154,7 +155,7 @@ class Diagnoser {
   void find_effects() {
     out_.fit_before = evidence_.result();
     search();
-    for (int round = 0; round < kNoiseRounds && pixel_noise_is_above(); ++round) {
+    for (int round = 0; round < kNoiseRounds && !lens_has_no_name() && pixel_noise_is_above(); ++round) {
       fit_plain();
       search();
       noisy_pixels_ = true;
@@ -198,6 +199,14 @@ class Diagnoser {
     }
   }
 
+  /// Polynomials come near a lens that has no name here; what is left looks like noise.
+  bool lens_has_no_name() const {
+    return std::any_of(selection_.accepted.begin(), selection_.accepted.end(), [this](const Accepted& a) {
+      const Candidate& c = selection_.candidates[a.candidate];
+      return c.name == "unlisted" && terms_[c.columns.first].term.kind >= static_cast<int>(SEGCAL_NS::TermKind::image_u);
+    });
+  }
+
   bool pixel_noise_is_above() {
     find_pixel_factor();
     const double so_far = evidence_.options().pixel_sigma / options_.core.pixel_sigma, above = out_.pixels.factor / so_far - 1;
@@ -228,8 +237,7 @@ class Diagnoser {
 
   /// Terms that the catalogue has not, beside what it has; a catalogue's effect that they make superfluous goes.
   void look_beyond() {
-    if (!options_.dictionary || selection_.shifted) return;
-    if (selection_.accepted.empty() && !something_open()) return;
+    if (!options_.dictionary) return;
     begin("terms beyond the catalogue");
     Beyond beyond(&evidence_, &terms_, &start_, &selection_, has_temperature_);
     beyond.run([this](const std::vector<bool>& estimated) { return fit(estimated); });
@@ -239,10 +247,6 @@ class Diagnoser {
   Floor noise_floor() const {
     const double factor = std::max(std::sqrt(selection_.problem.noise), pixels_.factor);
     return {factor * factor, 2 * factor * pixels_.sigma};
-  }
-  bool something_open() const {
-    const Gap gap = held_out_gap(selection_.problem, selection_.candidates, selection_.accepted, noise_floor(), selection_.leftover);
-    return gap.rest > 0;
   }
 
   void collect() {
@@ -263,7 +267,7 @@ class Diagnoser {
     const HeldOut held_out{selection_, terms_, noise_floor()};
     report_gap(held_out, evidence_.result(), &out_);
     find_where();
-    if (noisy_pixels_ && out_.after.total <= 0.1 * out_.before.total) name_pixel_noise();
+    if (noisy_pixels_ && !lens_has_no_name() && out_.after.total <= 0.1 * out_.before.total) name_pixel_noise();
     add_noise_gap(noise_effects_, &out_);
   }
 

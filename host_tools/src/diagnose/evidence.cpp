@@ -142,6 +142,7 @@ std::vector<TermInfo> dictionary(bool has_temperature) {
     for (Signal s : {Signal::dwx, Signal::dwy, Signal::dwz}) {
       if (gyro) add({kind, byte(s), 0, 0});  // for the accelerometer that is a lever arm: p_CI or accel_axis_offset
     }
+    if (gyro) add({kind, static_cast<std::uint8_t>(byte(Signal::dwx) + axis), static_cast<std::uint8_t>(byte(Signal::abs_wx) + axis), 0});
     for (int i = 0; i < 3; ++i) {
       const Signal wi = static_cast<Signal>(byte(Signal::wx) + i), fi = static_cast<Signal>(byte(Signal::fx) + i);
       if (!gyro) add({kind, byte(wi), 0, 0});  // for the gyroscope that is its scale, its misalignment or r_CI

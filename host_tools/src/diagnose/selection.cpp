@@ -12,6 +12,9 @@ namespace {
 
 /// Share of its statistic by which an effect must lower the held-out cost.
 constexpr double kHelps = 0.25;
+/// A step of the calibration can fit whatever changes with time, also what another effect leaves: it must say more than this
+/// share of what the others do.
+constexpr double kStepShare = 0.05;
 
 std::string number(const char* format, double value) {
   char text[80];
@@ -61,6 +64,7 @@ class Search {
   double corrected(int c, const EffectTest& test) const {
     return test.log10_p + std::log10(std::max(1, tested_)) + candidates_[c].handicap;
   }
+  static double corrected(const Shift& step) { return step.test.log10_p + std::log10(step.trials); }
   bool significant(int c, const EffectTest& test) const { return test.seen > 0 && corrected(c, test) < options_.log10_level; }
 
   /// Candidates that are significant with the chosen ones free, the most significant first.
@@ -125,8 +129,12 @@ class Search {
     if (out_.shifted || shift_refused_) return;
     const std::optional<Shift> step = best_shift(out_.problem, groups_but(-1));
     if (!step) return;
-    const double p = step->test.log10_p + std::log10(step->trials);
+    const double p = corrected(*step);
     if (p >= options_.log10_level || (!others.empty() && others.front().first <= p)) return;
+    if (is_little(step->test)) {
+      shift_refused_ = step_was_little_ = true;
+      return;
+    }
     const Problem without = out_.problem;
     out_.problem = with_shift(without, *step);
     const Candidate candidate = shift_candidate(out_.problem, *step);
@@ -145,6 +153,14 @@ class Search {
     chosen_.push_back(static_cast<int>(candidates_.size()) - 1);
   }
 
+  bool is_little(const EffectTest& step) const {
+    double others = 0;
+    for (int c : chosen_) {
+      if (c < given_) others += test_effect(out_.problem, candidates_[c], groups_but(c)).statistic;
+    }
+    return step.statistic < kStepShare * others;
+  }
+
   /// The pieces that know a step's size are those after it, often few; the test of F would cost most steps. It is taken where
   /// the scatter is more than chance gives in one of a hundred.
   static double calmed(const Shift& step, const Scatter& scatter) {
@@ -160,7 +176,8 @@ class Search {
     for (std::size_t i = 0; i + 1 < chosen_.size();) {
       const int c = chosen_[i];
       const bool known = std::count(options_.known.begin(), options_.known.end(), c) > 0;
-      if (known || significant(c, test_effect(out_.problem, candidates_[c], groups_but(c)))) {
+      const EffectTest beside = test_effect(out_.problem, candidates_[c], groups_but(c));
+      if (known || (significant(c, beside) && !(c >= given_ && is_little(beside)))) {
         ++i;
         continue;
       }
@@ -180,6 +197,9 @@ class Search {
     out_.candidates = candidates_;
     for (int c : chosen_) out_.accepted.push_back({c, test_effect(out_.problem, candidates_[c], groups_but(c))});
     for (const Accepted& a : out_.accepted) find_rivals(a);
+    if (const std::optional<Shift> step = step_was_little_ ? best_shift(out_.problem, groups_but(-1)) : std::nullopt) {
+      if (corrected(*step) < options_.log10_level) out_.leftover = step->test.statistic;
+    }
     for (const auto& [p, c] : calls()) {
       out_.leftover = std::max(out_.leftover, test_effect(out_.problem, candidates_[c], groups_but(-1)).statistic);
     }
@@ -223,7 +243,7 @@ class Search {
   std::vector<std::string> why_;
   std::vector<int> chosen_, dropped_;
   int tested_ = 0;
-  bool shift_refused_ = false;
+  bool shift_refused_ = false, step_was_little_ = false;
   Selection out_;
 };
 

@@ -102,7 +102,7 @@ class Draw {
 };
 
 void add_faults(Draw& draw, int each) {
-  const std::vector<std::vector<const char*>> sizes = {{"saturation=0,16", "saturation=4,0"},
+  const std::vector<std::vector<const char*>> sizes = {{"saturation=0,0.9", "saturation=0.8,0"},
                                                        {"dropped_samples=50", "dropped_samples=200"},
                                                        {"stamp_jitter=0.0005", "stamp_jitter=0.001"}};
   for (const auto& texts : sizes)
@@ -141,6 +141,21 @@ std::vector<Cell> spread(const std::vector<Cell>& cells) {
   std::sort(order.begin(), order.end());
   std::vector<Cell> out;
   for (const auto& [place, i] : order) out.push_back(cells[i]);
+  return out;
+}
+
+/// "saturation=0,0.9" as shares of what the session would reach without a limit: a fixed range clips nothing in a gentle session.
+std::string range_from_shares(const std::string& text, const SimulationOptions& without) {
+  double largest[2] = {0, 0};
+  for (const ImuSample& s : simulate(without).recording.imu.samples) {
+    for (double w : s.gyro) largest[0] = std::max(largest[0], std::abs(w));
+    for (double f : s.accel) largest[1] = std::max(largest[1], std::abs(f));
+  }
+  const std::size_t comma = text.find(',');
+  std::string out = "saturation=";
+  append_number(out, largest[0] * std::stod(text.substr(text.find('=') + 1)));
+  out += ",";
+  append_number(out, largest[1] * std::stod(text.substr(comma + 1)));
   return out;
 }
 
@@ -209,7 +224,10 @@ SimulationResult hidden_session(const Json& parameters) {
   options.seconds = parameters.at("seconds");
   options.seed = parameters.at("seed");
   options.distortion = distortion_from_name(parameters.at("distortion"));
-  for (const Json& text : parameters.at("effects")) options.effects.push_back(sim::parse_effect(text));
+  for (const Json& text : parameters.at("effects")) {
+    const bool shares = text.get<std::string>().rfind("saturation=", 0) == 0;
+    options.effects.push_back(sim::parse_effect(shares ? range_from_shares(text, options) : text.get<std::string>()));
+  }
   return simulate(options);
 }
 
