@@ -96,6 +96,37 @@ void test_extrinsic_step() {
   TEST_ASSERT_DOUBLE_WITHIN(3 * sigma + 0.1 * 0.012, 0.012, step);
 }
 
+/// A rate that follows the heading, as a magnet's field would make it: in the words of the dictionary on each axis, and
+/// nothing else. The heading is known but for where the session began, so that cosine and sine share the 0.006 rad/s.
+void test_heading_has_words_of_its_own() {
+  const Diagnosis d = diagnosed("rich", 60, 1, "outside:heading_error=0.006");
+  TEST_ASSERT_EQUAL_STRING_MESSAGE("explained", d.verdict.c_str(), d.sentence.c_str());
+  double squares[2] = {0, 0};
+  for (const host::ModelTerm& t : d.model) {
+    TEST_ASSERT_TRUE_MESSAGE(t.effect.empty() && t.parameter.name.find("yaw") != std::string::npos, t.parameter.name.c_str());
+    const bool single = t.parameter.name.find('*') == std::string::npos;
+    if (single) squares[t.parameter.name[5] == 'x' ? 0 : 1] += t.parameter.value * t.parameter.value;
+  }
+  for (const double s : squares) TEST_ASSERT_DOUBLE_WITHIN(0.1 * 0.006, 0.006, std::sqrt(s));
+}
+
+/// What the catalogue lacks, just visible, is like gyro_lag (98 % of the gap) and like g-sensitivity: no name.
+void test_likeness_is_no_name() {
+  for (const char* effect : {"outside:gyro_hysteresis=0.003", "outside:attitude_error=0.05"}) {
+    const Diagnosis d = diagnosed("rich", 60, 2, effect);
+    TEST_ASSERT_EQUAL_STRING_MESSAGE("unexplained", d.verdict.c_str(), d.sentence.c_str());
+    TEST_ASSERT_TRUE(d.effects.empty());
+  }
+}
+
+/// A lens that no fit gets near, while the device moves well: the motion is not to blame.
+void test_odometry_that_diverges() {
+  const Diagnosis d = diagnosed("rich", 40, 1, "outside:decentred_distortion=0.03,0.2,-0.15");
+  TEST_ASSERT_TRUE(d.judged);
+  TEST_ASSERT_EQUAL_STRING_MESSAGE("unexplained", d.verdict.c_str(), d.sentence.c_str());
+  TEST_ASSERT_TRUE_MESSAGE(d.sentence.find("odometry diverges") != std::string::npos, d.sentence.c_str());
+}
+
 void test_still_is_not_judged() {
   const Diagnosis d = diagnosed("still", 20, 1, "time_offset=0.003");
   TEST_ASSERT_FALSE(d.judged);
@@ -115,6 +146,9 @@ int main() {
   RUN_TEST(test_pixel_noise);
   RUN_TEST(test_less_pixel_noise_than_stated);
   RUN_TEST(test_extrinsic_step);
+  RUN_TEST(test_heading_has_words_of_its_own);
+  RUN_TEST(test_likeness_is_no_name);
+  RUN_TEST(test_odometry_that_diverges);
   RUN_TEST(test_still_is_not_judged);
   return UNITY_END();
 }

@@ -36,6 +36,8 @@ std::vector<Term> terms(bool of_imu) {
     out.push_back({TermKind::gyro_z, s(Signal::abs_w), s(Signal::dwx), 0});
     out.push_back({TermKind::accel_x, s(Signal::fz), s(Signal::wy), 0});
     out.push_back({TermKind::accel_z, s(Signal::time), s(Signal::warmth), 0});
+    out.push_back({TermKind::accel_y, s(Signal::cos_heading), s(Signal::wx), 0});
+    out.push_back({TermKind::gyro_x, s(Signal::sin_heading), s(Signal::one), 0});
   } else {
     out.push_back({TermKind::image_u, 2, 1, 0});
     out.push_back({TermKind::image_v, 0, 3, 1});
@@ -75,9 +77,11 @@ std::unique_ptr<Segment<double>> make_segment() {
 using J1 = ceres::Jet<double, 1>;
 using V3 = jet::V3<J1>;
 
+Vec2<double> heading(const State<double>& x) { return x.R_GI.topLeftCorner<2, 1>().normalized(); }
+
 /// What the term adds to gyroscope and accelerometer, in words of the design's table and not of the core's products.
 void add_term(const Term& t, const Vec3<double>& w, const Vec3<double>& f, const Vec3<double>& slope, double warmth, double time,
-              Vec3<double>* gyro, Vec3<double>* accel) {
+              const Vec2<double>& heading, Vec3<double>* gyro, Vec3<double>* accel) {
   int e = -1, i = 0;
   if (find_effect(t, &e, &i)) {
     const int axis = i % 3;
@@ -96,6 +100,8 @@ void add_term(const Term& t, const Vec3<double>& w, const Vec3<double>& f, const
   if (t.kind == TermKind::gyro_z) gyro->z() += w.norm() * slope.x();
   if (t.kind == TermKind::accel_x) accel->x() += f.z() * w.y();
   if (t.kind == TermKind::accel_z) accel->z() += time * warmth;
+  if (t.kind == TermKind::accel_y) accel->y() += heading.x() * w.x();
+  if (t.kind == TermKind::gyro_x) gyro->x() += heading.y();
 }
 
 /// The term's column of the link's rotation, velocity and position, at value zero.
@@ -105,7 +111,8 @@ Eigen::MatrixXd automatic_link(const Segment<double>& s, const Term& term) {
     const Vec3<double> slope = (s.imu.reading(i + 1).gyro - s.imu.reading(i - 1).gyro) / (2 * kDt);
     const double u = (s.imu.time(i) - s.t_us[0]) * 1e-6 / 0.2;
     Vec3<double> gyro = Vec3<double>::Zero(), accel = gyro;
-    add_term(term, r.gyro, r.accel, slope, s.warmth[0] + u * (double(s.warmth[1]) - s.warmth[0]), 1 + 0.2 * u, &gyro, &accel);
+    add_term(term, r.gyro, r.accel, slope, s.warmth[0] + u * (double(s.warmth[1]) - s.warmth[0]), 1 + 0.2 * u,
+             heading(path().state(1 + s.imu.time(i) * 1e-6)), &gyro, &accel);
     for (int k = 0; k < 3; ++k) {
       (*w)(k) = J1(r.gyro(k));
       (*f)(k) = J1(r.accel(k));
@@ -189,7 +196,10 @@ void check_link_terms() {
     const Id id = Id().add("term", name_of(term)).template type<S>();
     const Eigen::MatrixXd J = analytic_link<S>(*single, term, 0);
     // Forty steps of some dozens of operations. The samples' 16 bits are the same for both.
-    check_blocks<S>(id.add("by", "jet"), J, automatic_link(*same, term), test::kAutomaticTolerance<S> * 10, 0);
+    // The path's heading against the integral's, from samples of 16 bits, extrapolated over one sample, (w dt)^2 / 2, where I's
+    // x axis is steep: 5e-4.
+    const bool heading = term.a == int(Signal::cos_heading) || term.a == int(Signal::sin_heading);
+    check_blocks<S>(id.add("by", "jet"), J, automatic_link(*same, term), test::kAutomaticTolerance<S> * 10 + (heading ? 5e-4 : 0), 0);
     // The step is worth 1e-3 of a typical reading in double; the term is linear but for its fixed point, which the
     // difference cancels to the third order. Float needs a larger one: 5e-7 of 2 m/s over a step of 1 %.
     const double h = (std::is_same<S, float>::value ? 0.2 : 0.01) * term_prior_sigma(term);

@@ -20,7 +20,8 @@ std::string text(const char* format, double a) {
 const char* signal_words(int signal) {
   static const char* const kWords[] = {"", "rate x", "rate y", "rate z", "the size of rate x", "the size of rate y",
                                        "the size of rate z", "the size of the rate", "accel x", "accel y", "accel z",
-                                       "the change of rate x", "the change of rate y", "the change of rate z", "temperature", "time"};
+                                       "the change of rate x", "the change of rate y", "the change of rate z", "temperature", "time", "the cosine of the heading",
+                                       "the sine of the heading"};
   return signal >= 0 && signal < SEGCAL_NS::kNamedSignals ? kWords[signal] : "";
 }
 
@@ -187,6 +188,11 @@ void conclude(Diagnosis* d) {
   }
   if (!d->judged) {
     d->verdict = "consistent";
+    return;
+  }
+  if (!d->lost.empty()) {
+    d->verdict = "unexplained";
+    d->sentence = d->lost;
     return;
   }
   const bool open = d->before.total > 0 && d->gap_closed < 0.9;

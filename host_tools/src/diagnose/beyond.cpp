@@ -9,11 +9,11 @@
 namespace host::diagnosis {
 namespace {
 
-constexpr int kMostTerms = 3;
+constexpr int kRounds = 3;
 constexpr std::size_t kBatch = 30;     ///< columns of one linearisation beside those that are estimated
 constexpr double kHandicap = 2;        ///< decades: a term without physics behind it needs more evidence than an effect
 constexpr double kLevel = -2.7;
-constexpr std::size_t kAskHalves = 5;
+constexpr int kAskHalves = 8;
 
 }  // namespace
 
@@ -22,12 +22,14 @@ Beyond::Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<dou
 
 void Beyond::run(const Fit& fit) {
   std::vector<Open> open = scan();
-  for (int i = 0; i < kMostTerms && !selection_->shifted; ++i) {  // fits do not know steps
-    const Open* best = first_that_holds(open);
-    if (!best) break;
-    add(TermInfo(best->term), fit);
+  for (int i = 0; i < kRounds && !selection_->shifted; ++i) {  // fits do not know steps
+    const std::vector<TermInfo> best = best_that_hold(open);
+    if (best.empty()) break;
+    for (const TermInfo& term : best) add(term);
+    refit(fit);
     drop_superfluous(fit);
     open = scan();
+    selection_->leftover = leftover_of(*selection_, SelectionOptions{});
   }
   for (const Open& o : open) selection_->leftover = std::max(selection_->leftover, o.statistic);
 }
@@ -50,14 +52,19 @@ std::vector<Beyond::Open> Beyond::scan() {
 
 double Beyond::corrected(double log10_p) const { return log10_p + std::log10(static_cast<double>(dictionary_.size())); }
 
-/// The halves are asked about the best few.
-const Beyond::Open* Beyond::first_that_holds(const std::vector<Open>& open) {
-  for (std::size_t i = 0; i < std::min(open.size(), kAskHalves); ++i) {
-    if (corrected(open[i].log10_p) + kHandicap >= kLevel) break;
-    const Problem problem = problem_with({open[i].term}, true);
-    if (holds(problem, candidate_at(0, open[i].term))) return &open[i];
+/// The best term of each axis of a sensor, of the few that are asked. What an effect leaks into other axes goes again when it is
+/// in the fit.
+std::vector<TermInfo> Beyond::best_that_hold(const std::vector<Open>& open) {
+  std::vector<TermInfo> out;
+  int asked = 0;
+  for (const Open& o : open) {
+    if (corrected(o.log10_p) + kHandicap >= kLevel || asked == kAskHalves) break;
+    if (std::any_of(out.begin(), out.end(), [&o](const TermInfo& t) { return t.term.kind == o.term.term.kind; })) continue;
+    ++asked;
+    const Problem problem = problem_with({o.term}, true);
+    if (holds(problem, candidate_at(0, o.term))) out.push_back(o.term);
   }
-  return nullptr;
+  return out;
 }
 
 /// As for an effect of the catalogue: significant against its own scatter, the same in both halves, and of use to the other.
@@ -90,7 +97,7 @@ std::vector<TermGroup> Beyond::free_in(const Problem& problem) const {
   return out;
 }
 
-void Beyond::add(const TermInfo& term, const Fit& fit) {
+void Beyond::add(const TermInfo& term) {
   dictionary_.erase(std::find_if(dictionary_.begin(), dictionary_.end(), [&term](const TermInfo& t) {
     return t.term.kind == term.term.kind && t.term.a == term.term.a && t.term.b == term.term.b && t.term.c == term.term.c;
   }));
@@ -98,7 +105,6 @@ void Beyond::add(const TermInfo& term, const Fit& fit) {
   terms_->push_back(term);
   start_->push_back(0);
   selection_->accepted.push_back({static_cast<int>(selection_->candidates.size()) - 1, {}});
-  refit(fit);
 }
 
 void Beyond::refit(const Fit& fit) {
@@ -122,9 +128,9 @@ std::vector<TermGroup> Beyond::groups_but(std::size_t left_out) const {
   return out;
 }
 
-/// An effect of the catalogue that was only a likeness of the new term.
+/// An effect of the catalogue that was only a likeness of a new term, or a term that was one of another.
 void Beyond::drop_superfluous(const Fit& fit) {
-  for (std::size_t i = 0; i + 1 < selection_->accepted.size(); ++i) {
+  for (std::size_t i = 0; i < selection_->accepted.size(); ++i) {
     const Accepted a = selection_->accepted[i];
     if (a.test.seen > 0 && a.test.log10_p + 1 < kLevel) continue;
     selection_->rejected.push_back({a.candidate, "a term that the catalogue has not says more"});

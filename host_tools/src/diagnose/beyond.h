@@ -25,12 +25,12 @@ class Beyond {
   };
   std::vector<Open> scan();
   double corrected(double log10_p) const;
-  const Open* first_that_holds(const std::vector<Open>& open);
+  std::vector<TermInfo> best_that_hold(const std::vector<Open>& open);
   bool holds(const Problem& problem, const Candidate& candidate) const;
   Problem problem_with(const std::vector<TermInfo>& candidates, bool in_parts);
   Candidate candidate_at(std::size_t i, const TermInfo& term) const;
   std::vector<TermGroup> free_in(const Problem& problem) const;
-  void add(const TermInfo& term, const Fit& fit);
+  void add(const TermInfo& term);
   void drop_superfluous(const Fit& fit);
   void refit(const Fit& fit);
   std::vector<TermGroup> groups_but(std::size_t left_out) const;

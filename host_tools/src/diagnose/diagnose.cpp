@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 
 #include "diagnose/answer.h"
 #include "diagnose/beyond.h"
@@ -134,6 +135,17 @@ class Diagnoser {
     plain_ = fit(std::vector<bool>(terms_.size(), false));
   }
 
+  /// A model that is so wrong that odometry diverges leaves nothing to be fitted. Says so; empty: it does not diverge.
+  std::string lost_odometry() const {
+    std::map<std::string, std::uint32_t> count;
+    for (const auto& [name, n] : evidence_.result().counters) count[name] = n;
+    const bool used = 2 * count["frames_used"] > count["frames"], seen = 2 * count["frames_few_tracks"] < count["frames"];
+    if (used || !seen || (count["filter_restarts"] == 0 && count["frames_used"] > 0)) return "";
+    return "odometry diverges with this model: " + std::to_string(count["filter_restarts"]) + " restarts, " +
+           std::to_string(count["frames_used"]) + " of " + std::to_string(count["frames"]) +
+           " images used; look for something large: the lens model, the resolution that the calibration was made at, the extrinsics";
+  }
+
   bool judgeable() {
     const std::size_t n = evidence_.result().kept.size();
     int seen = 0;
@@ -141,6 +153,11 @@ class Diagnoser {
       for (const Candidate& c : catalogue_.candidates) seen += test_effect(plain_, c, {}).seen > 0 ? 1 : 0;
     }
     out_.judged = seen > 2;
+    out_.lost = lost_odometry();
+    if (!out_.lost.empty()) {
+      out_.judged = true;
+      return false;
+    }
     if (n < kFewestSegments) {
       out_.sentence = "too short or too still to judge: " + std::to_string(n) + " informative segments of 4 s, at least " +
                       std::to_string(kFewestSegments) + " are needed; move the device about and along all axes for 20 s or more";

@@ -67,6 +67,7 @@ struct CandidateScore {
 struct Diagnosis {
   std::string verdict = "consistent";  ///< consistent, explained, partly_explained, unexplained or bad_data
   bool judged = true;                ///< false: too short or too still; the verdict then says nothing
+  std::string lost;                  ///< why nothing could be fitted although there is motion; empty: a fit was made
   std::string sentence;              ///< the answer, to read aloud
   std::vector<DiagnosedEffect> effects;
   SensorShares before, after, noise_floor;  ///< excess over the noise floor without and with the effects; chi2/dof of noise

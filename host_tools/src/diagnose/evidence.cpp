@@ -138,7 +138,8 @@ std::vector<TermInfo> dictionary(bool has_temperature) {
   for (int axis = 0; axis < 6; ++axis) {
     const TermKind kind = static_cast<TermKind>(axis);
     const bool gyro = axis < 3;
-    for (Signal s : {Signal::abs_w, Signal::time}) add({kind, byte(s), 0, 0});
+    for (Signal s : {Signal::abs_w, Signal::time, Signal::cos_heading, Signal::sin_heading}) add({kind, byte(s), 0, 0});
+    for (Signal s : {Signal::cos_heading, Signal::sin_heading}) add({kind, byte(Signal::cos_heading), byte(s), 0});
     for (Signal s : {Signal::dwx, Signal::dwy, Signal::dwz}) {
       if (gyro) add({kind, byte(s), 0, 0});  // for the accelerometer that is a lever arm: p_CI or accel_axis_offset
     }

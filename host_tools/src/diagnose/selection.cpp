@@ -200,9 +200,7 @@ class Search {
     if (const std::optional<Shift> step = step_was_little_ ? best_shift(out_.problem, groups_but(-1)) : std::nullopt) {
       if (corrected(*step) < options_.log10_level) out_.leftover = step->test.statistic;
     }
-    for (const auto& [p, c] : calls()) {
-      out_.leftover = std::max(out_.leftover, test_effect(out_.problem, candidates_[c], groups_but(-1)).statistic);
-    }
+    out_.leftover = std::max(out_.leftover, leftover_of(out_, options_));
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const int c = static_cast<int>(i);
       if (!is_chosen(c) && significant(c, out_.alone[i])) out_.rejected.push_back({c, reason(c)});
@@ -248,6 +246,29 @@ class Search {
 };
 
 }  // namespace
+
+double leftover_of(const Selection& selection, const SelectionOptions& options) {
+  std::vector<TermGroup> free;
+  std::vector<bool> asked;  // of a step that was dropped the columns are gone
+  int tested = 0;
+  for (std::size_t i = 0; i < selection.alone.size(); ++i) {
+    asked.push_back(selection.alone[i].seen > 0 && selection.candidates[i].name != "calibration_shift");
+    tested += asked.back() && selection.candidates[i].handicap == 0 ? 1 : 0;
+  }
+  for (const Accepted& a : selection.accepted) {
+    free.push_back(selection.candidates[a.candidate].columns);
+    if (static_cast<std::size_t>(a.candidate) < asked.size()) asked[a.candidate] = false;
+  }
+  double most = 0;
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    if (!asked[i]) continue;
+    const EffectTest test = test_effect(selection.problem, selection.candidates[i], free);
+    const double log10_p = scatter_over_time(selection.problem, selection.candidates[i], free).log10_p(test.statistic, test.seen);
+    const double corrected = log10_p + std::log10(std::max(1, tested)) + selection.candidates[i].handicap;
+    if (test.seen > 0 && corrected < options.log10_level) most = std::max(most, test.statistic);
+  }
+  return most;
+}
 
 Selection select_effects(const std::vector<Candidate>& candidates, const SelectionOptions& options, const Refit& refit) {
   return Search(candidates, options, refit).run();

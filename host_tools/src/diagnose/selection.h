@@ -124,6 +124,9 @@ struct Selection {
   std::vector<EffectTest> alone; ///< each candidate by itself, at the first fit
 };
 
+/// Largest statistic of a catalogue's effect that is significant beside the accepted ones, judged against its own scatter.
+double leftover_of(const Selection& selection, const SelectionOptions& options);
+
 /// Fits with these candidates' effects free and linearises there.
 using Refit = std::function<Problem(const std::vector<int>& accepted)>;
 

@@ -103,11 +103,12 @@ enum {
   SEGCAL_TERM_TANGENTIAL_2, SEGCAL_TERM_IMAGE_U, SEGCAL_TERM_IMAGE_V
 };
 /* Corrected readings, rad/s and m/s^2; DW: angular acceleration, rad/s^2; WARMTH: degC above 25; TIME: s since the first
-   sample. Forces are in I for a term of the gyroscope, along the accelerometer's axes for one of the accelerometer. */
+   sample; HEADING: of I's x axis in the horizontal plane, from where the session began. Forces are in I for a term of the gyroscope, along the accelerometer's axes for one of the accelerometer. */
 enum {
   SEGCAL_SIGNAL_ONE, SEGCAL_SIGNAL_WX, SEGCAL_SIGNAL_WY, SEGCAL_SIGNAL_WZ, SEGCAL_SIGNAL_ABS_WX, SEGCAL_SIGNAL_ABS_WY,
   SEGCAL_SIGNAL_ABS_WZ, SEGCAL_SIGNAL_ABS_W, SEGCAL_SIGNAL_FX, SEGCAL_SIGNAL_FY, SEGCAL_SIGNAL_FZ, SEGCAL_SIGNAL_DWX,
-  SEGCAL_SIGNAL_DWY, SEGCAL_SIGNAL_DWZ, SEGCAL_SIGNAL_WARMTH, SEGCAL_SIGNAL_TIME
+  SEGCAL_SIGNAL_DWY, SEGCAL_SIGNAL_DWZ, SEGCAL_SIGNAL_WARMTH, SEGCAL_SIGNAL_TIME,
+  SEGCAL_SIGNAL_COS_HEADING, SEGCAL_SIGNAL_SIN_HEADING
 };
 typedef struct {
   uint8_t kind;      /* SEGCAL_TERM_* */

@@ -7,7 +7,7 @@ namespace SEGCAL_NS {
 
 constexpr const char* kTermAxes[6] = {"gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"};
 constexpr const char* kSignalNames[kNamedSignals] = {"1", "wx", "wy", "wz", "|wx|", "|wy|", "|wz|", "|w|", "fx", "fy", "fz",
-                                                     "dwx", "dwy", "dwz", "T", "t"};
+                                                     "dwx", "dwy", "dwz", "T", "t", "cos_yaw", "sin_yaw"};
 /// Powers of rad, m, s and degC in a signal's unit.
 struct Dimension {
   int rad, m, s, degC;
@@ -15,7 +15,7 @@ struct Dimension {
 constexpr Dimension kDimension[kNamedSignals] = {{0, 0, 0, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0},
                                                  {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {0, 1, -2, 0}, {0, 1, -2, 0},
                                                  {0, 1, -2, 0}, {1, 0, -2, 0}, {1, 0, -2, 0}, {1, 0, -2, 0}, {0, 0, 0, 1},
-                                                 {0, 0, 1, 0}};
+                                                 {0, 0, 1, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
 
 /// Text into memory of a fixed size; what does not fit is cut off.
 class TextWriter {

@@ -30,6 +30,7 @@ enum class Signal : std::uint8_t {
   one, wx, wy, wz, abs_wx, abs_wy, abs_wz, abs_w, fx, fy, fz, dwx, dwy, dwz,
   warmth,                  ///< degC above 25
   time,                    ///< s since the device's first sample
+  cos_heading, sin_heading,  ///< of the direction in which I's x axis points in the horizontal plane, from G's x axis
   slope_x, slope_y, slope_z,  ///< d w_m / dt as measured: what a lag is undone with
   count
 };

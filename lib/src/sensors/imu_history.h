@@ -47,11 +47,11 @@ class ImuHistory {
   InertialReading<S> reading_[kImuHistory];
 };
 
-/// What terms need to know about [t0, t1].
+/// What terms need to know about [t0, t1], too short a time for the warmth to change. `R_GI`: at t0.
 template <class S>
-Stretch<S> stretch_between(std::int64_t t0, std::int64_t t1, S warmth, const ImuIntegrator<S>& integrator) {
+Stretch<S> stretch_between(std::int64_t t0, std::int64_t t1, S warmth, const Mat3<S>& R_GI, const ImuIntegrator<S>& integrator) {
   const std::int64_t zero = integrator.time_zero_ns();
-  return {warmth, warmth, S(t0 - zero) * S(1e-9), S(t1 - zero) * S(1e-9)};
+  return {warmth, warmth, S(t0 - zero) * S(1e-9), S(t1 - zero) * S(1e-9), R_GI, true};
 }
 
 /// The samples up to one of them and the warmth of then, while newer ones come in.
@@ -68,9 +68,9 @@ struct ImuUntil {
   const InertialReading<S>& reading(int i) const { return imu.reading(i); }
   int at_or_before(std::int64_t t) const { return SEGCAL_NS::at_or_before(*this, t); }
 
-  /// Integrates from t0 to t1 > t0, which must be covered.
-  void integrate(std::int64_t t0, std::int64_t t1, ImuIntegrator<S>* integrator) const {
-    integrate_samples<S>(*this, t0, t1, S(1e-9), integrator, stretch_between(t0, t1, warmth, *integrator));
+  /// Integrates from t0 to t1 > t0, which must be covered. `R_GI`: at t0.
+  void integrate(std::int64_t t0, std::int64_t t1, const Mat3<S>& R_GI, ImuIntegrator<S>* integrator) const {
+    integrate_samples<S>(*this, t0, t1, S(1e-9), integrator, stretch_between(t0, t1, warmth, R_GI, *integrator));
   }
 };
 

@@ -73,6 +73,8 @@ class ImuIntegrator {
   /// True if terms need to know what is beside each reading: surroundings() is to be set before start() and step().
   bool wants_surroundings() const { return kMaxEffectColumns > 0 && (terms_ || columns_); }
   Surroundings<S>* surroundings() { return &surroundings_; }
+  /// I's x axis dt seconds from now, at the present rate, in the axes of I at the start.
+  Vec3<S> x_axis_after(S dt) const { return I_.dR * Vec3<S>(S(1), dt * current_.w_I(2), -dt * current_.w_I(1)); }
   /// Of Signal::time.
   std::int64_t time_zero_ns() const { return terms_ ? terms_->time_zero_ns : 0; }
 
@@ -152,6 +154,7 @@ void ImuIntegrator<S>::begin(const ImuCalibration<S>& imu, const Vec3<S>& b_a, c
   terms_ = terms && terms->any_of_imu() ? terms : nullptr;
   columns_ = columns && columns->count() > 0 ? columns : nullptr;
   surroundings_ = Surroundings<S>{};
+  current_.w_I.setZero();
   I_.dt = S(0);
   I_.dR.setIdentity();
   I_.dv.setZero();

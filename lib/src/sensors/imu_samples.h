@@ -72,11 +72,22 @@ Vec3<S> gyro_slope_at(const Samples& samples, Time t) {
   return a + u * (gyro_slope<S>(samples, i + 1) - a);
 }
 
-/// Warmth and time at both ends of a stretch; linear in between.
+/// What terms need to know about a stretch of samples. Warmth and time are linear in between.
 template <class S>
 struct Stretch {
   S warmth0 = S(0), warmth1 = S(0);   ///< degC above 25
   S time0 = S(0), time1 = S(0);       ///< s since the device's first sample
+  Mat3<S> R_GI = Mat3<S>::Identity(); ///< at its beginning, or somewhere in it
+  bool begins_there = true;           ///< false: the rotation since is not known, the heading is that of R_GI
+
+  /// Cosine and sine of the heading of I's x axis, x_I0 in the axes of I at the beginning; zero where it stands upright. G's
+  /// x axis is where the session began: a device cannot tell more. What a term changes by way of the heading is of second
+  /// order and not derived.
+  Vec2<S> heading(const Vec3<S>& x_I0) const {
+    const Vec3<S> x = R_GI * (begins_there ? x_I0 : Vec3<S>(Vec3<S>::UnitX()));
+    const S length = square_root(x(0) * x(0) + x(1) * x(1));
+    return length > S(0.01) ? Vec2<S>(x(0) / length, x(1) / length) : Vec2<S>(Vec2<S>::Zero());
+  }
 };
 
 /// Integrates from t0 to t1 > t0; both must lie within the samples. `tick_s`: seconds per tick.
@@ -90,12 +101,13 @@ class SampleIntegration {
     const auto set = [&](const Vec3<S>& slope_per_tick, Time t) {
       const S u = S(t - t0) / S(t1 - t0);
       *integrator->surroundings() = {slope_per_tick / tick_s, stretch.warmth0 + u * (stretch.warmth1 - stretch.warmth0),
-                                     stretch.time0 + u * (stretch.time1 - stretch.time0)};
+                                     stretch.time0 + u * (stretch.time1 - stretch.time0),
+                                     stretch.heading(integrator->x_axis_after(S(t - t_) * tick_s))};
     };
     SEGCAL_SLICES(place_) {
+      t_ = t0;
       if (beside) set(gyro_slope_at<S>(samples, t0), t0);
       integrator->start(reading_at<S>(samples, t0));
-      t_ = t0;
       left_ = kSamples;
       for (i_ = at_or_before(samples, t0) + 1; i_ < samples.size() && samples.time(i_) < t1; ++i_) {
         if (beside) set(gyro_slope<S>(samples, i_), samples.time(i_));

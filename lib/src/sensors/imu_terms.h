@@ -44,11 +44,13 @@ template <class S>
 struct Surroundings {
   Vec3<S> slope = Vec3<S>::Zero();   ///< d w_m / dt, rad/s^2
   S warmth = S(0), time = S(0);      ///< degC above 25; s since the device's first sample
+  Vec2<S> heading = Vec2<S>::Zero(); ///< its cosine and sine
 };
 
 template <class S>
 Surroundings<S> interpolate(const Surroundings<S>& a, const Surroundings<S>& b, S u) {
-  return {a.slope + u * (b.slope - a.slope), a.warmth + u * (b.warmth - a.warmth), a.time + u * (b.time - a.time)};
+  return {a.slope + u * (b.slope - a.slope), a.warmth + u * (b.warmth - a.warmth), a.time + u * (b.time - a.time),
+          a.heading + u * (b.heading - a.heading)};
 }
 
 /// All signals at one moment; the forces twice, in I and in A.
@@ -70,6 +72,8 @@ class SignalValues {
     value_[int(Signal::abs_w)] = square_root(w_I.squaredNorm());
     value_[int(Signal::warmth)] = s.warmth;
     value_[int(Signal::time)] = s.time;
+    value_[int(Signal::cos_heading)] = s.heading(0);
+    value_[int(Signal::sin_heading)] = s.heading(1);
   }
 
   S of(const Product& p) const { return S(p.sign) * factor(p.a, p.axis) * factor(p.b, p.axis); }

@@ -17,7 +17,7 @@ bool MotionStart<S>::open_step(const StartContext<S>& c, const Samples& imu) {
                                  noise_in(imu, c.options.noise, c.w->pose[i_ - 1].time, c.w->pose[i_].time), &c.w->theta.effects);
       samples_.restart();
       SEGCAL_AWAIT(inner_, samples_.step(imu, c.w->pose[i_ - 1].time, c.w->pose[i_].time, S(1e-9), integrator_,
-                                         stretch_between(c.w->pose[i_ - 1].time, c.w->pose[i_].time, imu.warmth, *integrator_)));
+                                         stretch_between(c.w->pose[i_ - 1].time, c.w->pose[i_].time, imu.warmth, c.w->now.R_GI, *integrator_)));
       SEGCAL_PAUSE(inner_);
       good_ = link_poses(c);
       for (row_ = 0; good_ && row_ < kLinkRows; row_ += rows_) {

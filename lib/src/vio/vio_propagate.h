@@ -25,7 +25,7 @@ ImuIntegral<S> integral_between(const Window<S>& w, const VioOptions<S>& options
                                 const State<S>& x0, std::int64_t t0, std::int64_t t1) {
   const ImuUntil<S> samples(imu, imu.newest(), imu.warmth());
   ImuIntegrator<S> integrator(w.theta.imu, x0.b_a, x0.b_g, noise_in(samples, options.noise, t0, t1), &w.theta.effects);
-  samples.integrate(t0, t1, &integrator);
+  samples.integrate(t0, t1, x0.R_GI, &integrator);
   return integrator.result();
 }
 
