@@ -112,7 +112,7 @@ struct Segment {
     const S start = S(t0_ns - theta.effects.time_zero_ns) * S(1e-9);
     const int before = k > 0 ? k - 1 : 0;  // of the link from the previous segment only the far end is known here
     return {S(warmth[before]), S(warmth[k]), start + S(link_start(k)) * S(1e-6), start + S(t_us[k]) * S(1e-6),
-            states.x[before].R_GI, k > 0};
+            &states.x[before].R_GI, k > 0};
   }
   std::int32_t link_start(int k) const { return k == 0 ? -lead_us : t_us[k - 1]; }
 };

@@ -51,7 +51,7 @@ class ImuHistory {
 template <class S>
 Stretch<S> stretch_between(std::int64_t t0, std::int64_t t1, S warmth, const Mat3<S>& R_GI, const ImuIntegrator<S>& integrator) {
   const std::int64_t zero = integrator.time_zero_ns();
-  return {warmth, warmth, S(t0 - zero) * S(1e-9), S(t1 - zero) * S(1e-9), R_GI, true};
+  return {warmth, warmth, S(t0 - zero) * S(1e-9), S(t1 - zero) * S(1e-9), &R_GI, true};
 }
 
 /// The samples up to one of them and the warmth of then, while newer ones come in.

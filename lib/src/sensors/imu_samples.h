@@ -77,14 +77,15 @@ template <class S>
 struct Stretch {
   S warmth0 = S(0), warmth1 = S(0);   ///< degC above 25
   S time0 = S(0), time1 = S(0);       ///< s since the device's first sample
-  Mat3<S> R_GI = Mat3<S>::Identity(); ///< at its beginning, or somewhere in it
+  const Mat3<S>* R_GI = nullptr;      ///< at its beginning, or somewhere in it; null: nobody asks
   bool begins_there = true;           ///< false: the rotation since is not known, the heading is that of R_GI
 
   /// Cosine and sine of the heading of I's x axis, x_I0 in the axes of I at the beginning; zero where it stands upright. G's
   /// x axis is where the session began: a device cannot tell more. What a term changes by way of the heading is of second
   /// order and not derived.
   Vec2<S> heading(const Vec3<S>& x_I0) const {
-    const Vec3<S> x = R_GI * (begins_there ? x_I0 : Vec3<S>(Vec3<S>::UnitX()));
+    if (!R_GI) return Vec2<S>::Zero();
+    const Vec3<S> x = *R_GI * (begins_there ? x_I0 : Vec3<S>(Vec3<S>::UnitX()));
     const S length = square_root(x(0) * x(0) + x(1) * x(1));
     return length > S(0.01) ? Vec2<S>(x(0) / length, x(1) / length) : Vec2<S>(Vec2<S>::Zero());
   }
