@@ -84,12 +84,25 @@ struct Stretch {
   /// x axis is where the session began: a device cannot tell more. What a term changes by way of the heading is of second
   /// order and not derived.
   Vec2<S> heading(const Vec3<S>& x_I0) const {
-    if (!R_GI) return Vec2<S>::Zero();
-    const Vec3<S> x = *R_GI * (begins_there ? x_I0 : Vec3<S>(Vec3<S>::UnitX()));
-    const S length = square_root(x(0) * x(0) + x(1) * x(1));
-    return length > S(0.01) ? Vec2<S>(x(0) / length, x(1) / length) : Vec2<S>(Vec2<S>::Zero());
+    Vec2<S> x = Vec2<S>::Zero();
+    if (!R_GI) return x;
+    x = R_GI->template topLeftCorner<2, 1>();
+    if (begins_there) x = R_GI->template topRows<2>() * x_I0;
+    const S squared = x.squaredNorm();
+    x *= squared > S(1e-4) ? S(1) / square_root(squared) : S(0);
+    return x;
   }
 };
+
+/// What is beside a reading that comes dt seconds from now, at the share u of the stretch. One copy in the code for all samples.
+template <class S>
+void set_surroundings(const Stretch<S>& stretch, S u, const Vec3<S>& slope, S dt, ImuIntegrator<S>* integrator) {
+  Surroundings<S>* out = integrator->surroundings();
+  out->slope = slope;
+  out->warmth = stretch.warmth0 + u * (stretch.warmth1 - stretch.warmth0);
+  out->time = stretch.time0 + u * (stretch.time1 - stretch.time0);
+  out->heading = stretch.heading(integrator->x_axis_after(dt));
+}
 
 /// Integrates from t0 to t1 > t0; both must lie within the samples. `tick_s`: seconds per tick.
 template <class S, class Time>
@@ -100,10 +113,7 @@ class SampleIntegration {
   bool step(const Samples& samples, Time t0, Time t1, S tick_s, ImuIntegrator<S>* integrator, const Stretch<S>& stretch) {
     const bool beside = integrator->wants_surroundings();
     const auto set = [&](const Vec3<S>& slope_per_tick, Time t) {
-      const S u = S(t - t0) / S(t1 - t0);
-      *integrator->surroundings() = {slope_per_tick / tick_s, stretch.warmth0 + u * (stretch.warmth1 - stretch.warmth0),
-                                     stretch.time0 + u * (stretch.time1 - stretch.time0),
-                                     stretch.heading(integrator->x_axis_after(S(t - t_) * tick_s))};
+      set_surroundings<S>(stretch, S(t - t0) / S(t1 - t0), slope_per_tick / tick_s, S(t - t_) * tick_s, integrator);
     };
     SEGCAL_SLICES(place_) {
       t_ = t0;
