@@ -38,6 +38,8 @@ def effects(diagnosis, page):
 
 def gap_figure(diagnosis):
     gap = figures.member(diagnosis, "gap")
+    if not (gap.get("noise_floor") or {}).get("total"):
+        raise figures.Missing("nothing was fitted")
     sensors = ["total", "camera", "gyro", "accel"]
     figure = go.Figure()
     for name, color, label in (("before", BEFORE, "before"), ("after", AFTER, "after")):
