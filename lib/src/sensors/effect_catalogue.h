@@ -85,7 +85,7 @@ inline bool find_effect(const Term& t, int* effect, int* parameter) {
 
 /// What a signal of a hand-held device is about, in its unit.
 inline double typical_signal(Signal s) {
-  constexpr std::uint8_t kTypical[kSignals] = {1, 1, 1, 1, 1, 1, 1, 1, 10, 10, 10, 10, 10, 10, 10, 60, 1, 1, 10, 10, 10};
+  constexpr double kTypical[kSignals] = {1, 1, 1, 1, 1, 1, 1, 1, 10, 10, 10, 10, 10, 10, 10, 60, 1, 1, 10, 10, 10};
   return kTypical[static_cast<int>(s)];
 }
 

@@ -84,13 +84,14 @@ struct Stretch {
   /// x axis is where the session began: a device cannot tell more. What a term changes by way of the heading is of second
   /// order and not derived.
   Vec2<S> heading(const Vec3<S>& x_I0) const {
-    Vec2<S> x = Vec2<S>::Zero();
-    if (!R_GI) return x;
-    x = R_GI->template topLeftCorner<2, 1>();
-    if (begins_there) x = R_GI->template topRows<2>() * x_I0;
-    const S squared = x.squaredNorm();
-    x *= squared > S(1e-4) ? S(1) / square_root(squared) : S(0);
-    return x;
+    if (!R_GI) return Vec2<S>::Zero();
+    S x[2];
+    for (int i = 0; i < 2; ++i) {
+      const S* r = R_GI->data() + i;  // column by column
+      x[i] = begins_there ? r[0] * x_I0(0) + r[3] * x_I0(1) + r[6] * x_I0(2) : r[0];
+    }
+    const S squared = x[0] * x[0] + x[1] * x[1], scale = squared > S(1e-4) ? S(1) / square_root(squared) : S(0);
+    return {scale * x[0], scale * x[1]};
   }
 };
 
