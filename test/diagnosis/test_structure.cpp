@@ -60,6 +60,67 @@ void test_dependence_is_named() {
   }
 }
 
+/// A segment of a camera that turns slowly, so that corners move by less than their noise from image to image: points fitted
+/// by straight lines along each track, as landmarks and poses are, and what that leaves.
+host::CoreKept slow_tracks(test::Random* random, double pixel_sigma, double follows_motion_s) {
+  constexpr int kImages = 16, kTracks = 60;
+  constexpr double kPeriod = 0.1;
+  host::CoreKept out;
+  out.keyframes.resize(kImages);
+  for (int k = 0; k < kImages; ++k) out.keyframes[k].t_ns = static_cast<std::int64_t>(1e9 * kPeriod * k);
+  for (int landmark = 0; landmark < kTracks; ++landmark) {
+    double noise[2][kImages], mean[2] = {0, 0}, slope[2] = {0, 0};
+    const double start[2] = {320 + random->normal(120), 240 + random->normal(90)}, rate[2] = {random->normal(6), random->normal(6)};
+    double spread = 0;
+    for (int k = 0; k < kImages; ++k) spread += (k - 7.5) * (k - 7.5);
+    for (int axis = 0; axis < 2; ++axis) {
+      for (int k = 0; k < kImages; ++k) {
+        noise[axis][k] = pixel_sigma * random->normal();
+        mean[axis] += noise[axis][k] / kImages;
+        slope[axis] += noise[axis][k] * (k - 7.5) / spread;
+      }
+    }
+    for (int k = 0; k < kImages; ++k) {
+      double measured[2], residual[2];
+      for (int axis = 0; axis < 2; ++axis) {
+        measured[axis] = start[axis] + rate[axis] * kPeriod * k + noise[axis][k];
+        residual[axis] = (mean[axis] + slope[axis] * (k - 7.5) - noise[axis][k] + follows_motion_s * rate[axis]) / pixel_sigma;
+      }
+      host::CorePoint point;
+      point.landmark = landmark;
+      point.keyframe = k;
+      point.u = measured[0];
+      point.v = measured[1];
+      out.measured.push_back(point);
+      out.points.push_back({out.keyframes[k].t_ns, 0, residual[0], residual[1]});
+    }
+  }
+  return out;
+}
+
+/// How many of `sessions` sessions of eight slow segments have residuals that follow the image's motion.
+int follow_image_motion(int sessions, double follows_motion_s) {
+  constexpr double kPixelSigma = 0.5;
+  int found = 0;
+  for (int seed = 0; seed < sessions; ++seed) {
+    test::Random random(400 + seed);
+    std::vector<host::CoreKept> kept;
+    for (int i = 0; i < 8; ++i) kept.push_back(slow_tracks(&random, kPixelSigma, follows_motion_s));
+    bool follows = false;
+    for (const Structure& s : find_structure(residual_lists(kept, kPixelSigma, {}), kLevel, kCauses)) {
+      follows = follows || s.against.rfind("image motion", 0) == 0;
+    }
+    found += follows ? 1 : 0;
+  }
+  return found;
+}
+
+/// A motion that is read from the very points that are tested holds their noise: each slow, clean recording would follow it.
+void test_slow_images_do_not_follow_their_own_noise() {
+  TEST_ASSERT_LESS_OR_EQUAL_INT(1, follow_image_motion(30, 0));  // 0.03 expected
+  TEST_ASSERT_EQUAL_INT(30, follow_image_motion(30, 0.01));     // 10 ms at 6 px/s: 0.06 px, 0.12 sigma, of 7680 points
+}
+
 void test_autocorrelation() {
   test::Random random(7);
   // Standard error of a correlation of 2000 numbers: 0.022.
@@ -73,6 +134,7 @@ int main() {
   UNITY_BEGIN();
   RUN_TEST(test_noise_has_no_structure);
   RUN_TEST(test_dependence_is_named);
+  RUN_TEST(test_slow_images_do_not_follow_their_own_noise);
   RUN_TEST(test_autocorrelation);
   return UNITY_END();
 }

@@ -298,8 +298,9 @@ class Diagnoser {
     begin("structure of the residuals");
     std::vector<ImuData> imu;
     for (const Recording& r : sessions_) imu.push_back(r.imu);
-    out_.where = find_structure(residual_lists(out_.fit_before.kept, imu), kStructure, 2);
-    const std::vector<Structure> after = find_structure(residual_lists(evidence_.result().kept, imu), kAll, kCauses);
+    const auto lists_of = [&imu](const ReplayResult& fit) { return residual_lists(fit.kept, fit.model.pixel_sigma, imu); };
+    out_.where = find_structure(lists_of(out_.fit_before), kStructure, 2);
+    const std::vector<Structure> after = find_structure(lists_of(evidence_.result()), kAll, kCauses);
     refuse_where_structure_is_left(after, &out_);
     for (const Structure& s : out_.where) {
       const auto same = std::find_if(after.begin(), after.end(), [&s](const Structure& a) {

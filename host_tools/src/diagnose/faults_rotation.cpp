@@ -184,7 +184,8 @@ double coarse_offset(const Recording& recording, const std::vector<FramePair>& p
     highest = c;
     best = offset;
   }
-  if (std::abs(best) <= largest_offset_s || highest < clock_fits || 1 - highest > clock_better_by * (1 - as_is)) return std::abs(best) <= largest_offset_s ? best : 0;
+  const bool small = std::abs(best) <= largest_offset_s + 0.5 * offset_step_s;  // of the grid's two neighbours either may be best
+  if (small || highest < clock_fits || 1 - highest > clock_better_by * (1 - as_is)) return small ? best : 0;
   Fault fault = whole(recording, "clock_offset", "cam0");
   fault.count = pairs.size();
   fault.value = best;

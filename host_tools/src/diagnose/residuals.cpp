@@ -99,27 +99,39 @@ Vector2d middle_of(const std::vector<CoreKept>& kept) {
   return 0.5 * (low + high);
 }
 
-/// Of the same landmark in the keyframe before, px/s.
-Vector2d image_motion(const std::vector<SeenPoint>& seen, std::size_t i, const CoreKept& kept) {
-  for (const std::size_t other : {i - 1, i + 1}) {
-    if (other >= seen.size() || seen[other].point->landmark != seen[i].point->landmark ||
-        seen[other].point->camera != seen[i].point->camera) continue;
-    const double dt = 1e-9 * static_cast<double>(kept.keyframes[seen[i].point->keyframe].t_ns - kept.keyframes[seen[other].point->keyframe].t_ns);
-    if (dt == 0) continue;
-    return Vector2d(seen[i].point->u - seen[other].point->u, seen[i].point->v - seen[other].point->v) / dt;
+/// Where the fit sees each point, px. Measured points hold the very noise that is in their residuals, with the other sign: a
+/// cause made of them is followed by white noise, the more the slower the image moves. What least squares predict is not
+/// correlated with what they leave: for white noise of covariance s^2 I and the projector H on the columns of the fit
+/// cov((I - H) n, H n) = s^2 (I - H) H = 0.
+std::vector<Vector2d> predicted_points(const std::vector<SeenPoint>& seen, double pixel_sigma) {
+  std::vector<Vector2d> out;
+  for (const SeenPoint& s : seen) {
+    out.emplace_back(s.point->u + s.residual->u_sigma * pixel_sigma, s.point->v + s.residual->v_sigma * pixel_sigma);
   }
-  return {0, 0};
+  return out;
 }
 
-void add_camera(const CoreKept& kept, const MotionAt& motion, const Vector2d& middle, std::int64_t zero_ns, int* series,
+/// Of the same landmark from the keyframe before to the one after, px/s; at the ends of a track from or to the point itself.
+Vector2d image_motion(const std::vector<SeenPoint>& seen, const std::vector<Vector2d>& predicted, std::size_t i, const CoreKept& kept) {
+  const auto same_track = [&seen, i](std::size_t j) {
+    return j < seen.size() && seen[j].point->landmark == seen[i].point->landmark && seen[j].point->camera == seen[i].point->camera;
+  };
+  const std::size_t from = i > 0 && same_track(i - 1) ? i - 1 : i, to = same_track(i + 1) ? i + 1 : i;
+  const double dt = 1e-9 * static_cast<double>(kept.keyframes[seen[to].point->keyframe].t_ns - kept.keyframes[seen[from].point->keyframe].t_ns);
+  if (dt == 0) return {0, 0};
+  return (predicted[to] - predicted[from]) / dt;
+}
+
+void add_camera(const CoreKept& kept, double pixel_sigma, const MotionAt& motion, const Vector2d& middle, std::int64_t zero_ns, int* series,
                 ResidualList* u, ResidualList* v, ResidualList* radial) {
   std::vector<MotionAt::Motion> at;
   for (const CoreState& x : kept.keyframes) at.push_back(motion.over(x.t_ns - 25000000, x.t_ns + 25000000));
   const std::vector<SeenPoint> seen = seen_points(kept);
+  const std::vector<Vector2d> predicted = predicted_points(seen, pixel_sigma);
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const CorePoint& p = *seen[i].point;
     if (i == 0 || seen[i - 1].point->landmark != p.landmark) ++*series;
-    const Vector2d place = Vector2d(p.u, p.v) - middle, flow = image_motion(seen, i, kept);
+    const Vector2d place = predicted[i] - middle, flow = image_motion(seen, predicted, i, kept);
     Entry e;
     e.series = *series;
     set_motion(at[p.keyframe], &e);
@@ -178,7 +190,7 @@ std::vector<SeenPoint> seen_points(const CoreKept& kept) {
   return out;
 }
 
-std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, const std::vector<ImuData>& imu) {
+std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, double pixel_sigma, const std::vector<ImuData>& imu) {
   std::vector<ResidualList> out;
   for (const char* axis : {"u", "v", "radial"}) out.push_back({"camera", axis, {}, {}, {}});
   for (const char* sensor : {"gyro", "accel"}) {
@@ -191,7 +203,7 @@ std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, cons
   for (const CoreKept& k : kept) zero_ns = std::min(zero_ns, k.segment.start_ns);
   int series = 0, segment = 0;
   for (const CoreKept& k : kept) {
-    add_camera(k, motion, middle, zero_ns, &series, &out[0], &out[1], &out[2]);
+    add_camera(k, pixel_sigma, motion, middle, zero_ns, &series, &out[0], &out[1], &out[2]);
     add_imu(k, motion, zero_ns, segment++, &out[3], &out[6]);
   }
   return out;

@@ -29,7 +29,8 @@ struct SeenPoint {
 };
 std::vector<SeenPoint> seen_points(const CoreKept& kept);
 
-std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, const std::vector<ImuData>& imu);
+/// `pixel_sigma`: px, by which the points' residuals were divided.
+std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, double pixel_sigma, const std::vector<ImuData>& imu);
 
 /// Sums of squares by sensor.
 struct SensorSquares {
