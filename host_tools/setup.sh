@@ -7,7 +7,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 packages=(
   g++ cmake ninja-build git ca-certificates dpkg-dev
   libeigen3-dev                                # the core
-  libopencv-dev libceres-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev   # the host program
+  libopencv-dev libceres-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev libssl-dev   # the host program
   libbenchmark-dev libopenblas0 liblapack3     # benchmarks, and LAPACK's QR beside the core's
   python3-venv                                 # the report's plots, evo for a test
   gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-dev qemu-system-arm   # firmware images, and where they run

@@ -4,6 +4,7 @@ set(SEGCAL_CORE_SOURCES
   src/api/convert.cpp
   src/api/effects.cpp
   src/api/kept.cpp
+  src/api/posterior.cpp
   src/api/results.cpp
   src/api/segcal.cpp
   src/log/writer.cpp)

@@ -34,8 +34,8 @@ def read_json(file, required):
 
 def check_result(result, file):
     """The few members without which there is nothing to report."""
-    if result.get("format", 1) != 1:
-        raise InputError(f"{file}: expected format 1, found {result['format']}")
+    if result.get("format", 1) not in (1, 2):
+        raise InputError(f"{file}: expected format 1 or 2, found {result['format']}")
     if not isinstance(result.get("status"), str):
         raise InputError(f"{file}: expected a member \"status\" with a text")
     parameters = result.get("parameters")

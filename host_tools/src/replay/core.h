@@ -74,6 +74,7 @@ struct CoreResult {
   int iterations = 0, segments = 0, partitions = 0, image_points = 0;
   bool converged = false;
   double chi2 = 0, dof = 0, noise_scale = 1, reprojection_rms_px = 0, reprojection_median_px = 0;
+  std::vector<double> mean, covariance;  ///< of the parameters with nothing held (segcal_get_posterior), row-major; empty: not known
 };
 
 struct CorePointResidual {

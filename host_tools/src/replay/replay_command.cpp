@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "commands.h"
+#include "csv.h"
 #include "device_log/device_log.h"
 #include "replay/model_file.h"
 #include "replay/result_files.h"
@@ -17,7 +18,7 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> recordings;
-  std::string calibration, out, model, strategy = "single", verify_hash;
+  std::string calibration, out, model, strategy = "single", verify_hash, device_id;
   std::vector<std::string> effects;
   int cameras = 1;
   bool json = false, no_calibration = false, keep_outdated = false, hash = false;
@@ -114,6 +115,23 @@ bool same_hash(const Arguments& a, const ReplayResult& result) {
   return true;
 }
 
+/// Where the result comes from: logs, device and what was chosen.
+Provenance provenance_of(const Arguments& a, const std::vector<Recording>& sessions) {
+  Provenance from = device_of(a.recordings.front());
+  if (!a.device_id.empty()) from.device_id = a.device_id;
+  for (const std::string& log : a.recordings) {
+    const std::filesystem::path path = std::filesystem::path(log).lexically_normal();
+    const std::string name = path.has_filename() ? path.filename().string() : path.parent_path().filename().string();
+    from.logs.push_back({name, sha256_of_log(path, a.cameras)});
+  }
+  from.temperature_degC = temperature_range(sessions);
+  from.configuration = configuration_json(a.replay);
+  from.configuration["enable"] = a.effects;
+  if (!a.model.empty()) from.configuration["model_sha256"] = sha256_of_text(read_file(a.model));
+  if (!a.calibration.empty()) from.configuration["calib_sha256"] = sha256_of_text(read_file(a.calibration));
+  return from;
+}
+
 int run(Arguments a) {
   const std::vector<Recording> sessions = sessions_of(&a);
   a.replay.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
@@ -130,10 +148,10 @@ int run(Arguments a) {
   a.replay.progress = show_progress;
   if (!a.verify_hash.empty()) read_hashes(a.verify_hash);  // a file without one is found out before the work
   const ReplayResult result = replay(sessions, a.replay);
-  std::vector<TruthPose> truth = sessions.back().truth;
-  write_result_files(a.out, result, truth);
+  const Provenance from = provenance_of(a, sessions);
+  write_result_files(a.out, result, from, sessions.back().truth);
   if (a.json) {
-    std::cout << result_json(result).dump(1) << std::endl;
+    std::cout << result_json(result, from).dump(1) << std::endl;
   } else {
     print_summary(result);
     if (a.hash) std::printf("result_hash %s\n", hash_text(result.result_hash).c_str());
@@ -148,7 +166,8 @@ void add_files(CLI::App* sub, Arguments* a) {
                   "recordings in ASL layout (REC/mav0/...) or device logs (*.segcal); several are sessions in order")->required();
   sub->add_option("--calib", a->calibration, "starting calibration, Kalibr's camchain-imucam.yaml (default: the recording's own)");
   sub->add_option("--out", a->out,
-                  "folder for result.json, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml, kept_segments.json")->required();
+                  "folder for result.json, calibration.jsonl, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml, kept_segments.json")->required();
+  sub->add_option("--device-id", a->device_id, "name of the device in result.json (default: REC/device.yaml's device_id)");
   sub->add_flag("--json", a->json, "print result.json on standard output");
 }
 

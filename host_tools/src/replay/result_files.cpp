@@ -21,14 +21,16 @@ std::string trajectory_tum(const std::vector<CoreState>& trajectory) {
   return text;
 }
 
-void write_result_files(const std::filesystem::path& dir, const ReplayResult& result, const std::vector<TruthPose>& truth) {
+void write_result_files(const std::filesystem::path& dir, const ReplayResult& result, const Provenance& provenance,
+                        const std::vector<TruthPose>& truth) {
   write_camchain(dir / "camchain-imucam.yaml", result.calibration);
   write_imu_yaml(dir / "imu.yaml", result.calibration, result.noise);
   write_file(dir / "trajectory.tum", trajectory_tum(result.trajectory));
   write_file(dir / "model.yaml", model_yaml(result));
   write_file(dir / "report_data.json", report_data(result, truth).dump());
   write_file(dir / "kept_segments.json", kept_segments_json(kept_segments(result)));
-  write_file(dir / "result.json", result_json(result).dump(1) + "\n");  // last: its presence says the rest is there
+  write_file(dir / "calibration.jsonl", calibration_lines(result, provenance));
+  write_file(dir / "result.json", result_json(result, provenance).dump(1) + "\n");  // last: its presence says the rest is there
 }
 
 }  // namespace host

@@ -38,15 +38,37 @@ Json calibrations_json(const ReplayResult& out) {
   return json;
 }
 
+Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
+
+/// Which device, log, program and configuration a result comes from.
+void add_origin(const Provenance& from, Json* json) {
+  (*json)["device_id"] = text_or_null(from.device_id);
+  (*json)["device_model"] = text_or_null(from.device_model);
+  (*json)["log_sha256"] = from.logs.empty() ? Json() : Json(sha256_of_logs(from.logs));
+  (*json)["library_version"] = SEGCAL_PROGRAM_VERSION;
+}
+
+Json logs_json(const Provenance& from) {
+  Json json = Json::array();
+  for (const LogIdentity& log : from.logs) json.push_back({{"name", log.name}, {"sha256", log.sha256}});
+  return json;
+}
+
 }  // namespace
 
-Json result_json(const ReplayResult& out) {
+Json result_json(const ReplayResult& out, const Provenance& from) {
   const CoreResult& r = out.result;
   const std::vector<std::string> names = parameter_names(r, out.calibration);
   Json json;
-  json["format"] = 1;
+  json["format"] = 2;
   json["status"] = r.status;
+  add_origin(from, &json);
+  json["logs"] = logs_json(from);
+  json["configuration"] = from.configuration;
+  json["temperature_degC"] = from.temperature_degC ? Json(*from.temperature_degC) : Json();
   json["parameters"] = parameters_json(r);
+  json["mean"] = r.mean;
+  json["covariance"] = r.covariance;
   json["unobservable"] = Json::array();
   for (const CoreDirection& d : r.unobservable) json["unobservable"].push_back(direction_json(d, names));
   json["segments"] = Json::array();
@@ -63,6 +85,22 @@ Json result_json(const ReplayResult& out) {
   json["faults"] = Json::object();
   for (const auto& [name, count] : out.counters) json["faults"][name] = count;
   return json;
+}
+
+std::string calibration_lines(const ReplayResult& out, const Provenance& from) {
+  std::string text;
+  const Json calibrations = calibrations_json(out);
+  for (std::size_t i = 0; i < calibrations.size(); ++i) {
+    Json line = {{"format", 1}};
+    add_origin(from, &line);
+    line.update(calibrations[i]);
+    line["parameters"] = Json::array();
+    for (const CoreParameter& p : out.calibrations[i].parameters) {
+      line["parameters"].push_back({{"name", p.name}, {"value", p.value}, {"sigma", p.sigma}, {"unit", p.unit}, {"verdict", p.verdict}});
+    }
+    text += line.dump() + "\n";
+  }
+  return text;
 }
 
 }  // namespace host

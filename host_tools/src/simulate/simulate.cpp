@@ -181,7 +181,8 @@ SimulationResult simulate(const SimulationOptions& options, const std::function<
   const Session session = options.trajectory_file.empty() ? drawn_session(options) : recorded_session(options);
   SimulationResult result;
   result.nominal = sim::nominal_device(options.distortion, options.cameras);
-  result.truth = sim::draw_device(result.nominal, options.device_seed.value_or(options.seed), options.device_scale);
+  result.device_seed = options.device_seed.value_or(options.seed);
+  result.truth = sim::draw_device(result.nominal, result.device_seed, options.device_scale);
   if (options.change_device) options.change_device(result.truth);
   result.recording.imu.noise = options.imu_noise;
   options.imu_file.empty() ? simulate_imu(options, session, result) : copy_real_imu(options, session, result);

@@ -51,6 +51,7 @@ struct SimulationResult {
   sim::Trajectory trajectory;      ///< times in s since `time_zero_ns`
   sim::BiasHistory biases;
   std::int64_t time_zero_ns = 0;
+  std::uint64_t device_seed = 0;   ///< the specimen
 
   /// Truth at a stamp of the IMU's clock, ns; stamps outside the recording are clamped.
   TruthState state_at(std::int64_t t_ns) const;

@@ -49,6 +49,8 @@ void write_simulation(const SimulationResult& result, const std::filesystem::pat
   recording.root = root;
   write_recording(recording);
   write_camchain(root / "camchain-imucam.yaml", result.nominal);
+  write_file(root / "device.yaml",
+             "device_id: simulated-" + std::to_string(result.device_seed) + "\ndevice_model: simulated\n");
   write_camchain(root / "truth" / "camchain-imucam.yaml", result.truth);
   write_file(root / "truth" / "truth.json", truth_json(result));
   if (!result.imu_is_simulated) return;

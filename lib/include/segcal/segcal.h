@@ -343,6 +343,11 @@ int segcal_get_result(const segcal_t *device, segcal_result_t *result);
 /* What the filter itself knows about the calibration at this moment: values, sigmas and verdicts by the same rule. Nothing
    about a fit. Before the filter's start: the prior. */
 int segcal_get_filter_calibration(segcal_t *device, segcal_result_t *result);
+/* The last result as a Gaussian over its parameters, for fusing several: `mean`, n numbers, where the fit has its optimum while
+   nothing is held (segcal_parameter_t.value of what is FIXED stays at `initial`, and the others follow), and `covariance`,
+   row-major, n x n, whose diagonal is the squares of the results' sigmas. Both contain the prior. `capacity` of covariance in
+   numbers. Returns n; SEGCAL_ERROR_STATE without a result. */
+int segcal_get_posterior(const segcal_t *device, double *mean, double *covariance, int32_t capacity);
 int segcal_get_direction(const segcal_t *device, int32_t index, segcal_direction_t *direction);
 /* The segment scored last (index -1) or slot `index` of the database, 0..SEGCAL_MAX_SEGMENTS. SEGCAL_ERROR_STATE if empty.
    A slot whose segment was dropped as outdated answers, with `kept` 0, until a new segment needs it. */

@@ -64,6 +64,13 @@ CoreResult result_of(const segcal_t* device) {
   out.noise_scale = r.noise_scale;
   out.reprojection_rms_px = r.reprojection_rms_px;
   out.reprojection_median_px = r.reprojection_median_px;
+  const std::size_t n = out.parameters.size();
+  out.mean.resize(n);
+  out.covariance.resize(n * n);
+  if (segcal_get_posterior(device, out.mean.data(), out.covariance.data(), static_cast<int>(n * n)) < 0) {
+    out.mean.clear();
+    out.covariance.clear();
+  }
   return out;
 }
 

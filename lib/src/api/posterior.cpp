@@ -1,0 +1,54 @@
+// The C API's answer as a Gaussian: mean and covariance of the printed parameters, for whoever fuses results of a device.
+#include "api/handle.h"
+
+namespace SEGCAL_NS {
+namespace {
+
+/// Row i of L, LL' the covariance of the printed values for the noise as stated. In units of the prior it is V diag(1/(1+s^2)) V'
+/// (information/metrics.h); a component of a rotation vector is a sum of theta's columns.
+void printed_row(const Device<Real>& device, int i, Real* row) {
+  const InformationAnalysis<Real>& a = device.joint_analysis();
+  const PrintedValue<Real> value = printed_value(device.release().theta, i);
+  for (int j = 0; j < a.n; ++j) {
+    Real sum = Real(0);
+    for (int k = 0; k < value.count; ++k) {
+      sum += value.weight[k] * device.options().prior.sigma[value.first + k] * a.V[(value.first + k) * a.n + j];
+    }
+    row[j] = sum * a.relative_sigma(j);
+  }
+}
+
+Real dot(const Real* a, const Real* b, int n) {
+  Real sum = Real(0);
+  for (int i = 0; i < n; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+}  // namespace
+}  // namespace SEGCAL_NS
+
+using namespace SEGCAL_NS;
+
+extern "C" int segcal_get_posterior(const segcal_t* device, double* mean, double* covariance, int32_t capacity) {
+  if (!mean || !covariance) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  if (!d || !d->device.has_release()) return SEGCAL_ERROR_STATE;
+  const Release<Real>& release = d->device.release();
+  const int n = d->device.joint_analysis().n;
+  if (capacity < n * n) return SEGCAL_ERROR_SIZE;
+  parameter_values(d->device.options().joint_filter ? release.theta : d->device.calibrator().theta(), mean);
+  // Correlations times the released sigmas, which are never above the prior's: the diagonal is theirs exactly, and a matrix
+  // of correlations scaled from both sides stays positive definite.
+  Real row[kMaxTheta], other[kMaxTheta];
+  for (int i = 0; i < n; ++i) {
+    printed_row(d->device, i, row);
+    const double scale = static_cast<double>(release.printed_sigma[i]) / static_cast<double>(square_root(dot(row, row, n)));
+    for (int j = 0; j <= i; ++j) {
+      printed_row(d->device, j, other);
+      const double length = static_cast<double>(square_root(dot(other, other, n)));
+      const double covariance_ij = static_cast<double>(dot(row, other, n)) * scale * static_cast<double>(release.printed_sigma[j]) / length;
+      covariance[i * n + j] = covariance[j * n + i] = covariance_ij;
+    }
+  }
+  return n;
+}
