@@ -54,6 +54,7 @@ int run(int argc, char** argv) {
   host::add_convert_command(app, exit_code);
   host::add_diagnose_command(app, exit_code);
   host::add_experiments_command(app, exit_code);
+  host::add_fleet_command(app, exit_code);
   app.footer(walk_through);  // last: a subcommand would inherit it
 
   const std::string command = argc > 1 ? argv[1] : "";

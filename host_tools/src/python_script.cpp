@@ -43,16 +43,16 @@ int run_program(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
-int run_python_script(const std::string& script, const std::vector<std::string>& arguments) {
+int run_python_script(const std::string& script, const std::vector<std::string>& arguments, int negative) {
   const std::string python = python_program();
   const fs::path file = fs::path(SEGCAL_SOURCE_DIR) / "host_tools" / script;
-  if (!fs::exists(file)) throw InputError(file.string() + ": file is missing, the report needs the source tree");
+  if (!fs::exists(file)) throw InputError(file.string() + ": file is missing, this command needs the source tree");
   // -B: no compiled files beside the sources.
   std::vector<std::string> command = {python, "-B", file.string()};
   command.insert(command.end(), arguments.begin(), arguments.end());
   const int code = run_program(command);
   if (code == exit_cannot_execute) throw InputError(python + ": expected a Python 3 program; run host_tools/setup.sh");
-  if (code != 0 && code != 2) throw InputError(file.string() + ": stopped with exit code " + std::to_string(code));
+  if (code != 0 && code != 2 && code != negative) throw InputError(file.string() + ": stopped with exit code " + std::to_string(code));
   return code;
 }
 

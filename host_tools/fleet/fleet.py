@@ -1,0 +1,147 @@
+"""segcal fleet: many logs through one program, fused per device and per model. Called by the program, which says where it is."""
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the matrices are small, and the cores are busy with replays
+
+import argparse
+import functools
+import sys
+
+import execution
+import judge
+import logs
+import tables
+import work
+
+EPILOG = """examples:
+  segcal fleet logs/ --out tables                              this machine's cores
+  segcal fleet @list.txt --out s3://bucket/tables --scheduler tcp://head:8786
+  segcal fleet logs/ --out tables --shard 3/16                 one of 16 jobs of a batch array; then once without --shard
+  segcal fleet logs/ --out tables -- --segments 12 --enable time_offset     options of `segcal replay`, behind --
+
+Logs of a device are told by device_id in REC/device.yaml (docs/formats.md), or by --devices 'fleet/(?P<model>\\w+)/(?P<device>\\w+)/'.
+A log is done once per library version and configuration; the same command again goes on where it was stopped. The tables and
+queries for them: docs/fleet.md.
+
+Exit code 1: some logs gave no result, or --again found other bits; 2: bad usage or input."""
+
+
+NEGATIVE = 3  # exit code that the program turns into 1: Python itself ends with 1 after an error of its own
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        raise logs.InputError(f"{message} (see segcal fleet --help)")
+
+
+def shard(text):
+    try:
+        i, n = map(int, text.split("/"))
+    except ValueError:
+        i, n = -1, 0
+    if not 0 <= i < n:
+        raise argparse.ArgumentTypeError(f"expected i/n with 0 <= i < n, found {text}")
+    return i, n
+
+
+def positive(text):
+    if not text.isdigit() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"expected a number above 0, found {text}")
+    return int(text)
+
+
+def parsed(arguments):
+    options = []
+    if "--" in arguments:
+        at = arguments.index("--")
+        arguments, options = arguments[:at], arguments[at + 1:]
+    p = Parser(prog="segcal fleet", description="Replays many logs and fuses their results per device and per model.", epilog=EPILOG,
+               formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("logs", nargs="+", metavar="LOG", help="recordings, device logs (*.segcal), folders of them, or @FILE with one path a line")
+    p.add_argument("--out", required=True, metavar="TABLES", help="folder of the tables: a path, or any address that fsspec knows")
+    p.add_argument("--devices", metavar="REGEX", help="device (and model) in a log's path, as groups (?P<device>) and (?P<model>)")
+    p.add_argument("--jobs", type=positive, help="replays at a time on this machine (default: its cores)")
+    p.add_argument("--scheduler", metavar="ADDRESS", help="of Dask distributed: its workers do the work; they see the same paths")
+    p.add_argument("--shard", type=shard, metavar="i/n", help="only every n-th log, from the i-th; writes no tables")
+    p.add_argument("--batch", type=positive, help="logs a task (default: by the number of workers, at most 100)")
+    p.add_argument("--again", action="store_true", help="replay what is done already, and compare the result hashes")
+    p.add_argument("--program", default=os.environ.get("SEGCAL_PROGRAM"), help="the segcal program on the workers (default: this one)")
+    p.add_argument("--version", default=os.environ.get("SEGCAL_PROGRAM_VERSION", ""), help=argparse.SUPPRESS)
+    a = p.parse_args(arguments)
+    a.options = options
+    return a
+
+
+def check_options(options):
+    """Found here, not in ten thousand replays."""
+    for owned in ("--out", "--json", "--verify-hash"):
+        if owned in options:
+            raise logs.InputError(f"{owned} behind --: segcal fleet uses it itself")
+
+
+def complain_of(entries):
+    """One line each for what gave no record or other bits."""
+    bad = 0
+    for entry in entries:
+        if entry.get("unfinished"):
+            print(f"segcal fleet: {entry['log']}: {entry['error']}", file=sys.stderr)
+            bad += 1
+        elif entry.get("other_bits"):
+            print(f"segcal fleet: {entry['log']}: another result hash than before", file=sys.stderr)
+            bad += 1
+    return bad
+
+
+def summarise(rows, dispersion, out):
+    devices = {row["device"] for row in rows["runs"]}
+    status = [row["status"] for row in rows["runs"]]
+    counts = ", ".join(f"{status.count(s)} {s}" for s in ("calibrated", "insufficient", "failed", "refused") if s in status)
+    print(f"{len(status)} logs of {len(devices)} devices: {counts}")
+    print(f"logs of a device disagree by {dispersion:.2f} times their noise (chi2/dof, median over devices)")
+    named = [row for row in rows["attention"] if row["kind"] in ("change", "outlier", "misfit")]
+    print(f"{len({row['device'] for row in named})} devices to look at" + (":" if named else ""))
+    for row in named[:judge.WORST]:
+        print(f"  {row['device']}: {row['sentence']}")
+    print(f"tables in {out}")
+
+
+def run(arguments):
+    a = parsed(arguments)
+    check_options(a.options)
+    paths = [str(path) for path in logs.find_logs(a.logs)]
+    if a.devices:
+        for path in paths:
+            logs.device_of(path, None, a.devices)
+    if a.shard:
+        paths = paths[a.shard[0]::a.shard[1]]
+    if "://" not in a.out:
+        a.out = os.path.abspath(a.out)  # workers have another working directory
+    task = functools.partial(work.run_batch, a.program, a.version, a.options, a.out, again=a.again)
+    entries = execution.run_all(paths, task, a.scheduler, a.jobs, a.batch)
+    bad = complain_of(entries)
+    if a.shard:
+        print(f"{len(paths) - bad} of {len(paths)} logs of shard {a.shard[0]}/{a.shard[1]} are done; the same command without --shard makes the tables",
+              file=sys.stderr)
+        return NEGATIVE if bad else 0
+    store = work.Store(a.out)
+    runs = judge.runs_of([e for e in entries if not e.get("unfinished")], store, a.devices)
+    rows, dispersion = judge.rows_of_fleet(runs)
+    tables.write_tables(store.fs, store.root, rows)
+    summarise(rows, dispersion, a.out)
+    return NEGATIVE if bad or any(run.record["result"] is None for run in runs) else 0
+
+
+def main():
+    try:
+        return run(sys.argv[1:])
+    except logs.InputError as error:
+        print(f"segcal: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"segcal: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,176 @@
+"""From the logs' evidence to devices, models, and what a person should look at."""
+
+import dataclasses
+
+import numpy as np
+
+import evidence
+import fusion
+import logs
+import population
+import tables
+
+WORST = 10  # logs that a report shows
+
+
+@dataclasses.dataclass
+class Run:
+    """One log of the fleet."""
+    key: str
+    log: str
+    record: dict
+    device: str
+    model: str
+    place: int = 0                 # among the logs of its device
+    evidence: object = None        # evidence.Evidence, or None
+
+    def identity(self):
+        return {"key": self.key, "device": self.device, "model": self.model, "place": self.place}
+
+    def chi2_per_dof(self):
+        fit = (self.record["result"] or {}).get("fit", {})
+        return fit["chi2"] / fit["dof"] if fit.get("dof", 0) > 0 else None
+
+
+def runs_of(entries, store, pattern):
+    """`entries` of work.run_batch, in the order of the logs."""
+    runs, count = [], {}
+    for entry in entries:
+        record = store.read(entry["key"])
+        device, model = logs.device_of(entry["log"], record["result"], pattern)
+        run = Run(entry["key"], entry["log"], record, device, model, count.get(device, 0))
+        count[device] = run.place + 1
+        run.evidence = evidence.evidence_of(record["result"]) if record["result"] else None
+        runs.append(run)
+    return runs
+
+
+def grouped(runs, attribute):
+    groups = {}
+    for run in runs:
+        groups.setdefault(getattr(run, attribute), []).append(run)
+    return groups
+
+
+@dataclasses.dataclass
+class Fused:
+    device: str
+    model: str
+    runs: list                     # those with evidence, as the fit took them
+    fit: fusion.Device
+    units: list
+    distance: dict = dataclasses.field(default_factory=dict)   # by parameter, sigmas from its model
+
+
+def fuse_devices(runs):
+    """Devices that have any evidence, and the dispersion between logs of a device."""
+    groups = []
+    for device, own in sorted(grouped([r for r in runs if r.evidence], "device").items()):
+        names = own[0].evidence.names
+        own = [r for r in own if r.evidence.names == names]
+        groups.append((device, own, fusion.common([r.evidence for r in own])))
+    dispersion = fusion.dispersion_of([e for _, _, e in groups])
+    tests = max(1, sum(fusion.tests_of(e) for _, _, e in groups))
+    out = []
+    for device, own, rows in groups:
+        units = [p["unit"] for p in own[0].record["result"]["parameters"]]
+        out.append(Fused(device, own[0].model, own, fusion.fuse(rows, dispersion, tests), units))
+    return out, dispersion
+
+
+def device_rows(fused):
+    rows = []
+    for d in fused:
+        sigma, prior = np.sqrt(np.diag(d.fit.covariance)), np.sqrt(np.diag(d.fit.prior))
+        for i, name in enumerate(d.fit.names):
+            since = [s.first for s in d.fit.steps if s.block == fusion.block_of(name)]
+            rows.append({"device": d.device, "model": d.model, "name": name, "unit": d.units[i], "value": d.fit.value[i], "sigma": sigma[i],
+                         "initial": d.fit.initial[i], "prior_sigma": prior[i], "logs": len(d.runs),
+                         "from_place": d.runs[max(since, default=0)].place, "distance_sigma": d.distance.get(name)})
+    return rows
+
+
+def change_rows(fused):
+    rows = []
+    for d in fused:
+        for step in d.fit.steps:
+            first, sigma = d.runs[step.first], np.sqrt(np.diag(step.covariance))
+            for k, i in enumerate(fusion.indices(d.fit.names, step.block)):
+                rows.append({"device": d.device, "model": d.model, "block": step.block, "from_place": first.place, "from_log": first.log,
+                             "statistic": step.statistic, "log10_p": step.log10_p, "name": d.fit.names[i], "unit": d.units[i],
+                             "step": step.value[k], "sigma": sigma[k]})
+    return rows
+
+
+def model_rows(fused):
+    """Mean and spread per model and parameter; fills in the devices' distances."""
+    rows = []
+    for model in sorted({d.model for d in fused}):
+        of_model = [d for d in fused if d.model == model and d.fit.names == next(f for f in fused if f.model == model).fit.names]
+        names = of_model[0].fit.names
+        limit = population.limit_of(len(of_model) * len(names))
+        for i, name in enumerate(names):
+            x = np.array([d.fit.value[i] for d in of_model])
+            sigma = np.array([np.sqrt(d.fit.covariance[i, i]) for d in of_model])
+            prior = np.array([np.sqrt(d.fit.prior[i, i]) for d in of_model])
+            spread, far = population.spread_of(x, sigma, sigma < 0.5 * prior, limit)
+            for d, distance in zip(of_model, far):
+                d.distance[name] = None if np.isnan(distance) else float(distance)
+            if spread:
+                rows.append({"model": model, "name": name, "unit": of_model[0].units[i], "mean": spread.mean, "mean_sigma": spread.sigma,
+                             "spread": spread.spread, "prior_sigma": float(np.hypot(spread.spread, spread.sigma)), "devices": spread.devices})
+    return rows
+
+
+def found(kind, weight, device, log, sentence):
+    return {"kind": kind, "weight": float(weight), "device": device, "log": log, "sentence": sentence}
+
+
+def outliers(fused):
+    for model in sorted({d.model for d in fused}):
+        of_model = [d for d in fused if d.model == model]
+        limit = population.limit_of(len(of_model) * len(of_model[0].fit.names))
+        for d in of_model:
+            name, distance = max(((n, abs(v)) for n, v in d.distance.items() if v is not None), key=lambda x: x[1], default=("", 0))
+            if distance > limit:
+                yield found("outlier", distance, d.device, d.runs[-1].log, f"{name} is {d.distance[name]:+.1f} sigmas from the other devices of its model")
+
+
+def badly_fitting(runs):
+    """Devices whose logs fit the model worse than those of the other devices, whatever the fit was judged."""
+    for model, own in sorted(grouped(runs, "model").items()):
+        devices = sorted(grouped([r for r in own if r.chi2_per_dof()], "device").items())
+        ratios = [np.median([r.chi2_per_dof() for r in of_device]) for _, of_device in devices]
+        for i, excess in population.badly_fitting(ratios):
+            worst = max(devices[i][1], key=Run.chi2_per_dof)
+            yield found("misfit", 10 * excess, devices[i][0], worst.log,
+                        f"chi2/dof {ratios[i]:.2f}, {excess:.1f} times its model's: another lens, or an effect that the model lacks (segcal diagnose)")
+
+
+def attention(fused, runs):
+    """What to look at, the gravest first: changes, outliers and misfits of devices, then logs that gave nothing."""
+    all_found = [*outliers(fused), *badly_fitting(runs)]
+    for d in fused:
+        for step in d.fit.steps:
+            log = d.runs[step.first].log
+            all_found.append(found("change", np.sqrt(step.statistic), d.device, log, f"{step.block} changed before {tables.last_part(log)}"))
+    for run in runs:
+        if run.record["result"] is None:
+            all_found.append(found("refused", 3, run.device, run.log, run.record["error"]))
+        elif run.record["result"]["status"] == "failed":
+            all_found.append(found("failed", 4, run.device, run.log, run.record["result"].get("cause") or "the fit did not settle or does not match its noise"))
+        elif run.record["result"]["status"] == "insufficient":
+            all_found.append(found("insufficient", 1, run.device, run.log, run.record["result"].get("cause") or "the motion told too little"))
+    all_found.sort(key=lambda a: (-a["weight"], a["device"], a["log"]))
+    return [{"rank": i + 1, **a} for i, a in enumerate(all_found)]
+
+
+def rows_of_fleet(runs):
+    """All tables' rows, and the dispersion between logs of a device."""
+    fused, dispersion = fuse_devices(runs)
+    rows = tables.rows_of_runs(runs)
+    rows["models"] = model_rows(fused)
+    rows["devices"] = device_rows(fused)
+    rows["changes"] = change_rows(fused)
+    rows["attention"] = attention(fused, runs)
+    return rows, dispersion

@@ -1,0 +1,168 @@
+"""segcal fleet as a user runs it: on this machine, in shards, interrupted, on a Dask scheduler whose worker is killed; always the same tables.
+Usage: test_fleet.py SEGCAL SOURCE_TREE FOLDER"""
+
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import duckdb
+import pyarrow.parquet as pq
+
+SEGCAL, SOURCE, FOLDER = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+DEVICES, LOGS = 5, 2
+REPLAY = ["--", "--segments", "3", "--segment-seconds", "3"]
+ENVIRONMENT = {**os.environ, "SEGCAL_PYTHON": sys.executable}
+
+
+def segcal(*arguments, **how):
+    return subprocess.run([SEGCAL, *map(str, arguments)], capture_output=True, text=True, check=False, env=ENVIRONMENT, timeout=300, **how)
+
+
+def fleet(out, *arguments):
+    done = segcal("fleet", FOLDER / "logs", "--out", FOLDER / out, *arguments, *REPLAY)
+    assert done.returncode in (0, 1), done.stderr
+    return done
+
+
+def table(out, name):
+    return pq.read_table(FOLDER / out / f"{name}.parquet").to_pylist()
+
+
+def check_same(a, b):
+    files = sorted(f.name for f in (FOLDER / a).glob("*.parquet"))
+    assert len(files) == 11, files
+    for name in files:
+        same = (FOLDER / a / name).read_bytes() == (FOLDER / b / name).read_bytes()
+        assert same or name == "times.parquet", f"{name}: {a} and {b} differ"
+
+
+def make_logs():
+    for device in range(DEVICES):
+        for log in range(LOGS):
+            folder = FOLDER / "logs" / f"device_{device}" / f"session_{log}"
+            done = segcal("simulate", "--out", folder, "--scenario", "rich", "--seconds", 11, "--seed", 10 * device + log + 1, "--device-seed", device + 1)
+            assert done.returncode == 0, done.stderr
+    shutil.copytree(FOLDER / "logs/device_0/session_0", FOLDER / "logs/device_0/session_2", dirs_exist_ok=True)
+    tracks = FOLDER / "logs/device_0/session_2/mav0/cam0/tracks.csv"
+    tracks.write_text(tracks.read_text()[:5000] + "\nbroken line\n")
+
+
+def check_tables():
+    runs = table("whole", "runs")
+    assert [r["place"] for r in runs] == [0, 1, 2] + [0, 1] * (DEVICES - 1)
+    assert runs[2]["status"] == "refused" and "tracks.csv:" in runs[2]["error"] and runs[2]["exit_code"] == 2
+    assert {r["device"] for r in runs if r["status"] != "refused"} == {f"simulated-{d + 1}" for d in range(DEVICES)}
+    fused = [r for r in table("whole", "devices") if r["device"] == "simulated-1"]
+    single = {(r["device"], r["place"], r["name"]): r for r in table("whole", "parameters")}
+    assert len(fused) == 26 and fused[0]["logs"] == 2
+    for row in fused:  # two logs know more than either
+        each = [single["simulated-1", place, row["name"]]["sigma"] for place in (0, 1)]
+        assert row["sigma"] < 1.001 * min(each), (row, each)
+    assert {r["devices"] for r in table("whole", "models")} <= set(range(1, DEVICES + 1))
+    kinds = {(r["kind"], r["device"]) for r in table("whole", "attention")}
+    assert any(kind == "refused" for kind, _ in kinds) and not any(kind == "change" for kind, _ in kinds), kinds
+
+
+def check_resumed_and_sharded():
+    """Two shards, then the whole: nothing is done twice. Then one record is damaged: only that is done again."""
+    for i in (0, 1):
+        done = fleet("sharded", "--shard", f"{i}/2")
+        assert "shard" in done.stderr and not (FOLDER / "sharded" / "runs.parquet").exists()
+    stamps = {f: f.stat().st_mtime_ns for f in (FOLDER / "sharded" / "work").rglob("*.json")}
+    assert len(stamps) == DEVICES * LOGS + 1
+    damaged = sorted(stamps)[0]
+    damaged.write_text("{")
+    fleet("sharded")
+    changed = [f for f in stamps if f.stat().st_mtime_ns != stamps[f]]
+    assert changed == [damaged], changed
+    check_same("whole", "sharded")
+
+
+def check_interrupted():
+    """The command and its replays are killed in the middle; begun again it comes to the same."""
+    command = [SEGCAL, "fleet", FOLDER / "logs", "--out", FOLDER / "killed", "--jobs", "1", "--batch", "1", *REPLAY]
+    process = subprocess.Popen(list(map(str, command)), env=ENVIRONMENT, stderr=subprocess.DEVNULL, start_new_session=True)
+    done = FOLDER / "killed" / "work"
+    while len(list(done.rglob("*.json"))) < 3 and process.poll() is None:
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    assert 3 <= len(list(done.rglob("*.json"))) < DEVICES * LOGS + 1, "killed too late to show anything"
+    fleet("killed")
+    check_same("whole", "killed")
+    again = fleet("killed", "--again")
+    assert "another result hash" not in again.stderr
+    check_same("whole", "killed")
+
+
+def check_dask():
+    """A real scheduler, two worker processes, one of them killed while it works."""
+    address_file = FOLDER / "scheduler.json"
+    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler"], [sys.executable, "-m", "distributed.cli.dask_worker"]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    scheduler = subprocess.Popen([*dask[0], "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(address_file)], **quiet)
+    workers = []
+    try:
+        while not address_file.exists():
+            assert scheduler.poll() is None
+            time.sleep(0.1)
+        address = re.search(r"tcp://[0-9.:]+", address_file.read_text())[0]
+        for _ in range(2):
+            workers.append(subprocess.Popen([*dask[1], address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1"], cwd=FOLDER, **quiet))
+        command = [SEGCAL, "fleet", FOLDER / "logs", "--out", FOLDER / "dask", "--batch", "2", "--scheduler", address, *REPLAY]
+        process = subprocess.Popen(list(map(str, command)), env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        while not list((FOLDER / "dask" / "work").rglob("*.json")) and process.poll() is None:
+            time.sleep(0.02)
+        assert process.poll() is None, process.stdout.read()
+        workers[0].kill()
+        said, _ = process.communicate(timeout=200)
+        assert process.returncode == 1, said  # 1: the broken log
+    finally:
+        for child in (*workers, scheduler):
+            child.kill()
+            child.wait()
+    check_same("whole", "dask")
+
+
+def check_refusals():
+    for arguments, says in (
+        (["nowhere", "--out", "x"], "nowhere: no such file or folder"),
+        ([FOLDER / "logs", "--out", FOLDER / "x", "--shard", "2/2"], "expected i/n"),
+        ([FOLDER / "logs"], "--out"),
+        ([FOLDER / "logs", "--out", FOLDER / "x", "--devices", "(?P<model>x)"], "(?P<device>...)"),
+        ([FOLDER / "logs", "--out", FOLDER / "x", "--scheduler", "tcp://127.0.0.1:1"], "--scheduler tcp://127.0.0.1:1"),
+        ([FOLDER / "logs", "--out", FOLDER / "x", "--", "--json"], "--json behind --"),
+    ):
+        done = segcal("fleet", *arguments)
+        assert done.returncode == 2 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1, (arguments, done.stderr)
+    assert "--scheduler" in segcal("fleet", "--help").stdout
+
+
+def check_queries():
+    """Each query of docs/fleet.md runs on these tables, and says something where there is something to say."""
+    queries = re.findall(r"```sql\n(.*?)```", (SOURCE / "docs" / "fleet.md").read_text(), re.DOTALL)
+    os.chdir(FOLDER / "whole")
+    answers = [duckdb.sql(query).fetchall() for query in queries]
+    assert len(queries) == 6 and all(answers[:3]) and answers[4], answers
+    assert answers[0][0][0] == "simulated" and sum(row[2] for row in answers[0]) == DEVICES * LOGS + 1
+
+
+def main():
+    shutil.rmtree(FOLDER, ignore_errors=True)
+    make_logs()
+    fleet("whole")
+    check_tables()
+    check_resumed_and_sharded()
+    check_interrupted()
+    check_dask()
+    check_refusals()
+    check_queries()
+    print("fleet: the same tables each way")
+
+
+main()
