@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 
 #include "commands.h"
@@ -59,6 +60,20 @@ void print_table(const Diagnosis& d) {
   std::printf("%s: %s\n", d.judged ? d.verdict.c_str() : "cannot tell", d.sentence.c_str());
 }
 
+/// What to do with the answer: the commands that use it.
+void print_next(const Arguments& a, const Diagnosis& d) {
+  if (!d.judged || d.model.empty()) return;
+  const std::string model = (std::filesystem::path(a.out) / "model.yaml").string();
+  std::string replay = "segcal replay";
+  for (const std::string& r : a.recordings) replay += " " + r;
+  if (!a.calibration.empty()) replay += " --calib " + a.calibration;
+  if (a.cameras != 1) replay += " --cameras " + std::to_string(a.cameras);
+  std::printf("\nnext: %s --model %s --out %s   calibrates with what was found\n", replay.c_str(), model.c_str(),
+              (std::filesystem::path(a.out) / "replay").string().c_str());
+  std::printf("      segcal simulate --out twin --model %s   a device with the same departure from the model\n", model.c_str());
+  std::printf("      segcal report %s   draws where the model and the measurements disagreed\n", a.out.c_str());
+}
+
 int run(Arguments a) {
   const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras);
   a.diagnose.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
@@ -72,6 +87,7 @@ int run(Arguments a) {
     std::cout << diagnosis_json(d) << std::endl;
   } else {
     print_table(d);
+    print_next(a, d);
   }
   return d.judged && d.verdict != "unexplained" ? 0 : 1;
 }
