@@ -1,7 +1,9 @@
 # The core's sources, relative to lib/: the one list that every build uses (CMake, Zephyr, ESP-IDF; library.json for
 # PlatformIO repeats it, and a test compares).
 set(SEGCAL_CORE_SOURCES
+  src/api/capacities.cpp
   src/api/convert.cpp
+  src/api/device.cpp
   src/api/effects.cpp
   src/api/kept.cpp
   src/api/posterior.cpp

@@ -1,6 +1,7 @@
 // What tests of the C API share: storage of any content, a stream, and data that must be refused.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -70,7 +71,7 @@ inline void push_rubbish(segcal_t* device, const segcal_imu_t& now, const Synthe
 }
 
 inline void push_frame(segcal_t* device, const SyntheticStream::Frame& frame, Way way) {
-  const int n = static_cast<int>(frame.points.size());
+  const int n = std::min(static_cast<int>(frame.points.size()), SEGCAL_MAX_TRACKS);
   const int code = way == Way::tracks ? segcal_push_tracks(device, frame.state.t_ns, frame.points.data(), n)
                                       : segcal_push_keyframe(device, &frame.state, frame.points.data(), n);
   TEST_ASSERT_GREATER_OR_EQUAL_INT(0, code);

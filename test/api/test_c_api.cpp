@@ -75,6 +75,13 @@ void test_configuration_is_checked() {
   check_refused("metric", [](segcal_config_t* c) { c->metric = 9; });
   check_refused("strategy", [](segcal_config_t* c) { c->strategy = -1; });
   check_refused("prior", [](segcal_config_t* c) { c->prior_sigma[4] = -0.1; });
+  // Numbers that double holds and float does not.
+  check_refused("focal_huge", [](segcal_config_t* c) { c->camera[0].intrinsics[0] = 1e300; });
+  check_refused("place_huge", [](segcal_config_t* c) { c->camera[0].p_CI[1] = -1e300; });
+  check_refused("sigma_ref_tiny", [](segcal_config_t* c) { c->sigma_ref[3] = 1e-50; });
+  check_refused("prior_tiny", [](segcal_config_t* c) { c->prior_sigma[3] = 1e-50; });
+  check_refused("noise_tiny", [](segcal_config_t* c) { c->accel_noise_density = 1e-50; });
+  check_refused("misalignment", [](segcal_config_t* c) { c->imu.accel_misalignment[0] = 1e200; });
 }
 
 /// True if a device takes the configuration.

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <vector>
 
-#include "api/convert.h"
+#include "api/handle.h"
 #include "log/config_fields.h"
 
 namespace {
@@ -37,8 +37,8 @@ void feed_samples(ByteReader in, Device<Real>* device) {
     InertialReading<Real> reading;
     for (int i = 0; i < 3; ++i) reading.gyro(i) = in.number32();
     for (int i = 0; i < 3; ++i) reading.accel(i) = in.number32();
-    in.number32();  // temperature: no effect that needs it is enabled
-    device->push_imu(t, reading);
+    const float celsius = in.number32();
+    device->push_imu(t, reading, Real(celsius));
     work(device);
   }
 }
@@ -54,7 +54,7 @@ void feed_frame(ByteReader in, Device<Real>* device) {
     points[i].uv.x() = in.number32();
     points[i].uv.y() = in.number32();
   }
-  device->push_tracks(t, points, n);
+  device->push_tracks(t, n, [](int i) { return points[i]; });
 }
 
 void take_block(LogBlock type, const std::uint8_t* payload, std::size_t n, Device<Real>* device) {
@@ -95,7 +95,7 @@ int main(int argc, char** argv) {
     take_block(type, bytes.data() + at + kBlockHead, n, &device);
     at += kBlockHead + n + kBlockTail;
   }
-  if (!device.has_release() || device.database().size() < 2) stop("the session did not come to a calibration");
+  if (!device.has_report() || device.database().size() < 2) stop("the session did not come to a calibration");
   if (device.faults().segments_missed == 0) stop("no segment ended while a calibration was under way");
   std::fprintf(stderr, "%d slices per sample: %u calibrations, %u segments missed, late %u times, at most %u samples long\n",
                slices_per_sample, device.faults().calibrations, device.faults().segments_missed, device.faults().slices_late, longest_wait);

@@ -116,6 +116,7 @@ int main(void) {
     return 2;
   }
   feed();
+  segcal_flush(device); /* what was calibrated takes effect; not a call of the stream, so it is not measured */
   if (segcal_get_result(device, &result) != SEGCAL_OK) {
     measure_begin();
     segcal_calibrate(device);

@@ -56,7 +56,10 @@ enum {
   SEGCAL_ERROR_NOT_FINITE = -5,  /* NaN or infinity in a sample; dropped and counted */
   SEGCAL_ERROR_STAMP = -6,       /* a stamp that repeats or goes back; dropped and counted */
   SEGCAL_ERROR_CAMERA = -7,      /* camera index out of range */
-  SEGCAL_ERROR_STATE = -8        /* call not possible now (no segment, not created) */
+  SEGCAL_ERROR_STATE = -8,       /* call not possible now (no segment, not created) */
+  SEGCAL_ERROR_BUSY = -9,        /* a calibration is under way and moves what was asked for: again when segcal_background returns 0
+                                    and the calibration has taken effect, or after segcal_flush */
+  SEGCAL_ERROR_CAPACITY = -10    /* header and library have other capacities (config.h): segcal_explain_capacities says which */
 };
 
 /* ---- configuration: a struct of zeroes means all defaults, except for the camera itself ---- */
@@ -258,6 +261,11 @@ typedef struct {
   uint32_t slices_late;            /* times that a score, a calibration or the filter's start was finished at once in a call that
                                       feeds, because segcal_background had not done its slices */
   uint32_t calibrations;           /* begun */
+  uint32_t points_repeated;        /* the same track twice in one image of one camera: the first point was taken */
+  uint32_t imu_stamps_far;         /* more than 1 s from the sample before: refused until the new time persists for 8 samples */
+  uint32_t frame_stamps_far;       /* more than 2 s from the newest IMU sample: not of its clock, refused */
+  uint32_t clock_restarts;         /* the IMU's clock was set back: the stream began anew */
+  uint32_t calibrations_published; /* taken effect: segcal_get_result shows the last of them */
 } segcal_counters_t;
 
 /* A whitened residual of the last calibration. */
@@ -310,8 +318,29 @@ typedef struct {
 /* ---- functions ---- */
 typedef struct segcal segcal_t;
 
-/* Puts a device into `storage` (any content) and points *device at it. Copies the configuration. */
-int segcal_create(segcal_t **device, const segcal_config_t *config, void *storage, size_t storage_bytes);
+/* The capacities of this header, for segcal_create_for: those of config.h that change the layout of any struct above or the meaning
+   of a call. */
+#define SEGCAL_N_CAPACITIES 17
+#define SEGCAL_CAPACITIES                                                                                              \
+  {                                                                                                                    \
+    SEGCAL_MAX_CAMERAS, SEGCAL_MAX_SEGMENTS, SEGCAL_MAX_KEYFRAMES, SEGCAL_MAX_LANDMARKS, SEGCAL_MAX_OBSERVATIONS,      \
+        SEGCAL_MAX_IMU_SAMPLES, SEGCAL_MAX_CLONES, SEGCAL_MAX_TRACKS, SEGCAL_FRAME_FEATURES, SEGCAL_START_DELAY_MS,    \
+        SEGCAL_WAITING_FRAMES, SEGCAL_MAX_TIES, SEGCAL_SHARED_LANDMARKS, SEGCAL_IMU_HISTORY,                           \
+        SEGCAL_MAX_EFFECT_ESTIMATES, SEGCAL_MAX_EFFECT_COLUMNS, SEGCAL_PIXEL_BITS                                      \
+  }
+
+/* segcal_create for a caller that says what capacities it was compiled with (SEGCAL_N_CAPACITIES numbers): for other languages. */
+int segcal_create_for(segcal_t **device, const segcal_config_t *config, void *storage, size_t storage_bytes,
+                      const uint32_t *capacities);
+/* Puts a device into `storage` (any content) and points *device at it. Copies the configuration.
+   SEGCAL_ERROR_CAPACITY: this file was compiled with other capacities than the library. */
+static inline int segcal_create(segcal_t **device, const segcal_config_t *config, void *storage, size_t storage_bytes) {
+  const uint32_t capacities[SEGCAL_N_CAPACITIES] = SEGCAL_CAPACITIES;
+  return segcal_create_for(device, config, storage, storage_bytes, capacities);
+}
+/* Which capacity differs: "SEGCAL_MAX_CAMERAS: the program has 3, the library 2", into `line`; "" if none does. Returns 1 if one
+   differs, else 0. */
+int segcal_explain_capacities(const uint32_t *capacities, char *line, size_t bytes);
 
 /* One IMU sample; bounded time. A frame that waited for it is processed here. */
 int segcal_push_imu(segcal_t *device, const segcal_imu_t *sample);

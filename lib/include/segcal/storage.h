@@ -22,7 +22,7 @@
 #define SEGCAL_SEGMENT_BYTES                                                                                           \
   (SEGCAL_MAX_IMU_SAMPLES * 14u + SEGCAL_MAX_IMU_SAMPLES / 4u + SEGCAL_MAX_OBSERVATIONS * SEGCAL_OBSERVATION_BYTES +   \
    SEGCAL_MAX_KEYFRAMES * (21u * SEGCAL_REAL_BYTES + 8u) + SEGCAL_MAX_LANDMARKS * (7u * SEGCAL_REAL_BYTES + 6u) +       \
-   SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 104u)
+   SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 128u)
 #define SEGCAL_DATABASE_BYTES ((SEGCAL_MAX_SEGMENTS + 1u) * (SEGCAL_SEGMENT_BYTES + 1u) + 128u)
 
 /* The filter: a triangle over its columns, a block of rows, one inertial link, its poses, and the tracks it follows. */
@@ -68,15 +68,19 @@
 /* Samples and points on their way in. */
 #define SEGCAL_INPUT_BYTES                                                                                             \
   (SEGCAL_IMU_HISTORY * (8u + 6u * SEGCAL_REAL_BYTES) +                                                                 \
-   SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS * 2u * (8u + 2u * SEGCAL_REAL_BYTES) + 6u * SEGCAL_MAX_LANDMARKS + 64u)
+   SEGCAL_WAITING_FRAMES * (SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS * (8u + 2u * SEGCAL_REAL_BYTES) + 16u) +              \
+   6u * SEGCAL_MAX_LANDMARKS + 160u)
 
 /* Terms of effects: the copies of theta, and sigmas and verdicts beside it. */
 #define SEGCAL_EFFECT_BYTES ((SEGCAL_MAX_EFFECT_ESTIMATES + 1u) * (10u * (4u + SEGCAL_REAL_BYTES) + 12u * SEGCAL_REAL_BYTES) + 256u)
-/* The score tests' running triangle. */
-#define SEGCAL_MONITOR_BYTES (SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 4u * SEGCAL_MAX_EFFECT_COLUMNS + 384u)
+/* The score tests' running triangle, and a test's work. */
+#define SEGCAL_MONITOR_BYTES                                                                                           \
+  ((SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + 1u) + SEGCAL_PACKED(SEGCAL_MAX_EFFECT_COLUMNS + 1u) +                           \
+    SEGCAL_MAX_EFFECT_COLUMNS * (SEGCAL_MAX_EFFECT_COLUMNS + 1u)) * SEGCAL_REAL_BYTES +                                 \
+   4u * SEGCAL_MAX_EFFECT_COLUMNS + 384u)
 
 #define SEGCAL_STORAGE_BYTES                                                                                           \
   (SEGCAL_DATABASE_BYTES + SEGCAL_FILTER_BYTES + SEGCAL_ELIMINATION_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_INPUT_BYTES + \
-   SEGCAL_EFFECT_BYTES + SEGCAL_MONITOR_BYTES + 470u * SEGCAL_REAL_BYTES + 112u)
+   SEGCAL_EFFECT_BYTES + SEGCAL_MONITOR_BYTES + 630u * SEGCAL_REAL_BYTES + 192u)
 
 #endif

@@ -10,6 +10,8 @@
 #define segcal_background SEGCAL_NAME(background)
 #define segcal_calibrate SEGCAL_NAME(calibrate)
 #define segcal_create SEGCAL_NAME(create)
+#define segcal_create_for SEGCAL_NAME(create_for)
+#define segcal_explain_capacities SEGCAL_NAME(explain_capacities)
 #define segcal_describe_term SEGCAL_NAME(describe_term)
 #define segcal_effect_terms SEGCAL_NAME(effect_terms)
 #define segcal_flush SEGCAL_NAME(flush)

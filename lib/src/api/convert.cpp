@@ -1,42 +1,40 @@
 #include "api/convert.h"
 
+#include "api/accept.h"
+
 namespace SEGCAL_NS {
 namespace {
 
-bool finite(const double* v, int n) {
-  for (int i = 0; i < n; ++i) {
-    if (!is_finite(v[i])) return false;
-  }
-  return true;
-}
+// Ranges of what the C API takes; segcal.h states them.
+constexpr double kMostMetres = 100, kMostPixel = 1e5, kMostDistortion = 100, kMostMisalignment = 10;
+constexpr double kLeastSigma = 1e-9, kMostSigma = 1e6;    // their squares and the squares' inverses stay far inside float
+constexpr double kMostFocal = 1e5;
 
 template <int N>
-Vec<Real, N> vector(const double* v) {
-  Vec<Real, N> out;
-  for (int i = 0; i < N; ++i) out(i) = static_cast<Real>(v[i]);
-  return out;
+bool accept_vector(const double* v, double least, double most, Vec<Real, N>* out) {
+  return accept(v, N, least, most, out->data());
 }
 
 /// {0,0,0,0} is the identity; false for a quaternion that is neither that nor of unit length within 1 %.
 bool rotation(const double* q, Mat3<Real>* R) {
-  if (!finite(q, 4)) return false;
+  Vec<Real, 4> out;
+  if (!accept_vector<4>(q, -2, 2, &out)) return false;
   const double n2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   R->setIdentity();
   if (n2 == 0) return true;
   if (n2 < 0.98 || n2 > 1.02) return false;
-  *R = matrix_from_quaternion<Real>(vector<4>(q));
+  *R = matrix_from_quaternion<Real>(out);
   return true;
 }
 
 bool camera_from_c(const segcal_camera_t& in, CameraCalibration<Real>* out) {
   if (in.model < SEGCAL_FOV || in.model > SEGCAL_EQUIDISTANT) return false;
-  if (!finite(in.p_CI, 3) || !finite(in.intrinsics, 4) || !finite(in.distortion, 4)) return false;
-  if (!(in.intrinsics[0] > 0) || !(in.intrinsics[1] > 0)) return false;
-  if (in.model == SEGCAL_FOV && !(in.distortion[0] >= 0 && in.distortion[0] <= 2.5)) return false;
   out->model = static_cast<Distortion>(in.model);
-  out->p_CI = vector<3>(in.p_CI);
-  out->intrinsics = vector<4>(in.intrinsics);
-  out->distortion = vector<4>(in.distortion);
+  if (!accept_vector<3>(in.p_CI, -kMostMetres, kMostMetres, &out->p_CI)) return false;
+  if (!accept(in.intrinsics, 2, 1, kMostFocal, &out->intrinsics(0))) return false;
+  if (!accept(in.intrinsics + 2, 2, -kMostPixel, kMostPixel, &out->intrinsics(2))) return false;
+  if (!accept_vector<4>(in.distortion, -kMostDistortion, kMostDistortion, &out->distortion)) return false;
+  if (in.model == SEGCAL_FOV && !(in.distortion[0] >= 0 && in.distortion[0] <= 2.5)) return false;
   if (in.height < 0 || in.height > 100000) return false;
   out->middle_row = in.height > 0 ? Real(0.5 * in.height) : out->intrinsics(3);
   if (!(out->middle_row > Real(0))) out->middle_row = Real(1);
@@ -45,35 +43,45 @@ bool camera_from_c(const segcal_camera_t& in, CameraCalibration<Real>* out) {
 
 bool imu_from_c(const segcal_imu_calibration_t& in, ImuCalibration<Real>* out) {
   const auto scale = [](const double* s, Vec3<Real>* v) {
-    for (int i = 0; i < 3; ++i) (*v)(i) = s[i] == 0 ? Real(1) : static_cast<Real>(s[i]);
-    return finite(s, 3) && v->minCoeff() > Real(0.5) && v->maxCoeff() < Real(2);
+    for (int i = 0; i < 3; ++i) {
+      if (!accept_or_default(s[i], 1, 0.5001, 1.9999, &(*v)(i))) return false;
+    }
+    return true;
   };
-  if (!scale(in.gyro_scale, &out->gyro_scale) || !scale(in.accel_scale, &out->accel_scale)) return false;
-  if (!finite(in.gyro_misalignment, 3) || !finite(in.accel_misalignment, 3)) return false;
-  out->gyro_misalignment = vector<3>(in.gyro_misalignment);
-  out->accel_misalignment = vector<3>(in.accel_misalignment);
-  return rotation(in.q_AI, &out->R_AI);
+  return scale(in.gyro_scale, &out->gyro_scale) && scale(in.accel_scale, &out->accel_scale) &&
+         accept_vector<3>(in.gyro_misalignment, -kMostMisalignment, kMostMisalignment, &out->gyro_misalignment) &&
+         accept_vector<3>(in.accel_misalignment, -kMostMisalignment, kMostMisalignment, &out->accel_misalignment) &&
+         rotation(in.q_AI, &out->R_AI);
 }
 
-/// value, or the default where it is zero; false if out of (0, most].
-bool positive(double value, double fallback, double most, Real* out) {
-  if (!is_finite(value) || value < 0 || value > most) return false;
-  *out = static_cast<Real>(value == 0 ? fallback : value);
-  return true;
+/// As many samples become one as memory asks for: the history must hold a start of kStartSeconds, a segment all of its samples.
+std::int32_t group_for(double rate_hz, double segment_s) {
+  const double history = SEGCAL_IMU_HISTORY / kStartSeconds;
+  const double segment = SEGCAL_MAX_IMU_SAMPLES / (segment_s + 0.1);   // from the keyframe before it to its last one
+  const double most = 1.02 * (history < segment ? history : segment);   // 2 %: what oscillators are off by
+  std::int32_t group = 1;
+  while (rate_hz > most * group) ++group;
+  return group;
 }
 
 bool noise_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   Real gravity;
-  if (!positive(c.gravity, 9.80665, 100, &gravity)) return false;
+  if (!accept_or_default(c.gravity, 9.80665, 1e-3, 100, &gravity)) return false;
   out->model.g = Vec3<Real>(Real(0), Real(0), -gravity);
-  return positive(c.imu_rate_hz, 200, 20000, &out->imu_rate_hz) &&
-         positive(c.gyro_noise_density, 1.7e-4, 1, &out->model.imu.gyro) &&
-         positive(c.gyro_random_walk, 2e-5, 1, &out->model.imu.gyro_walk) &&
-         positive(c.accel_noise_density, 2e-3, 10, &out->model.imu.accel) &&
-         positive(c.accel_random_walk, 3e-4, 10, &out->model.imu.accel_walk) &&
-         positive(c.gyro_range, 35, 1e4, &out->gyro_range) && positive(c.accel_range, 157, 1e5, &out->accel_range) &&
-         positive(c.pixel_sigma, 0.5, 100, &out->model.pixel_sigma) &&
-         positive(c.frame_interval_s, 0.1, 2, &out->frame_interval_s) && positive(c.segment_s, 4, 60, &out->segment_s);
+  const auto density = [](double value, double fallback, double most, Real* to) {
+    return accept_or_default(value, fallback, kLeastSigma, most, to);
+  };
+  Real rate;
+  if (!accept_or_default(c.imu_rate_hz, 200, 20, 20000, &rate) || !accept_or_default(c.segment_s, 4, 0.1, 60, &out->segment_s)) return false;
+  out->imu_group = group_for(c.imu_rate_hz == 0 ? 200 : c.imu_rate_hz, static_cast<double>(out->segment_s));
+  out->imu_rate_hz = rate;
+  return density(c.gyro_noise_density, 1.7e-4, 1, &out->model.imu.gyro) && density(c.gyro_random_walk, 2e-5, 1, &out->model.imu.gyro_walk) &&
+         density(c.accel_noise_density, 2e-3, 10, &out->model.imu.accel) &&
+         density(c.accel_random_walk, 3e-4, 10, &out->model.imu.accel_walk) &&
+         accept_or_default(c.gyro_range, 35, 0.01, 1e4, &out->gyro_range) &&
+         accept_or_default(c.accel_range, 157, 0.1, 1e5, &out->accel_range) &&
+         accept_or_default(c.pixel_sigma, 0.5, 1e-3, 100, &out->model.pixel_sigma) &&
+         accept_or_default(c.frame_interval_s, 0.1, 1e-3, 2, &out->frame_interval_s);
 }
 
 /// Theta's terms: effects by bit, then the further ones.
@@ -99,8 +107,9 @@ bool effects_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   if (columns > SEGCAL_MAX_EFFECT_COLUMNS) return false;
   out->watch_effects = c.watch_effects;
   for (int i = 0; i < wanted.n; ++i) {
-    if (!is_finite(c.term_value[i])) return false;
-    effects.add(wanted.term[i], Real(c.term_value[i]));
+    Real value;
+    if (!accept(c.term_value[i], -kMostSigma, kMostSigma, &value)) return false;
+    effects.add(wanted.term[i], value);
   }
   return true;
 }
@@ -110,10 +119,13 @@ bool sigmas_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   out->calibrates_itself = c.trigger_fraction != -1;
   if (out->calibrates_itself && !(c.trigger_fraction >= 0 && c.trigger_fraction < 1)) return false;
   for (int i = 0; i < out->prior.mean.columns(); ++i) {
-    if (!positive(c.prior_sigma[i], static_cast<double>(out->prior.sigma[i]), 1e6, &out->prior.sigma[i])) return false;
-    if (!positive(c.sigma_ref[i], static_cast<double>(out->prior.sigma[i]), 1e6, &out->sigma_ref[i])) return false;
+    const auto sigma = [](double value, Real fallback, Real* to) {
+      return accept_or_default(value, static_cast<double>(fallback), kLeastSigma, kMostSigma, to);
+    };
+    if (!sigma(c.prior_sigma[i], out->prior.sigma[i], &out->prior.sigma[i])) return false;
+    if (!sigma(c.sigma_ref[i], out->prior.sigma[i], &out->sigma_ref[i])) return false;
     const double relative = (out->calibrates_itself ? c.trigger_fraction : 0) * static_cast<double>(out->prior.sigma[i]);
-    if (!positive(c.trigger_sigma[i], relative, 1e6, &out->target_sigma[i])) return false;
+    if (!accept_or_default(c.trigger_sigma[i], relative, 0, kMostSigma, &out->target_sigma[i])) return false;
   }
   return true;
 }
@@ -143,12 +155,12 @@ bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   out->least_segment_s = c.least_segment_s == 0 ? out->segment_s : Real(c.least_segment_s);
   if (c.outdated_level == -1) {
     out->outdated_level = Real(0);
-  } else if (!positive(c.outdated_level, 1e-3, 0.1, &out->outdated_level)) {
+  } else if (!accept_or_default(c.outdated_level, 1e-3, 1e-9, 0.1, &out->outdated_level)) {
     return false;
   }
   // Half a nat per parameter: what stands still, or is only shaken by motors, stays well below.
-  return positive(c.filter_share, 1, 1, &out->filter_share) &&
-         positive(c.least_gain_nats, 0.5 * out->prior.mean.columns(), 1e6, &out->least_gain) && sigmas_from_config(c, out);
+  return accept_or_default(c.filter_share, 1, 1e-6, 1, &out->filter_share) &&
+         accept_or_default(c.least_gain_nats, 0.5 * out->prior.mean.columns(), 1e-9, 1e6, &out->least_gain) && sigmas_from_config(c, out);
 }
 
 void parameter_names(const Calibration<Real>& theta, segcal_parameter_t* out) {
@@ -223,12 +235,12 @@ void imu_to_c(const ImuCalibration<Real>& imu, segcal_imu_calibration_t* out) {
   for (int i = 0; i < 4; ++i) out->q_AI[i] = static_cast<double>(q(i));
 }
 
-void state_to_c(const State<Real>& state, std::int64_t t_ns, segcal_state_t* out) {
+void state_to_c(const State<Real>& state, const double* origin, std::int64_t t_ns, segcal_state_t* out) {
   out->t_ns = t_ns;
   const Vec<Real, 4> q = quaternion_from_matrix(state.R_GI);
   for (int i = 0; i < 4; ++i) out->q_GI[i] = static_cast<double>(q(i));
   for (int i = 0; i < 3; ++i) {
-    out->p_GI[i] = static_cast<double>(state.p_GI(i));
+    out->p_GI[i] = origin[i] + static_cast<double>(state.p_GI(i));
     out->v_GI[i] = static_cast<double>(state.v_GI(i));
     out->b_a[i] = static_cast<double>(state.b_a(i));
     out->b_g[i] = static_cast<double>(state.b_g(i));
@@ -236,12 +248,9 @@ void state_to_c(const State<Real>& state, std::int64_t t_ns, segcal_state_t* out
 }
 
 bool state_from_c(const segcal_state_t& in, State<Real>* out) {
-  if (!finite(in.p_GI, 3) || !finite(in.v_GI, 3) || !finite(in.b_a, 3) || !finite(in.b_g, 3)) return false;
-  out->p_GI = vector<3>(in.p_GI);
-  out->v_GI = vector<3>(in.v_GI);
-  out->b_a = vector<3>(in.b_a);
-  out->b_g = vector<3>(in.b_g);
-  return rotation(in.q_GI, &out->R_GI);
+  double p_GI[3];  // stays double: only its range is asked
+  return accept(in.p_GI, 3, -1e9, 1e9, p_GI) && accept_vector<3>(in.v_GI, -1e4, 1e4, &out->v_GI) && accept_vector<3>(in.b_a, -1e3, 1e3, &out->b_a) &&
+         accept_vector<3>(in.b_g, -1e2, 1e2, &out->b_g) && rotation(in.q_GI, &out->R_GI);
 }
 
 }  // namespace SEGCAL_NS

@@ -19,7 +19,9 @@ segcal_term_t term_to_c(const Term& term);
 void describe(const Term& term, segcal_parameter_t* out);
 void camera_to_c(const CameraCalibration<Real>& camera, segcal_camera_t* out);
 void imu_to_c(const ImuCalibration<Real>& imu, segcal_imu_calibration_t* out);
-void state_to_c(const State<Real>& state, std::int64_t t_ns, segcal_state_t* out);
+/// `origin`: what the state's place counts from, m.
+void state_to_c(const State<Real>& state, const double* origin, std::int64_t t_ns, segcal_state_t* out);
+/// All but the place, which stays double; false for numbers out of their range.
 bool state_from_c(const segcal_state_t& in, State<Real>* out);
 
 }  // namespace SEGCAL_NS

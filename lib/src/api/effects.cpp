@@ -58,6 +58,7 @@ int segcal_describe_term(const segcal_term_t* term, segcal_parameter_t* out) {
 
 int segcal_get_terms(const segcal_t* device, segcal_term_t* term, double* value, int32_t capacity) {
   if (!term || !value) return SEGCAL_ERROR_NULL;
+  if (capacity < 0) return SEGCAL_ERROR_SIZE;
   const CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;
   const EffectTerms<Real>& effects = d->device.theta().effects;
@@ -71,6 +72,7 @@ int segcal_get_terms(const segcal_t* device, segcal_term_t* term, double* value,
 
 int segcal_get_effect_scores(segcal_t* device, segcal_effect_score_t* out, int32_t capacity) {
   if (!out) return SEGCAL_ERROR_NULL;
+  if (capacity < 0) return SEGCAL_ERROR_SIZE;
   CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;
   EffectMonitor<Real>& monitor = d->device.monitor();
@@ -78,7 +80,7 @@ int segcal_get_effect_scores(segcal_t* device, segcal_effect_score_t* out, int32
   for (int e = 0; e < kEffects && n < capacity; ++e) {
     const int parameters = monitor.active() ? monitor.parameters(e) : 0;
     if (parameters == 0) continue;
-    const EffectScore<Real> score = d->device.effect_score(e);
+    const EffectScore<Real> score = monitor.score(e);
     segcal_effect_score_t& to = out[n++] = segcal_effect_score_t{};
     to.effect = e;
     to.n_parameters = parameters;
@@ -114,6 +116,7 @@ int segcal_linearise(segcal_t* device, const uint8_t* use_slot, const segcal_ter
     ++used;
   }
   if (used == 0) return SEGCAL_ERROR_STATE;
+  if (d->device.pending()) return SEGCAL_ERROR_BUSY;
   const Real freedom = d->device.linearise(use_slot, terms);
   const PackedTriangle<Real> T = d->device.calibrator().theta_triangle();
   const Real* from = T.row(0);

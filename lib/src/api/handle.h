@@ -5,10 +5,11 @@
 
 namespace SEGCAL_NS {
 
+extern template class Device<Real>;  // device.cpp
+
 struct CDevice {
   static constexpr std::uint32_t kMagic = 0x5E6CA101u;
   std::uint32_t magic;
-  TrackPoint<Real> points[kMaxFramePoints];  ///< incoming points on their way through
   Device<Real> device;
 };
 
@@ -23,6 +24,17 @@ inline const CDevice* open(const segcal_t* handle) { return open(const_cast<segc
 inline const Segment<Real>* find_slot(const CDevice& d, std::int32_t index) {
   if (index < 0 || index > SEGCAL_MAX_SEGMENTS || !d.device.database().kept(index)) return nullptr;
   return &d.device.database().slot(index);
+}
+
+/// What calls that read a kept segment's states begin with: its checks, and the segment if all is well.
+inline int open_slot(const segcal_t* handle, std::int32_t index, const void* out, std::int32_t capacity, const CDevice** d,
+                     const Segment<Real>** segment) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  if (capacity < 0) return SEGCAL_ERROR_SIZE;
+  *d = open(handle);
+  *segment = *d ? find_slot(**d, index) : nullptr;
+  if (!*segment) return SEGCAL_ERROR_STATE;
+  return (*d)->device.segments_at_rest() ? SEGCAL_OK : SEGCAL_ERROR_BUSY;
 }
 
 inline std::int64_t keyframe_time(const Segment<Real>& s, int k) { return s.t0_ns + std::int64_t(s.t_us[k]) * 1000; }

@@ -7,20 +7,20 @@ using namespace SEGCAL_NS;
 extern "C" {
 
 int segcal_get_keyframes(const segcal_t* device, int32_t index, segcal_state_t* out, int32_t capacity) {
-  if (!out) return SEGCAL_ERROR_NULL;
-  const CDevice* d = open(device);
-  const Segment<Real>* s = d ? find_slot(*d, index) : nullptr;
-  if (!s) return SEGCAL_ERROR_STATE;
+  const CDevice* d;
+  const Segment<Real>* s;
+  const int error = open_slot(device, index, out, capacity, &d, &s);
+  if (error != SEGCAL_OK) return error;
   const int n = s->n_keyframes < capacity ? s->n_keyframes : capacity;
-  for (int k = 0; k < n; ++k) state_to_c(s->states.x[k], keyframe_time(*s, k), &out[k]);
+  for (int k = 0; k < n; ++k) state_to_c(s->states.x[k], s->origin, keyframe_time(*s, k), &out[k]);
   return n;
 }
 
 int segcal_get_landmarks(const segcal_t* device, int32_t index, segcal_landmark_t* out, int32_t capacity) {
-  if (!out) return SEGCAL_ERROR_NULL;
-  const CDevice* d = open(device);
-  const Segment<Real>* s = d ? find_slot(*d, index) : nullptr;
-  if (!s) return SEGCAL_ERROR_STATE;
+  const CDevice* d;
+  const Segment<Real>* s;
+  const int error = open_slot(device, index, out, capacity, &d, &s);
+  if (error != SEGCAL_OK) return error;
   const int place = d->device.calibrator().place_of(s);
   const Ties<Real>& ties = d->device.calibrator().ties();
   const int n = s->n_landmarks < capacity ? s->n_landmarks : capacity;
@@ -32,7 +32,7 @@ int segcal_get_landmarks(const segcal_t* device, int32_t index, segcal_landmark_
       if (ties.landmark(t, place) == j) out[j].tie = t;
     }
     for (int i = 0; i < 3; ++i) {
-      out[j].anchor[i] = static_cast<double>(l.o(i));
+      out[j].anchor[i] = s->origin[i] + static_cast<double>(l.o(i));
       out[j].direction[i] = static_cast<double>(l.m(i));
     }
     out[j].inverse_distance = static_cast<double>(l.rho);
@@ -41,10 +41,10 @@ int segcal_get_landmarks(const segcal_t* device, int32_t index, segcal_landmark_
 }
 
 int segcal_get_points(const segcal_t* device, int32_t index, segcal_measured_point_t* out, int32_t capacity) {
-  if (!out) return SEGCAL_ERROR_NULL;
-  const CDevice* d = open(device);
-  const Segment<Real>* s = d ? find_slot(*d, index) : nullptr;
-  if (!s) return SEGCAL_ERROR_STATE;
+  const CDevice* d;
+  const Segment<Real>* s;
+  const int error = open_slot(device, index, out, capacity, &d, &s);
+  if (error != SEGCAL_OK) return error;
   const int n = s->n_observations < capacity ? s->n_observations : capacity;
   for (int o = 0; o < n; ++o) {
     const Observation& z = s->observation[o];
@@ -54,10 +54,10 @@ int segcal_get_points(const segcal_t* device, int32_t index, segcal_measured_poi
 }
 
 int segcal_get_samples(const segcal_t* device, int32_t index, segcal_imu_t* out, int32_t capacity) {
-  if (!out) return SEGCAL_ERROR_NULL;
-  const CDevice* d = open(device);
-  const Segment<Real>* s = d ? find_slot(*d, index) : nullptr;
-  if (!s) return SEGCAL_ERROR_STATE;
+  const CDevice* d;
+  const Segment<Real>* s;
+  const int error = open_slot(device, index, out, capacity, &d, &s);
+  if (error != SEGCAL_OK) return error;
   const int n = s->imu.size() < capacity ? s->imu.size() : capacity;
   for (int i = 0; i < n; ++i) {
     const InertialReading<Real> reading = s->imu.reading(i);
@@ -71,10 +71,11 @@ int segcal_get_samples(const segcal_t* device, int32_t index, segcal_imu_t* out,
 }
 
 int segcal_get_link(const segcal_t* device, int32_t index, segcal_link_t* out) {
-  if (!out) return SEGCAL_ERROR_NULL;
-  const CDevice* d = open(device);
-  const Segment<Real>* s = d ? find_slot(*d, index) : nullptr;
-  const int place = s ? d->device.calibrator().place_of(s) : -1;
+  const CDevice* d;
+  const Segment<Real>* s;
+  const int error = open_slot(device, index, out, 0, &d, &s);
+  if (error != SEGCAL_OK) return error;
+  const int place = d->device.calibrator().place_of(s);
   if (place < 0) return SEGCAL_ERROR_STATE;
   const SegmentLink<Real>& link = d->device.calibrator().link(place);
   out->place = place;

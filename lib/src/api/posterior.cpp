@@ -7,8 +7,8 @@ namespace {
 /// Row i of L, LL' the covariance of the printed values for the noise as stated. In units of the prior it is V diag(1/(1+s^2)) V'
 /// (information/metrics.h); a component of a rotation vector is a sum of theta's columns.
 void printed_row(const Device<Real>& device, int i, Real* row) {
-  const InformationAnalysis<Real>& a = device.joint_analysis();
-  const PrintedValue<Real> value = printed_value(device.release().theta, i);
+  const Directions<Real>& a = device.report().directions;
+  const PrintedValue<Real> value = printed_value(device.report().release.theta, i);
   for (int j = 0; j < a.n; ++j) {
     Real sum = Real(0);
     for (int k = 0; k < value.count; ++k) {
@@ -32,11 +32,11 @@ using namespace SEGCAL_NS;
 extern "C" int segcal_get_posterior(const segcal_t* device, double* mean, double* covariance, int32_t capacity) {
   if (!mean || !covariance) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
-  if (!d || !d->device.has_release()) return SEGCAL_ERROR_STATE;
-  const Release<Real>& release = d->device.release();
-  const int n = d->device.joint_analysis().n;
+  if (!d || !d->device.has_report()) return SEGCAL_ERROR_STATE;
+  const Release<Real>& release = d->device.report().release;
+  const int n = d->device.report().directions.n;
   if (capacity < n * n) return SEGCAL_ERROR_SIZE;
-  parameter_values(d->device.options().joint_filter ? release.theta : d->device.calibrator().theta(), mean);
+  parameter_values(d->device.report().theta, mean);
   // Correlations times the released sigmas, which are never above the prior's: the diagonal is theirs exactly, and a matrix
   // of correlations scaled from both sides stays positive definite.
   Real row[kMaxTheta], other[kMaxTheta];

@@ -5,7 +5,7 @@ namespace SEGCAL_NS {
 namespace {
 
 /// Direction i of an analysis, scaled so that its largest weight is 1.
-void direction_to_c(const InformationAnalysis<Real>& a, int i, segcal_direction_t* out) {
+void direction_to_c(const Directions<Real>& a, int i, segcal_direction_t* out) {
   Real largest = Real(0);
   for (int j = 0; j < a.n; ++j) {
     const Real v = a.V[j * a.n + i];
@@ -18,12 +18,12 @@ void direction_to_c(const InformationAnalysis<Real>& a, int i, segcal_direction_
 }
 
 /// Index of the nth direction that is not excited, blindest first; -1 if there are fewer.
-int unexcited(const InformationAnalysis<Real>& a, int nth) {
+int unexcited(const Directions<Real>& a, int nth) {
   const int i = a.n - 1 - nth;
   return nth >= 0 && i >= 0 && a.relative_sigma(i) >= kExcited<Real> ? i : -1;
 }
 
-int count_unexcited(const InformationAnalysis<Real>& a) {
+int count_unexcited(const Directions<Real>& a) {
   int n = 0;
   while (unexcited(a, n) >= 0) ++n;
   return n;
@@ -48,39 +48,6 @@ void release_to_c(const CDevice& d, const Release<Real>& release, segcal_result_
   }
 }
 
-/// Over all kept segments, px: root mean square of the image residuals' lengths without the points left out as far off,
-/// and their median with them.
-void reprojection_statistics(const CDevice& d, segcal_result_t* out) {
-  constexpr int kBins = 400;  // 0.01 px each; what is beyond counts in the last
-  std::int32_t bin[kBins] = {};
-  double sum = 0;
-  std::int32_t n = 0, left_out = 0;
-  for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
-    const Segment<Real>* s = find_slot(d, slot);
-    for (int o = 0; s && o < s->n_observations; ++o) {
-      const Observation& z = s->observation[o];
-      Vec2<Real> r;
-      if (!point_residual(*s, z, d.device.calibrator().theta(), d.device.options().model.g, s->states.landmark[z.landmark], &r)) {
-        continue;
-      }
-      const Real length = square_root(r.squaredNorm());
-      const int i = length < Real(0.01 * kBins) ? static_cast<int>(length * Real(100)) : kBins - 1;
-      ++bin[i];
-      ++n;
-      if (z.rejected) {
-        ++left_out;
-        continue;
-      }
-      sum += static_cast<double>(length * length);
-    }
-  }
-  std::int32_t below = 0;
-  int median = 0;
-  while (median < kBins - 1 && 2 * (below += bin[median]) < n) ++median;
-  out->reprojection_rms_px = n > left_out ? static_cast<double>(square_root(Real(sum / (n - left_out)))) : 0;
-  out->reprojection_median_px = n > 0 ? 0.01 * (median + 0.5) : 0;
-}
-
 }  // namespace
 }  // namespace SEGCAL_NS
 
@@ -92,7 +59,7 @@ int segcal_get_state(const segcal_t* device, segcal_state_t* state) {
   if (!state) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d || !d->device.has_state()) return SEGCAL_ERROR_STATE;
-  state_to_c(d->device.state(), d->device.state_time(), state);
+  state_to_c(d->device.state(), d->device.origin(), d->device.state_time(), state);
   return SEGCAL_OK;
 }
 
@@ -116,20 +83,21 @@ int segcal_get_imu_calibration(const segcal_t* device, segcal_imu_calibration_t*
 int segcal_get_result(const segcal_t* device, segcal_result_t* result) {
   if (!result) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
-  if (!d || !d->device.has_release()) return SEGCAL_ERROR_STATE;
-  const CalibrationFit<Real>& fit = d->device.calibrator().fit();
+  if (!d || !d->device.has_report()) return SEGCAL_ERROR_STATE;
+  const CalibrationReport<Real>& report = d->device.report();
   *result = segcal_result_t{};
-  release_to_c(*d, d->device.release(), result);
-  result->n_directions = count_unexcited(d->device.joint_analysis());
+  release_to_c(*d, report.release, result);
+  result->n_directions = count_unexcited(report.directions);
   if (d->device.options().joint_filter) return SEGCAL_OK;
-  result->iterations = fit.iterations;
-  result->converged = fit.converged ? 1 : 0;
-  result->segments = d->device.database().size();
-  result->partitions = d->device.calibrator().partitions();
-  result->image_points = fit.image_points;
-  result->chi2 = static_cast<double>(fit.chi2);
-  result->dof = static_cast<double>(fit.dof);
-  reprojection_statistics(*d, result);
+  result->iterations = report.fit.iterations;
+  result->converged = report.fit.converged ? 1 : 0;
+  result->segments = report.segments;
+  result->partitions = report.partitions;
+  result->image_points = report.fit.image_points;
+  result->chi2 = static_cast<double>(report.fit.chi2);
+  result->dof = static_cast<double>(report.fit.dof);
+  result->reprojection_rms_px = static_cast<double>(report.reprojection.rms);
+  result->reprojection_median_px = static_cast<double>(report.reprojection.median);
   return SEGCAL_OK;
 }
 
@@ -147,10 +115,10 @@ int segcal_get_filter_calibration(segcal_t* device, segcal_result_t* result) {
 int segcal_get_direction(const segcal_t* device, int32_t index, segcal_direction_t* direction) {
   if (!direction) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
-  if (!d || !d->device.has_release()) return SEGCAL_ERROR_STATE;
-  const int i = unexcited(d->device.joint_analysis(), index);
+  if (!d || !d->device.has_report()) return SEGCAL_ERROR_STATE;
+  const int i = unexcited(d->device.report().directions, index);
   if (i < 0) return SEGCAL_ERROR_SIZE;
-  direction_to_c(d->device.joint_analysis(), i, direction);
+  direction_to_c(d->device.report().directions, i, direction);
   return SEGCAL_OK;
 }
 
@@ -163,7 +131,7 @@ int segcal_get_segment(const segcal_t* device, int32_t index, segcal_segment_t* 
   if (!out) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;
-  SegmentSummary<Real> s = d->device.last_scored();
+  SegmentSummary<Real> s = d->device.last_scored().segment;
   if (index != -1) {
     const bool outdated = index >= 0 && index <= SEGCAL_MAX_SEGMENTS && d->device.database().outdated(index);
     const Segment<Real>* slot = outdated ? &d->device.database().slot(index) : find_slot(*d, index);
@@ -191,20 +159,22 @@ int segcal_get_segment(const segcal_t* device, int32_t index, segcal_segment_t* 
 
 int segcal_get_segment_directions(const segcal_t* device, segcal_direction_t* out, int32_t capacity) {
   if (!out) return SEGCAL_ERROR_NULL;
+  if (capacity < 0) return SEGCAL_ERROR_SIZE;
   const CDevice* d = open(device);
-  if (!d || !d->device.last_scored().valid) return SEGCAL_ERROR_STATE;
+  if (!d || !d->device.last_scored().segment.valid) return SEGCAL_ERROR_STATE;
   int n = 0;
-  for (int i; n < capacity && (i = unexcited(d->device.analysis(), n)) >= 0; ++n) {
-    direction_to_c(d->device.analysis(), i, &out[n]);
+  for (int i; n < capacity && (i = unexcited(d->device.last_scored().directions, n)) >= 0; ++n) {
+    direction_to_c(d->device.last_scored().directions, i, &out[n]);
   }
   return n;
 }
 
 int segcal_get_segment_sigmas(const segcal_t* device, double* sigma, int32_t capacity) {
   if (!sigma) return SEGCAL_ERROR_NULL;
+  if (capacity < 0) return SEGCAL_ERROR_SIZE;
   const CDevice* d = open(device);
-  if (!d || !d->device.last_scored().valid) return SEGCAL_ERROR_STATE;
-  const InformationAnalysis<Real>& a = d->device.analysis();
+  if (!d || !d->device.last_scored().segment.valid) return SEGCAL_ERROR_STATE;
+  const Directions<Real>& a = d->device.last_scored().directions;
   int j = 0;
   for (; j < a.n && j < capacity; ++j) {
     Real sum = Real(0);
@@ -228,15 +198,16 @@ int segcal_get_counters(const segcal_t* device, segcal_counters_t* out) {
           f.frame_stamps_back, f.frames_dropped, f.frames_few_tracks, f.points_not_finite, std::uint32_t(v.restarts),
           std::uint32_t(v.standstill_frames), std::uint32_t(v.updates), std::uint32_t(v.gated), f.segments_closed,
           f.segments_discarded, f.segments_unsettled, b.ended_early, b.landmarks_left_out, b.points_left_out, f.segments_outdated,
-          f.segments_missed, f.slices_late, f.calibrations};
+          f.segments_missed, f.slices_late, f.calibrations, f.points_repeated + b.points_repeated, f.imu_stamps_far,
+          f.frame_stamps_far, f.clock_restarts, f.calibrations_published};
   return SEGCAL_OK;
 }
 
 int segcal_get_point_residuals(const segcal_t* device, int32_t index, segcal_point_residual_t* out, int32_t capacity) {
-  if (!out) return SEGCAL_ERROR_NULL;
-  const CDevice* d = open(device);
-  const Segment<Real>* s = d ? find_slot(*d, index) : nullptr;
-  if (!s) return SEGCAL_ERROR_STATE;
+  const CDevice* d;
+  const Segment<Real>* s;
+  const int error = open_slot(device, index, out, capacity, &d, &s);
+  if (error != SEGCAL_OK) return error;
   int n = 0;
   const Real sigma = d->device.options().model.pixel_sigma;
   for (int o = 0; o < s->n_observations && n < capacity; ++o) {
@@ -252,10 +223,10 @@ int segcal_get_point_residuals(const segcal_t* device, int32_t index, segcal_poi
 }
 
 int segcal_get_imu_residuals(const segcal_t* device, int32_t index, segcal_imu_residual_t* out, int32_t capacity) {
-  if (!out) return SEGCAL_ERROR_NULL;
-  const CDevice* d = open(device);
-  const Segment<Real>* s = d ? find_slot(*d, index) : nullptr;
-  if (!s) return SEGCAL_ERROR_STATE;
+  const CDevice* d;
+  const Segment<Real>* s;
+  const int error = open_slot(device, index, out, capacity, &d, &s);
+  if (error != SEGCAL_OK) return error;
   const MeasurementModel<Real>& model = d->device.options().model;
   int n = 0;
   for (int k = 1; k < s->n_keyframes && n < capacity; ++k) {

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <new>
 
+#include "api/capacities.h"
 #include "api/convert.h"
 #include "api/handle.h"
 
@@ -36,11 +37,14 @@ int check_points(const CDevice& d, const segcal_point_t* points, std::int32_t n)
   return SEGCAL_OK;
 }
 
-void convert_points(const segcal_point_t* points, std::int32_t n, TrackPoint<Real>* out) {
-  for (std::int32_t i = 0; i < n; ++i) {
-    out[i] = {points[i].track_id, points[i].camera, Vec2<Real>(Real(points[i].u), Real(points[i].v))};
+/// Reads one point at a time: they are copied once, into the frame that waits.
+struct PointReader {
+  const segcal_point_t* points;
+  TrackPoint<Real> operator()(int i) const {
+    const segcal_point_t& p = points[i];
+    return {p.track_id, p.camera, Vec2<Real>(Real(p.u), Real(p.v))};
   }
-}
+};
 
 }  // namespace
 }  // namespace SEGCAL_NS
@@ -59,9 +63,11 @@ void segcal_memory(size_t* state_bytes, size_t* segment_bytes, size_t* workspace
   if (workspace_bytes) *workspace_bytes = Device<Real>::workspace_bytes();
 }
 
-int segcal_create(segcal_t** device, const segcal_config_t* config, void* storage, size_t storage_bytes) {
-  if (!device || !config || !storage) return SEGCAL_ERROR_NULL;
+int segcal_create_for(segcal_t** device, const segcal_config_t* config, void* storage, size_t storage_bytes,
+                      const uint32_t* capacities) {
+  if (!device || !config || !storage || !capacities) return SEGCAL_ERROR_NULL;
   *device = nullptr;
+  if (first_difference(capacities) < SEGCAL_N_CAPACITIES) return SEGCAL_ERROR_CAPACITY;
   if (storage_bytes < sizeof(CDevice)) return SEGCAL_ERROR_SIZE;
   if (reinterpret_cast<std::uintptr_t>(storage) % SEGCAL_STORAGE_ALIGNMENT != 0) return SEGCAL_ERROR_ALIGNMENT;
   DeviceOptions<Real> options;
@@ -83,8 +89,7 @@ int segcal_push_imu(segcal_t* device, const segcal_imu_t* sample) {
     reading.gyro(i) = Real(sample->gyro[i]);
     reading.accel(i) = Real(sample->accel[i]);
   }
-  if (d->device.options().has_temperature && is_finite(sample->temperature)) d->device.set_temperature(Real(sample->temperature));
-  return code(d->device.push_imu(sample->t_ns, reading));
+  return code(d->device.push_imu(sample->t_ns, reading, Real(sample->temperature)));
 }
 
 int segcal_push_tracks(segcal_t* device, int64_t t_ns, const segcal_point_t* points, int32_t n) {
@@ -92,8 +97,7 @@ int segcal_push_tracks(segcal_t* device, int64_t t_ns, const segcal_point_t* poi
   if (!d) return SEGCAL_ERROR_STATE;
   const int error = check_points(*d, points, n);
   if (error != SEGCAL_OK) return error;
-  convert_points(points, n, d->points);
-  return code(d->device.push_tracks(t_ns, d->points, n));
+  return code(d->device.push_tracks(t_ns, n, PointReader{points}));
 }
 
 int segcal_push_keyframe(segcal_t* device, const segcal_state_t* state, const segcal_point_t* points, int32_t n) {
@@ -104,11 +108,10 @@ int segcal_push_keyframe(segcal_t* device, const segcal_state_t* state, const se
   if (error != SEGCAL_OK) return error;
   State<Real> x;
   if (!state_from_c(*state, &x)) return SEGCAL_ERROR_NOT_FINITE;
-  convert_points(points, n, d->points);
   for (int32_t i = 0; i < n; ++i) {
-    if (!is_finite(d->points[i].uv.x()) || !is_finite(d->points[i].uv.y())) return SEGCAL_ERROR_NOT_FINITE;
+    if (!is_finite(points[i].u) || !is_finite(points[i].v)) return SEGCAL_ERROR_NOT_FINITE;
   }
-  return code(d->device.push_keyframe(state->t_ns, x, d->points, n));
+  return code(d->device.push_keyframe(state->t_ns, x, state->p_GI, n, PointReader{points}));
 }
 
 int segcal_background(segcal_t* device, int32_t slices) {
@@ -136,7 +139,7 @@ int segcal_calibrate(segcal_t* device) {
   CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;
   d->device.calibrate();
-  return d->device.release().status == Status::calibrated ? SEGCAL_OK : SEGCAL_NO_RESULT;
+  return d->device.report().release.status == Status::calibrated ? SEGCAL_OK : SEGCAL_NO_RESULT;
 }
 
 }  // extern "C"

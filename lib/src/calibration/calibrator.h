@@ -44,16 +44,9 @@ class Calibrator {
              const MeasurementModel<S>& model);
   void begin(Segment<S>* const* segments, int count, ThetaPrior<S>&& prior, const Calibration<S>& theta,
              const MeasurementModel<S>& model) = delete;
-  /// The same where a calibration was made from exactly these segments: its fit stays as it is.
+  /// The same to look at the segments only: they stay as they are, and so does the fit of the last calibration.
   void continue_with(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
-                     const MeasurementModel<S>& model) {
-    bool same = count == count_;
-    for (int i = 0; i < count && same; ++i) same = segment_[i] == segments[i];
-    if (same) return;
-    const CalibrationFit<S> fit = fit_;
-    begin(segments, count, prior, theta, model);
-    fit_ = fit;
-  }
+                     const MeasurementModel<S>& model);
   /// Iterates to convergence.
   void run(const CalibratorOptions& options, SegmentEliminator<S>* eliminator) {
     while (!run_step(options, eliminator)) {
@@ -135,6 +128,8 @@ class Calibrator {
     while (!linearise_step(eliminator, damping, candidates, with_prior)) {
     }
   }
+  void set_up(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
+              const MeasurementModel<S>& model);
   void link_up();
   void form_partitions();
   GuestLink<S> guest(int i);
@@ -204,6 +199,28 @@ class Calibrator {
 template <class S>
 void Calibrator<S>::begin(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
                           const MeasurementModel<S>& model) {
+  set_up(segments, count, prior, theta, model);
+  link_up();
+}
+
+template <class S>
+void Calibrator<S>::continue_with(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
+                                  const MeasurementModel<S>& model) {
+  bool same = count == count_;
+  for (int i = 0; i < count && same; ++i) same = segment_[i] == segments[i];
+  if (same) return;
+  const CalibrationFit<S> fit = fit_;
+  set_up(segments, count, prior, theta, model);
+  saved_theta_ = theta_;
+  for (int i = 0; i < count; ++i) save_states(i);
+  link_up();  // ties give landmarks other values
+  restore();
+  fit_ = fit;
+}
+
+template <class S>
+void Calibrator<S>::set_up(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
+                           const MeasurementModel<S>& model) {
   count_ = count;
   prior_ = &prior;
   theta_ = theta;
@@ -212,7 +229,6 @@ void Calibrator<S>::begin(Segment<S>* const* segments, int count, const ThetaPri
   place_ = iterate_place_ = inner_place_ = 0;
   new (&memory_) Memory;
   for (int i = 0; i < count; ++i) segment_[i] = segments[i];
-  link_up();
 }
 
 template <class S>
@@ -235,7 +251,11 @@ GuestLink<S> Calibrator<S>::guest(int i) {
   GuestLink<S> g;
   g.join = link_[i].join;
   g.gap_s = link_[i].gap_s;
-  if (g.join != Join::none) g.state = segment_[i - 1]->states.x[segment_[i - 1]->n_keyframes - 1];
+  if (g.join != Join::none) {
+    const Segment<S>& before = *segment_[i - 1];
+    g.state = before.states.x[before.n_keyframes - 1];
+    g.state.p_GI = segment_[i]->from_origin_of(before, g.state.p_GI);
+  }
   g.hangs = !partitions_.is_first(i);
   partitions_.ties().of_segment(i, &g.tied);
   return g;

@@ -24,8 +24,9 @@ template <class S>
 SegmentLink<S> link_between(const Segment<S>& a, const Segment<S>& b) {
   SegmentLink<S> link;
   if (a.session != b.session) return link;
-  link.join = b.serial == a.serial + 1 && b.lead_us > 0 ? Join::imu : Join::bias;
   const std::int64_t end = a.t0_ns + std::int64_t(a.t_us[a.n_keyframes - 1]) * 1000;
+  if (b.t0_ns <= end) return link;  // the clock was set back in between: how long the biases walked is not known
+  link.join = b.serial == a.serial + 1 && b.lead_us > 0 ? Join::imu : Join::bias;
   link.gap_s = S(b.t0_ns - end) * S(1e-9);
   return link;
 }
@@ -33,7 +34,7 @@ SegmentLink<S> link_between(const Segment<S>& a, const Segment<S>& b) {
 /// Tracks that two segments of one session and one frame have in common.
 template <class S>
 int shared_tracks(const Segment<S>& a, const Segment<S>& b) {
-  if (a.session != b.session || a.frame != b.frame) return 0;
+  if (a.session != b.session || a.frame != b.frame || !a.has_origin_of(b)) return 0;
   int n = 0;
   for (int i = 0; i < a.n_landmarks; ++i) n += landmark_of_track(b, a.track_id[i]) >= 0 ? 1 : 0;
   return n;

@@ -70,10 +70,10 @@ class EffectMonitor {
     const S rho = triangle()(n_theta_ + terms_.n, n_theta_ + terms_.n), dof = dof_ - S(terms_.n);
     return dof > S(0) ? rho * rho / dof : S(0);
   }
-  /// Of a watched effect, the others held at zero. `scratch`: ScoreTest<S>::scratch_size(kMaxEffectColumns) numbers, lent.
-  EffectScore<S> score(int effect, S* scratch) {
+  /// Of a watched effect, the others held at zero.
+  EffectScore<S> score(int effect) {
     const PackedTriangle<S> T = triangle();
-    return ScoreTest<S>(T, n_theta_, scratch).of(group_[effect]);
+    return ScoreTest<S>(T, n_theta_, scratch_).of(group_[effect]);
   }
 
  private:
@@ -84,6 +84,7 @@ class EffectMonitor {
   Calibration<S> reference_;
   std::int32_t n_theta_ = 0, segments_ = 0;
   S dof_ = S(0);
+  S scratch_[ScoreTest<S>::scratch_size(kMaxEffectColumns)];  ///< of its own: it is asked while others work
   S data_[kMaxEffectColumns > 0 ? packed_size(kMaxWideTheta + 1) : packed_size(kMaxTheta + 1)];
 };
 

@@ -34,10 +34,18 @@ inline bool is_finite(S x) {
 template <class S>
 constexpr S pi = S(3.14159265358979323846264338327950288L);
 
+/// Largest angle that sin_cos() reduces, rad: a multiple of pi/2 beyond it does not fit into the reduction's integer.
+template <class S>
+constexpr S kLargestAngle = S(1e9);
+
 /// sin(x) and cos(x); |x| <= 1e4 keeps the stated accuracy (in ulp of 0.01 where the result is below 0.01: the reduction
-/// by pi/2 has an absolute error).
+/// by pi/2 has an absolute error). Not-a-number beyond kLargestAngle.
 template <class S>
 void sin_cos(S x, S* sine, S* cosine) {
+  if (!(absolute(x) <= kLargestAngle<S>)) {
+    *sine = *cosine = S(__builtin_nanf(""));
+    return;
+  }
   // x = k pi/2 + r, |r| <= pi/4, with pi/2 split in two parts (Cody and Waite).
   const S scaled = x * S(0.636619772367581343075535L);
   const std::int32_t k = static_cast<std::int32_t>(scaled + (scaled < S(0) ? S(-0.5) : S(0.5)));
@@ -150,9 +158,11 @@ S arc_tangent2(S y, S x) {
   return y > S(0) ? pi<S> / S(2) - a : -pi<S> / S(2) - a;
 }
 
-/// Natural logarithm of a positive normal number.
+/// Natural logarithm of x > 0. Infinity and not-a-number are returned as they are, so that the loops below end: each halves or
+/// doubles at most as often as the type has exponents.
 template <class S>
 S logarithm(S x) {
+  if (!is_finite(x)) return x;
   // x = m 2^e with m in [sqrt(1/2), sqrt(2)): log x = e log 2 + 2 atanh((m - 1) / (m + 1)).
   int e = 0;
   while (x >= S(1.41421356237309504880L)) {

@@ -10,9 +10,14 @@
 
 namespace SEGCAL_NS {
 
+/// m from the origin beyond which the next segment gets one of its own: float resolves 8 um there, a tenth of what an IMU link of
+/// a keyframe's distance knows.
+constexpr double kFarPlace = 100;
+
 /// What did not fit, since the start.
 struct BuilderCounts {
   std::uint32_t landmarks_left_out = 0, points_left_out = 0, ended_early = 0, not_triangulated = 0;
+  std::uint32_t points_repeated = 0;   ///< the same track twice in one image: the first point stays
 };
 
 template <class S>
@@ -44,14 +49,17 @@ class SegmentBuilder {
   /// Forgets the counts; ranges of the sensors in rad/s and m/s^2.
   void reset(S gyro_range, S accel_range) {
     counts_ = BuilderCounts{};
+    for (double& o : origin_) o = 0;
     gyro_range_ = gyro_range;
     accel_range_ = accel_range;
   }
 
   /// Adds a keyframe. False if it does not fit any more (keyframes or IMU samples): close the segment, begin the next.
-  /// `shift_ns`: how far t_ns is from the camera's stamp, the same for all keyframes of a segment.
-  bool add_keyframe(std::int64_t t_ns, std::int32_t shift_ns, const State<S>& state, const TrackPoint<S>* points, int n,
-                    const ImuHistory<S>& imu);
+  /// `shift_ns`: how far t_ns is from the camera's stamp. All keyframes of a segment have the same: one with another is left
+  /// out. `origin`: what state.p_GI counts
+  /// from, m.
+  bool add_keyframe(std::int64_t t_ns, std::int32_t shift_ns, const State<S>& state, const double* origin,
+                    const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
 
   /// Drops every second keyframe with its image points: the segment can grow to twice its length. All IMU samples stay.
   void thin();
@@ -68,7 +76,9 @@ class SegmentBuilder {
   static constexpr std::int64_t kNever = INT64_MIN;
   static constexpr int kFewestKeyframes = 4, kFewestLandmarks = 5;
   bool copy_imu(std::int64_t from_ns, std::int64_t to_ns, const ImuHistory<S>& imu);
+  void place_origin(const State<S>& state, const double* origin);
   void add_point(const TrackPoint<S>& point);
+  bool is_in_newest(int landmark, int camera) const;
   int landmark_of(std::uint32_t track_id);
   int free_landmark();
   void remove_landmark(int j);
@@ -77,6 +87,7 @@ class SegmentBuilder {
   std::int64_t last_keyframe_ns_ = kNever;
   std::uint8_t last_seen_[kMaxLandmarks];   // keyframe
   std::uint16_t seen_[kMaxLandmarks];       // image points
+  double origin_[3] = {0, 0, 0};            // of the newest segment
   S gyro_range_ = S(35), accel_range_ = S(157);
   BuilderCounts counts_;
   Place place_ = 0;         // of close_step()
@@ -97,17 +108,19 @@ bool SegmentBuilder<S>::copy_imu(std::int64_t from_ns, std::int64_t to_ns, const
 }
 
 template <class S>
-bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, std::int32_t shift_ns, const State<S>& state, const TrackPoint<S>* points,
-                                     int n, const ImuHistory<S>& imu) {
+bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, std::int32_t shift_ns, const State<S>& state, const double* origin,
+                                     const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
   Segment<S>& s = *segment_;
   if (s.n_keyframes == kMaxKeyframes) return false;
   if (empty()) {
     s.t0_ns = t_ns;
     s.stamp_shift_ns = shift_ns;
+    place_origin(state, origin);
     const bool leads = last_keyframe_ns_ != kNever && imu.covers(last_keyframe_ns_, t_ns);
     s.lead_us = leads ? static_cast<std::int32_t>((t_ns - last_keyframe_ns_ + 500) / 1000) : 0;
     last_keyframe_ns_ = leads ? last_keyframe_ns_ : t_ns;
   }
+  if (shift_ns != s.stamp_shift_ns) return true;
   if (!copy_imu(last_keyframe_ns_, t_ns, imu)) {
     ++counts_.ended_early;
     return false;
@@ -116,6 +129,7 @@ bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, std::int32_t shift_ns, c
   s.t_us[k] = static_cast<std::int32_t>((t_ns - s.t0_ns + 500) / 1000);
   s.warmth[k] = static_cast<float>(imu.warmth());
   s.states.x[k] = state;
+  for (int i = 0; i < 3; ++i) s.states.x[k].p_GI(i) = static_cast<S>(origin[i] - s.origin[i] + static_cast<double>(state.p_GI(i)));
   last_keyframe_ns_ = t_ns;
   // The cameras take turns, so that the first does not fill the places of the others.
   int next[kMaxCameras] = {};
@@ -125,6 +139,20 @@ bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, std::int32_t shift_ns, c
     if (next[c] < n) add_point(points[next[c]++]);
   }
   return true;
+}
+
+/// The segment's origin: that of the segment before, so that landmarks can be shared, or this place if that is far.
+template <class S>
+void SegmentBuilder<S>::place_origin(const State<S>& state, const double* origin) {
+  double distance = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double d = absolute(origin[i] + static_cast<double>(state.p_GI(i)) - origin_[i]);
+    distance = d > distance ? d : distance;
+  }
+  for (int i = 0; i < 3; ++i) {
+    if (distance > kFarPlace) origin_[i] = origin[i] + static_cast<double>(state.p_GI(i));
+    segment_->origin[i] = origin_[i];
+  }
 }
 
 /// A point of the newest keyframe. Each keyframe may use what those before it left of their even shares: without this the
@@ -143,10 +171,28 @@ void SegmentBuilder<S>::add_point(const TrackPoint<S>& point) {
     ++counts_.landmarks_left_out;
     return;
   }
+  if (is_in_newest(j, point.camera)) {
+    ++counts_.points_repeated;
+    return;
+  }
   s.observation[s.n_observations++] = {u, v, static_cast<ObservationBits>(j), static_cast<ObservationBits>(k),
                                        static_cast<ObservationBits>(point.camera), 0};
   last_seen_[j] = static_cast<std::uint8_t>(k);
   ++seen_[j];
+}
+
+/// Whether the newest keyframe holds a point of this landmark in this camera. At most one per keyframe and camera is what
+/// bounds a landmark's rows (kLandmarkBlockRows).
+template <class S>
+bool SegmentBuilder<S>::is_in_newest(int landmark, int camera) const {
+  const Segment<S>& s = *segment_;
+  const unsigned newest = static_cast<unsigned>(s.n_keyframes - 1);
+  if (seen_[landmark] == 0 || last_seen_[landmark] != newest) return false;
+  for (int o = s.n_observations - 1; o >= 0 && s.observation[o].keyframe == newest; --o) {
+    const Observation& z = s.observation[o];
+    if (int(z.landmark) == landmark && int(z.camera) == camera) return true;
+  }
+  return false;
 }
 
 template <class S>

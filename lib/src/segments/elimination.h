@@ -62,8 +62,8 @@ class SegmentEliminator {
   const EliminationCounts& counts() const { return counts_; }
   S prior_share() const { return prior_share_; }
 
-  /// Memory for theta's n x n numbers, between eliminations: what reduced() holds stays.
-  S* lend() { return work_.lent; }
+  /// Memory of kLentBytes, between eliminations: what reduced() holds stays.
+  void* lend() { return &work_; }
 
   /// Copies the rows of theta; for a segment without ties. Candidates are held at zero.
   void extract(SegmentInformation<S>* out);
@@ -117,14 +117,18 @@ class SegmentEliminator {
     VelocityBiasChain<S> chain;
     LinkIntegration<S> link;
   };
-  /// One after the other: landmarks, then the chain; between eliminations what others need for a while.
+  /// One after the other: landmarks, then the chain; lent between eliminations.
   union Work {
     Work() {}
     LandmarkBlock<S> landmark;
     Linked linked;
-    S lent[kMaxTheta * kMaxTheta];
   };
-  Work work_;
+  alignas(8) Work work_;
+
+ public:
+  static constexpr std::size_t kLentBytes = sizeof(Work);
+
+ private:
   ReducedSystem<S> reduced_;
   ImuTermColumns<S> imu_terms_;
   Term camera_term_[kMaxEffectColumns + 1];

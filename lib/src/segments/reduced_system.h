@@ -183,7 +183,7 @@ class ReducedSystem {
   static constexpr int kFoldSlice = 40000;  // four operations each
   PendingFold pending_;
   int seen_poses_ = 0;  // columns of poses that landmark rows have touched, all those before the latest included
-  S data_[packed_size(kReducedColumns)];
+  alignas(8) S data_[packed_size(kReducedColumns)];
   S row_[kReducedColumns];
 };
 

@@ -77,6 +77,8 @@ struct Segment {
   bool turned_only = false;
   /// The weak prior on inverse distances is the wide one (weights.h); fixed while a fit iterates.
   bool wide_depth_prior = false;
+  /// m, in the odometry's frame: states and landmarks count from here. Float resolves what is near.
+  double origin[3] = {0, 0, 0};
   /// Keyframe times are camera stamps moved by this much: the time offset that was known when the segment was built.
   std::int32_t stamp_shift_ns = 0;
   std::int32_t t_us[kMaxKeyframes];              ///< keyframe times after t0
@@ -113,6 +115,15 @@ struct Segment {
     const int before = k > 0 ? k - 1 : 0;  // of the link from the previous segment only the far end is known here
     return {S(warmth[before]), S(warmth[k]), start + S(link_start(k)) * S(1e-6), start + S(t_us[k]) * S(1e-6),
             &states.x[before].R_GI, k > 0};
+  }
+  bool has_origin_of(const Segment& other) const {
+    return origin[0] == other.origin[0] && origin[1] == other.origin[1] && origin[2] == other.origin[2];
+  }
+  /// A place that counts from another segment's origin, counted from this one's.
+  Vec3<S> from_origin_of(const Segment& other, const Vec3<S>& p) const {
+    Vec3<S> out;
+    for (int i = 0; i < 3; ++i) out(i) = static_cast<S>(other.origin[i] - origin[i] + static_cast<double>(p(i)));
+    return out;
   }
   std::int32_t link_start(int k) const { return k == 0 ? -lead_us : t_us[k - 1]; }
 };

@@ -12,6 +12,8 @@
 
 namespace SEGCAL_NS {
 
+/// s of IMU samples that a start may need.
+constexpr double kStartSeconds = 1.4;
 constexpr int kStartFrames = kWindow < 8 ? kWindow : 8;  // fewer frames than this are not tried
 
 /// What a start works on and for.

@@ -54,6 +54,8 @@ class Vio {
   /// State of the IMU at time(); only when initialised.
   const State<S>& state() const { return window_.now; }
   std::int64_t time() const { return time_; }
+  /// Places count from `by` from now on; only when initialised.
+  void move_origin(const Vec3<S>& by) { window_.move_origin(by); }
   /// Covariance of state(), error order [theta p v b_a b_g].
   void covariance(Mat<S, kStateColumns, kStateColumns>* P) { state_covariance(&window_, P); }
 

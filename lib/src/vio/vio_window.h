@@ -110,6 +110,16 @@ struct Window {
     return slot;
   }
 
+  /// Places count from `by`, m, from now on.
+  void move_origin(const Vec3<S>& by) {
+    for (int i = 0; i < n_poses; ++i) {
+      pose[i].p_GI -= by;
+      pose[i].p_first -= by;
+    }
+    now.p_GI -= by;
+    now_first.p_GI -= by;
+  }
+
   /// Removes pose 0 from the list, not from R.
   void forget_oldest() {
     for (int i = 1; i < n_poses; ++i) pose[i - 1] = pose[i];

@@ -46,13 +46,13 @@ class ProfileCore final : public Core {
 
   bool background() override {
     segcal_background(device_, INT32_MAX);
-    return begun_calibrations() != seen_calibrations_ && (seen_calibrations_ = begun_calibrations()) > 0;
+    return published_calibrations() != seen_calibrations_ && (seen_calibrations_ = published_calibrations()) > 0;
   }
   void flush() override { segcal_flush(device_); }
   void new_session() override { segcal_new_session(device_); }
   bool calibrate() override {
     const bool done = segcal_calibrate(device_) >= 0;
-    seen_calibrations_ = begun_calibrations();
+    seen_calibrations_ = published_calibrations();
     return done;
   }
 
@@ -157,7 +157,9 @@ class ProfileCore final : public Core {
             {"segments_ended_early", c.segments_ended_early},
             {"landmarks_left_out", c.landmarks_left_out}, {"points_left_out", c.points_left_out},
             {"segments_outdated", c.segments_outdated}, {"segments_missed", c.segments_missed},
-            {"slices_late", c.slices_late}, {"calibrations", c.calibrations}};
+            {"slices_late", c.slices_late}, {"calibrations", c.calibrations},
+            {"points_repeated", c.points_repeated}, {"imu_stamps_far", c.imu_stamps_far}, {"frame_stamps_far", c.frame_stamps_far},
+            {"clock_restarts", c.clock_restarts}};
   }
 
   std::uint64_t result_hash() const override { return segcal_result_hash(device_); }
@@ -169,10 +171,10 @@ class ProfileCore final : public Core {
   }
 
  private:
-  std::uint32_t begun_calibrations() const {
+  std::uint32_t published_calibrations() const {
     segcal_counters_t c{};
     segcal_get_counters(device_, &c);
-    return c.calibrations;
+    return c.calibrations_published;
   }
 
   static FrameOutcome outcome(int code) {

@@ -1,0 +1,197 @@
+// A calibration from the kept segments, in slices: fit, without outliers, without segments that newer ones contradict; then what
+// of it is released. Nobody sees anything of it before it is published, whole (report.h).
+#pragma once
+
+#include "api/parts.h"
+#include "api/report.h"
+
+namespace SEGCAL_NS {
+
+constexpr int kOutdatedRounds = 2;
+
+template <class S>
+class CalibrateJob {
+ public:
+  void reset() { stage_ = Stage::idle; }
+  /// Slices are left.
+  bool working() const { return stage_ == Stage::working; }
+  /// Begun and not yet published: its segments are being moved.
+  bool pending() const { return stage_ != Stage::idle; }
+
+  /// From the segments that are kept now; none of them is replaced before it is published.
+  void begin(const Calibration<S>& theta, DeviceParts<S>* d) {
+    ++d->faults.calibrations;
+    d->work.take(WorkOwner::calibration);
+    theta_ = theta;
+    n_ = d->database.in_order(segment_);
+    place_ = inner_ = 0;
+    dropped_any_ = false;
+    stage_ = Stage::working;
+  }
+  void step(DeviceParts<S>* d) {
+    if (calibrate_step(d)) stage_ = Stage::done;
+  }
+  /// Does what is left and publishes. True if segments left the database.
+  bool publish(DeviceParts<S>* d, CalibrationReport<S>* report) {
+    while (working()) step(d);
+    report->release = *d->work.release();
+    report->theta = d->calibrator.theta();
+    report->fit = d->calibrator.fit();
+    report->segments = d->database.size();
+    report->partitions = d->calibrator.partitions();
+    report->reprojection = reprojection_;
+    report->directions.copy(d->work.analysis());
+    d->work.give_back();
+    stage_ = Stage::idle;
+    return dropped_any_;
+  }
+
+ private:
+  enum class Stage : std::int32_t { idle, working, done };
+  bool calibrate_step(DeviceParts<S>* d);
+  bool fit_step(DeviceParts<S>* d);
+  bool drop_outdated_step(DeviceParts<S>* d);
+  bool drop_misfits_step(DeviceParts<S>* d);
+  bool measure_residuals_step(DeviceParts<S>* d);
+  void add_residuals(DeviceParts<S>* d, const Segment<S>& s);
+  void begin_agreement(DeviceParts<S>* d);
+
+  Stage stage_ = Stage::idle;
+  Place place_ = 0, inner_ = 0;
+  Calibration<S> theta_;               ///< where it begins
+  Segment<S>* segment_[kMaxSegments];  ///< that take part, in order of time
+  std::int32_t n_ = 0, i_ = 0, round_ = 0;
+  bool dropped_ = false, dropped_any_ = false;
+  Agreement<S> agreement_;
+  ReprojectionFigures<S> reprojection_;
+  double squares_ = 0;
+  std::int32_t points_ = 0, left_out_ = 0;
+};
+
+template <class S>
+bool CalibrateJob<S>::calibrate_step(DeviceParts<S>* d) {
+  SEGCAL_SLICES(place_) {
+    for (round_ = 0;; ++round_) {
+      SEGCAL_AWAIT(place_, fit_step(d));
+      if (round_ == kOutdatedRounds) break;
+      // Without the outdated ones theta is another, and there may be more that do not agree with that.
+      SEGCAL_AWAIT(place_, drop_outdated_step(d));
+      if (!dropped_) break;
+      n_ = d->database.in_order(segment_);
+    }
+    SEGCAL_PAUSE(place_);
+    SEGCAL_AWAIT(place_, measure_residuals_step(d));
+    begin_analysis_with_prior(d->calibrator.theta_triangle(), d->prior().sigma, d->work.new_analysis());
+    SEGCAL_AWAIT(place_, analyse_with_prior_step(theta_.columns(), d->work.analysis_under_way()));
+    SEGCAL_PAUSE(place_);
+    judge(&d->calibrator, d->prior(), ReleaseRules<S>{}, d->work.release());
+    if (d->work.release()->status == Status::failed) SEGCAL_AWAIT(place_, drop_misfits_step(d));
+  }
+  SEGCAL_SLICES_END(place_);
+}
+
+template <class S>
+bool CalibrateJob<S>::fit_step(DeviceParts<S>* d) {
+  CalibratorOptions rough;
+  rough.converged = rough.settled = 0.1;
+  Calibrator<S>& calibrator = d->calibrator;
+  SEGCAL_SLICES(inner_) {
+    calibrator.begin(segment_, n_, d->prior(), theta_, d->options.model);
+    SEGCAL_PAUSE(inner_);
+    calibrator.accept_all();
+    SEGCAL_PAUSE(inner_);
+    SEGCAL_AWAIT(inner_, calibrator.run_step(rough, &d->work.eliminator()));
+    SEGCAL_PAUSE(inner_);
+    // Corners that are still far off once the model fits are no noise: they are left out, and the rest fits again.
+    SEGCAL_AWAIT(inner_, calibrator.reject_outliers_step(S(5)));
+    SEGCAL_PAUSE(inner_);
+    SEGCAL_AWAIT(inner_, calibrator.run_step(CalibratorOptions{}, &d->work.eliminator()));
+  }
+  SEGCAL_SLICES_END(inner_);
+}
+
+/// Drops segments that newer ones contradict (calibration/agreement.h); dropped_ says whether there were any. All are scored
+/// again at the calibrated theta, each alone: what a segment says must not come from its neighbours.
+template <class S>
+bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
+  SegmentEliminator<S>& eliminator = d->work.eliminator();
+  SEGCAL_SLICES(inner_) {
+    dropped_ = false;
+    if (n_ >= 3 && d->calibrator.fit().converged && d->options.outdated_level > S(0)) {
+      for (i_ = 0; i_ < n_; ++i_) {
+        SEGCAL_AWAIT(inner_, eliminator.eliminate_step(*segment_[i_], GuestLink<S>{}, d->calibrator.theta(), d->options.model, S(0)));
+        eliminator.extract(&segment_[i_]->information);
+        SEGCAL_PAUSE(inner_);
+      }
+      begin_agreement(d);
+      for (i_ = n_ - 1; i_ >= 0; --i_) {
+        SEGCAL_AWAIT(inner_, agreement_.take_step(segment_[i_]->information));
+        if (!agreement_.outdated()) continue;
+        d->database.drop_outdated(segment_[i_]);
+        ++d->faults.segments_outdated;
+        dropped_ = dropped_any_ = true;
+      }
+    }
+  }
+  SEGCAL_SLICES_END(inner_);
+}
+
+template <class S>
+void CalibrateJob<S>::begin_agreement(DeviceParts<S>* d) {
+  const SegmentInformation<S>* information[kMaxSegments];
+  for (int i = 0; i < n_; ++i) information[i] = &segment_[i]->information;
+  agreement_ = Agreement<S>(d->prior(), d->calibrator.theta(), d->options.outdated_level / S(n_ - 1), noise_of(information, n_),
+                            d->work.new_analysis(), d->work.agreement_scratch());
+}
+
+/// After a failed calibration: segments that do not fit even alone leave the database, and collecting goes on.
+template <class S>
+bool CalibrateJob<S>::drop_misfits_step(DeviceParts<S>* d) {
+  CostSteps<S>& cost = d->calibrator.cost_steps();
+  SEGCAL_SLICES(inner_) {
+    d->calibrator.lend_cost_steps();
+    for (i_ = 0; i_ < Database<S>::kSlots; ++i_) {
+      if (!d->database.kept(i_)) continue;
+      SEGCAL_AWAIT(inner_, cost.step(d->database.slot(i_), GuestLink<S>{}, d->calibrator.theta(), d->options.model));
+      if (cost.total() <= ReleaseRules<S>{}.most_chi2_per_dof * S(d->database.slot(i_).information.dof)) continue;
+      d->database.drop(i_);
+      ++d->faults.segments_unsettled;
+      dropped_any_ = true;
+    }
+  }
+  SEGCAL_SLICES_END(inner_);
+}
+
+template <class S>
+bool CalibrateJob<S>::measure_residuals_step(DeviceParts<S>* d) {
+  SEGCAL_SLICES(inner_) {
+    for (std::int32_t& b : d->work.histogram()->bin) b = 0;
+    squares_ = 0;
+    points_ = left_out_ = 0;
+    for (i_ = 0; i_ < n_; ++i_) {
+      add_residuals(d, *segment_[i_]);
+      SEGCAL_PAUSE(inner_);
+    }
+    reprojection_ = {};
+    if (points_ > left_out_) reprojection_.rms = square_root(S(squares_ / (points_ - left_out_)));
+    if (points_ > 0) reprojection_.median = d->work.histogram()->template median<S>(points_);
+  }
+  SEGCAL_SLICES_END(inner_);
+}
+
+template <class S>
+void CalibrateJob<S>::add_residuals(DeviceParts<S>* d, const Segment<S>& s) {
+  std::int32_t* bin = d->work.histogram()->bin;
+  for (int o = 0; o < s.n_observations; ++o) {
+    const Observation& z = s.observation[o];
+    Vec2<S> r;
+    if (!point_residual(s, z, d->calibrator.theta(), d->options.model.g, s.states.landmark[z.landmark], &r)) continue;
+    const S square = r.squaredNorm(), length = square_root(square);
+    ++bin[LengthHistogram::place_of(length)];
+    ++points_;
+    left_out_ += z.rejected;
+    if (!z.rejected) squares_ += static_cast<double>(square);
+  }
+}
+
+}  // namespace SEGCAL_NS

@@ -1,0 +1,132 @@
+// Device: jobs in slices, and the moments at which what they found takes effect.
+#pragma once
+
+#include "api/device.h"
+
+namespace SEGCAL_NS {
+
+/// One slice of the work that waits; false if there is none. One job at a time: a segment's score before a calibration.
+template <class S>
+bool Device<S>::step() {
+  if (vio_.start_pending()) {
+    vio_.start_step(imu_);
+  } else if (score_.active()) {
+    score_.step(&d_, &scored_);
+    if (!score_.active()) end_score();
+  } else if (calibration_.working()) {
+    calibration_.step(&d_);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+template <class S>
+int Device<S>::background(int slices) {
+  while (slices > 0 && step()) --slices;
+  return vio_.start_pending() || score_.active() || calibration_.working() ? 1 : 0;
+}
+
+/// The open segment moves to the slot that is free now. A calibration follows if the scored segment was the one that was missing.
+template <class S>
+void Device<S>::end_score() {
+  builder().move_to(&d_.database.building());
+  if (!score_.kept() || knew_enough_ || !knows_enough(&d_)) return;
+  knew_enough_ = true;
+  if (!d_.options.calibrates_itself || d_.options.joint_filter) return;
+  calibration_.begin(score_.theta(), &d_);
+  window_ = kCalibrationWindow;
+}
+
+template <class S>
+void Device<S>::finish_score() {
+  while (score_.active()) {
+    score_.step(&d_, &scored_);
+    if (!score_.active()) end_score();
+  }
+}
+
+/// Does what is left of the calibration under way, and lets it take effect. The open segment must be empty, or end here: a
+/// segment has one shift of stamps for all of its keyframes.
+template <class S>
+void Device<S>::publish_calibration() {
+  window_ = 0;
+  const bool dropped = calibration_.publish(&d_, &report_);
+  ++d_.faults.calibrations_published;
+  calibrated_ = true;
+  if (dropped) knew_enough_ = knew_enough_ && knows_enough(&d_);
+  take_release();
+}
+
+/// The same at any moment: where the shift of stamps changes, the open segment begins anew.
+template <class S>
+void Device<S>::finish_calibration() {
+  if (!calibration_.pending()) return;
+  const std::int32_t shift = stamp_shift_ns_;
+  publish_calibration();
+  if (stamp_shift_ns_ == shift || builder().empty()) return;
+  begin_segment(false);
+}
+
+template <class S>
+void Device<S>::take_release() {
+  if (report_.release.status == Status::failed) return;
+  theta_ = report_.release.theta;
+  d_.monitor.reset(prior(), theta_);
+  stamp_shift_ns_ = stamp_shift(theta_);
+  if (vio_.initialised()) vio_.set_calibration(theta_);
+}
+
+template <class S>
+void Device<S>::calibrate() {
+  finish_score();
+  finish_calibration();
+  if (d_.options.joint_filter) {
+    ++d_.faults.calibrations;
+    ++d_.faults.calibrations_published;
+    InformationAnalysis<S>* analysis = d_.work.new_analysis();
+    read_filter(&report_.release, analysis);
+    report_.directions.copy(*analysis);
+    calibrated_ = true;
+    theta_ = report_.theta = report_.release.theta;
+  } else {
+    calibration_.begin(working_theta(), &d_);
+    finish_calibration();
+  }
+  finished_ = true;
+}
+
+template <class S>
+void Device<S>::read_filter(Release<S>* out, InformationAnalysis<S>* analysis) {
+  vio_.finish_start(imu_);  // it works in the filter's memory
+  if (!vio_.knows_sensors()) return release_prior(prior(), out);
+  const Calibration<S>& theta = vio_.calibration();
+  PackedTriangle<S> R(vio_.scratch(), theta.columns() + 1);
+  vio_.calibration_information(&R);
+  for (int i = theta.effect_column(); i < theta.columns(); ++i) R.row(i)[i] = S(1) / prior().sigma[i];
+  if (analysis) analyse_with_prior(R, prior().sigma, analysis);
+  judge_filter(theta, prior(), ReleaseRules<S>{}, &R, out);
+}
+
+template <class S>
+S Device<S>::linearise(const std::uint8_t* use_slot, const CandidateTerms& candidates) {
+  Segment<S>* segments[kMaxSegments];
+  bool use[kMaxSegments];
+  const int count = d_.database.in_order(segments);
+  const bool known = calibrated_ && report_.release.status != Status::failed && !d_.options.joint_filter;
+  d_.work.eliminator().restart();
+  d_.calibrator.continue_with(segments, count, prior(), known ? d_.calibrator.theta() : working_theta(), d_.options.model);
+  for (int i = 0; i < count; ++i) use[i] = use_slot[segments[i] - &d_.database.slot(0)] != 0;
+  return d_.calibrator.rows_of(use, candidates, &d_.work.eliminator());
+}
+
+template <class S>
+std::uint64_t Device<S>::result_hash() const {
+  Hash hash = trajectory_;
+  add_to_hash(theta_, &hash);
+  if (calibrated_) add_to_hash(report_.release, &hash);
+  if (finished_) add_to_hash(d_.database, &hash);
+  return hash.value();
+}
+
+}  // namespace SEGCAL_NS

@@ -1,0 +1,76 @@
+// What a device is made of, as its jobs (score_job.h, calibrate_job.h) see it; its options and the faults that it counts.
+#pragma once
+
+#include "api/release.h"
+#include "api/workspace.h"
+#include "database/database.h"
+#include "diagnosis/effect_monitor.h"
+#include "segments/builder.h"
+
+namespace SEGCAL_NS {
+
+template <class S>
+struct DeviceOptions {
+  ThetaPrior<S> prior;          ///< its mean is the starting calibration
+  S sigma_ref[kMaxTheta];
+  S target_sigma[kMaxTheta];    ///< calibration starts when the kept segments predict these; all 0: when the database is full
+  MeasurementModel<S> model;
+  S imu_rate_hz = S(200), gyro_range = S(35), accel_range = S(157);
+  std::int32_t imu_group = 1;   ///< samples that become one (sensors/decimation.h)
+  S frame_interval_s = S(0.1), segment_s = S(4);
+  S filter_share = S(1);        ///< on the sigmas of the filter's own estimates of the calibration
+  S least_segment_s = S(0), most_segment_s = S(0);   ///< bounds of segments of open length; both 0: all of segment_s
+  int keep_segments = 8;
+  Metric metric = Metric::A;
+  Strategy strategy = Strategy::single_session;
+  S least_gain = S(14);
+  std::uint64_t seed = 0;
+  bool has_temperature = false;
+  std::uint32_t watch_effects = 0;  ///< bit e: the score test asks each scored segment about effect e
+  bool joint_filter = false;    ///< the filter's own calibration is the result; no segments
+  S outdated_level = S(1e-3);   ///< probability that a calibration drops segments although theta is the same; 0: never drops any
+  bool calibrates_itself = true; ///< when it knows enough; else only where it is told to
+};
+
+/// Data faults, counted and survived.
+struct FaultCounts {
+  std::uint32_t imu_samples = 0, imu_stamps_back = 0, imu_gaps = 0, imu_not_finite = 0, imu_saturated = 0;
+  std::uint32_t frames = 0, frames_used = 0, frame_stamps_back = 0, frames_dropped = 0, frames_few_tracks = 0;
+  std::uint32_t points_not_finite = 0, points_repeated = 0;
+  std::uint32_t imu_stamps_far = 0, frame_stamps_far = 0;  ///< refused: no neighbour of the stamps before, or of the other sensor's
+  std::uint32_t clock_restarts = 0;    ///< the IMU's clock jumped for good: the stream began anew
+  std::uint32_t segments_closed = 0, segments_discarded = 0, segments_unsettled = 0, segments_outdated = 0;
+  std::uint32_t segments_missed = 0;   ///< ended while a calibration was under way
+  std::uint32_t slices_late = 0;       ///< done at once because the background had not come to them in time
+  std::uint32_t calibrations = 0, calibrations_published = 0;   ///< begun; taken effect
+};
+
+template <class S>
+struct DeviceParts {
+  DeviceOptions<S> options;
+  Database<S> database;
+  SegmentBuilder<S> builder;
+  Workspace<S> work;
+  Calibrator<S> calibrator;
+  EffectMonitor<S> monitor;
+  FaultCounts faults;
+
+  const ThetaPrior<S>& prior() const { return options.prior; }
+};
+
+/// True if the kept segments are worth a calibration: there are enough (paper, Alg. 1), or, where there are targets, they
+/// predict that these will be reached. Sums in the workspace.
+template <class S>
+bool knows_enough(DeviceParts<S>* d) {
+  const int columns = d->prior().mean.columns();
+  if (!has_targets(d->options.target_sigma, columns)) return d->database.full();
+  const SegmentInformation<S>* segments[kMaxSegments];
+  int n = 0;
+  for (int i = 0; i < Database<S>::kSlots; ++i) {
+    if (d->database.kept(i)) segments[n++] = &d->database.slot(i).information;
+  }
+  JointInformation<S> joint = d->work.sums(d->prior().sigma, columns);
+  return reaches_targets(joint.sum(segments, n), d->prior().sigma, d->options.target_sigma, d->database.full());
+}
+
+}  // namespace SEGCAL_NS
