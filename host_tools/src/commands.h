@@ -7,6 +7,9 @@ namespace host {
 
 // Each function adds one subcommand. When that runs it sets `exit_code`: 0 done, 1 done but the answer is negative.
 // Bad usage or input is an InputError, which main turns into one line on stderr and exit code 2.
+void add_allan_command(CLI::App& app, int& exit_code);
+void add_export_command(CLI::App& app, int& exit_code);
+void add_import_command(CLI::App& app, int& exit_code);
 void add_replay_command(CLI::App& app, int& exit_code);
 void add_track_command(CLI::App& app, int& exit_code);
 void add_simulate_command(CLI::App& app, int& exit_code);

@@ -15,8 +15,8 @@ constexpr const char* walk_through = R"(First steps:
   segcal replay rec --out out                                       calibrate from it: out/result.json
   segcal report out                                                 out/report.html: table, path, residuals
 
-With images of your own in EuRoC's folder layout (REC/mav0/{imu0,cam0}, camera calibration in Kalibr's
-camchain-imucam.yaml or EuRoC's sensor.yaml):
+With a log of your own (ROS bag, MCAP, phone log, ...); EuRoC's folder layout works without it:
+  segcal import LOG --out REC                                       one folder with IMU, images, calibration
   segcal track REC                                                  images to REC/mav0/cam0/tracks.csv
   segcal replay REC --calib START.yaml --out out
 
@@ -46,10 +46,13 @@ int run(int argc, char** argv) {
 
   int exit_code = 0;
   host::add_simulate_command(app, exit_code);
+  host::add_import_command(app, exit_code);
   host::add_track_command(app, exit_code);
   host::add_replay_command(app, exit_code);
   host::add_reference_command(app, exit_code);
   host::add_report_command(app, exit_code);
+  host::add_export_command(app, exit_code);
+  host::add_allan_command(app, exit_code);
   host::add_compare_command(app, exit_code);
   host::add_convert_command(app, exit_code);
   host::add_diagnose_command(app, exit_code);

@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "csv.h"
+#include "imu_data_file.h"
 #include "imu_noise_file.h"
 #include "recording.h"
 
@@ -14,26 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* imu_columns = "timestamp [ns], w_x, w_y, w_z [rad/s], a_x, a_y, a_z [m/s^2] (, temperature [degC])";
 constexpr const char* truth_columns = "timestamp [ns], p_x, p_y, p_z [m], q_w, q_x, q_y, q_z (, more)";
-
-ImuData read_imu(const fs::path& root) {
-  ImuData imu;
-  imu.noise = read_recording_noise(root);
-  CsvReader csv(root / "mav0" / "imu0" / "data.csv", imu_columns, 7, 8);
-  while (csv.next_row()) {
-    ImuSample sample;
-    sample.t_ns = csv.integer(0);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      sample.gyro[axis] = csv.number(1 + axis);
-      sample.accel[axis] = csv.number(4 + axis);
-    }
-    imu.has_temperature = csv.columns() == 8;
-    if (imu.has_temperature) sample.temperature_degC = csv.number(7);
-    imu.samples.push_back(sample);
-  }
-  return imu;
-}
 
 /// `must_exist` where the images are the only source of tracks: then each file that the list names has to be there.
 std::vector<ImageEntry> read_images(const fs::path& folder, bool must_exist) {
@@ -136,7 +118,9 @@ Recording read_recording(const fs::path& root, int n_cameras) {
     throw InputError(root.string() + ": expected a recording, a folder that holds mav0/imu0 and mav0/cam0");
   Recording recording;
   recording.root = root;
-  recording.imu = read_imu(root);
+  const ImuNoise noise = read_recording_noise(root);
+  recording.imu = read_imu_samples(root / "mav0" / "imu0" / "data.csv");
+  recording.imu.noise = noise;
   for (int i = 0; i < n_cameras; ++i)
     recording.cameras.push_back(read_camera(root / "mav0" / ("cam" + std::to_string(i))));
   recording.truth = read_truth(root / "mav0");

@@ -1,0 +1,50 @@
+"""`segcal export`: a calibration in the files of other tools.
+
+Usage: export.py DIR kalibr|openvins|basalt|ros OUT. Exit code 0 when all files are written, 2 with one line on stderr."""
+
+import os
+import sys
+from pathlib import Path
+
+from calibration_folder import InputError, read_calibration
+
+
+def write_all(out, files):
+    """All files or none that is new: each under a temporary name first."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        parts = []
+        for name, text in files.items():
+            part = out / f".{name}.{os.getpid()}.part"
+            part.write_text(text, encoding="utf-8")
+            parts.append((part, out / name))
+        for part, file in parts:
+            os.replace(part, file)
+    except OSError as error:
+        raise InputError(f"{error.filename or out}: cannot be written: {error.strerror}") from None
+
+
+def main(arguments):
+    folder, to, out = Path(arguments[0]), arguments[1], Path(arguments[2])
+    if out.exists() and folder.resolve() == out.resolve():
+        raise InputError(f"{out}: expected another folder than the calibration's: files of the same name would be replaced")
+    try:
+        import basalt
+        import kalibr
+        import openvins
+        import ros
+    except ImportError as error:
+        raise InputError(f"the Python package '{error.name}' is missing; host_tools/setup.sh installs it") from None
+    files, notes = {"kalibr": kalibr, "openvins": openvins, "basalt": basalt, "ros": ros}[to].files_of(read_calibration(folder))
+    write_all(out, files)
+    for note in notes:
+        print(f"note: {note}", file=sys.stderr)
+    print(f"wrote {', '.join(str(out / name) for name in files)}")
+
+
+if __name__ == "__main__":
+    try:
+        main(sys.argv[1:])
+    except InputError as error:
+        print("segcal: " + " ".join(str(error).split()), file=sys.stderr)
+        sys.exit(2)

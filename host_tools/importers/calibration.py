@@ -1,0 +1,106 @@
+"""The starting calibration and the IMU's noise of an imported recording."""
+
+import numpy as np
+import yaml
+
+from recording import ASSUMED_NOISE, NOISE_NAMES, camchain_text
+from streams import Camera, InputError
+
+# R_CI by how a camera is mounted: rows are the camera's axes (x right, y down, z forward) in the IMU's.
+MOUNTS = {
+    # Android's and iOS' sensor axes: x right, y up, z out of the screen; the sensor of the back camera lies across, its x down.
+    "phone-back": [[0, -1, 0], [-1, 0, 0], [0, 0, -1]],
+    "same-axes": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    # A vehicle's axes: x forward, y left, z up (REP 103).
+    "forward": [[0, -1, 0], [0, 0, -1], [1, 0, 0]],
+}
+
+
+def read_yaml(file):
+    try:
+        content = yaml.safe_load(file.read_text())
+    except FileNotFoundError:
+        raise InputError(f"{file}: file is missing") from None
+    except OSError as error:
+        raise InputError(f"{file}: {error.strerror}") from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        mark = getattr(error, "problem_mark", None)
+        raise InputError(f"{file}:{mark.line + 1 if mark else 1}: expected YAML") from None
+    if not isinstance(content, dict):
+        raise InputError(f"{file}:1: expected a YAML map")
+    return content
+
+
+def noise_of(options):
+    """(four figures, where they are from)."""
+    if not options.imu_noise:
+        return ASSUMED_NOISE, "assumed: a consumer IMU's, several times the data sheet"
+    content = read_yaml(options.imu_noise)
+    content = content.get("imu0", content)
+    try:
+        figures = tuple(float(content[name]) for name in NOISE_NAMES)
+    except (KeyError, TypeError, ValueError):
+        raise InputError(f"{options.imu_noise}: expected numbers {', '.join(NOISE_NAMES)}") from None
+    if min(figures) <= 0:
+        raise InputError(f"{options.imu_noise}: expected noise figures above 0")
+    return figures, f"of {options.imu_noise.name}"
+
+
+def write(folder, choice, imu, names, accounts, options, notes, warnings):
+    """Writes REC/camchain-imucam.yaml; where it is from, or None where there is none."""
+    if not names:
+        return None
+    if options.calib:
+        return copied(folder, options.calib, accounts)
+    found = [camera_of(choice, imu, name, account, options, notes, warnings) for name, account in zip(names, accounts)]
+    if any(camera is None for camera, *_ in found):
+        warnings.append("no calibration of the camera in the log: give --calib FILE (Kalibr's camchain-imucam.yaml) to `segcal track` and "
+                        "`segcal replay`, or import with --focal PX and --mount NAME for a rough start")
+        return None
+    if any(T is None for _, T, _ in found):
+        warnings.append("the log does not say how the camera sits on the IMU (/tf_static): import with --mount NAME "
+                        f"({', '.join(MOUNTS)}) or --calib FILE")
+        return None
+    (folder / "camchain-imucam.yaml").write_text(camchain_text(found))
+    return "; ".join(dict.fromkeys(origin for *_, origin in found))
+
+
+def copied(folder, file, accounts):
+    content = read_yaml(file)
+    for i, account in enumerate(accounts):
+        camera = content.get(f"cam{i}")
+        if not isinstance(camera, dict):
+            raise InputError(f"{file}: expected an entry 'cam{i}', one for each of {len(accounts)} cameras")
+        if "resolution" in camera and list(camera["resolution"]) != account["size"]:
+            raise InputError(f"{file}: cam{i}: expected resolution {account['size']} as the images of {account['stream']} have, found {camera['resolution']}")
+    (folder / "camchain-imucam.yaml").write_text(file.read_text())
+    return f"copied from {file.name}"
+
+
+def camera_of(choice, imu, name, account, options, notes, warnings):
+    """(Camera or None, T_CI or None, origin)."""
+    source = choice.owner[name]
+    camera = source.calib(name)
+    width, height = account["size"]
+    origin = "camera as in the log"
+    if camera is not None and (camera.width, camera.height) != (width, height):
+        warnings.append(f"{name}: calibration for {camera.width} x {camera.height} px, images of {width} x {height}: not used")
+        camera = None
+    if options.focal > 0:
+        camera = Camera(width, height, [options.focal, options.focal, (width - 1) / 2, (height - 1) / 2], "radtan", [0.0] * 4)
+        origin = f"camera a pinhole of --focal {options.focal:g} px without distortion"
+    if camera is not None:
+        notes += [f"{name}: {note}" for note in camera.notes]
+    if options.mount:
+        T = np.eye(4)
+        T[:3, :3] = mount_rotation(options.mount)
+        return camera, T, f"{origin}, T_cam_imu by --mount {options.mount}"
+    first = imu.name.split(" + ")[0]
+    T = source.extrinsics(name, first) if choice.owner.get(first) is source else None
+    return camera, T, f"{origin}, T_cam_imu as in the log"
+
+
+def mount_rotation(name):
+    if name not in MOUNTS:
+        raise InputError(f"--mount {name}: expected one of {', '.join(MOUNTS)}")
+    return np.array(MOUNTS[name], float)

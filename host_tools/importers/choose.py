@@ -1,0 +1,83 @@
+"""Which streams become the recording's IMU and cameras: what the user named, else what is obvious, else a question."""
+
+from checks import accel_unit
+from streams import InputError
+
+
+def listing(streams):
+    return ", ".join(f"{s.name} ({s.kind}, {s.count})" for s in streams) or "nothing that can be used"
+
+
+def calibrated(streams):
+    """Without those named uncalibrated, where others are left."""
+    return [s for s in streams if "uncalib" not in s.name.lower()] or streams
+
+
+class Choice:
+    """Streams of all sources by name; a name is what --list shows."""
+
+    def __init__(self, sources):
+        self.sources = sources
+        self.owner, self.streams = {}, []
+        for source in sources:
+            for stream in source.streams():
+                if stream.count > 0:
+                    self.owner[stream.name] = source
+                    self.streams.append(stream)
+
+    def of_kind(self, *kinds):
+        return [s for s in self.streams if s.kind in kinds]
+
+    def named(self, name, option, *kinds):
+        if name not in [s.name for s in self.of_kind(*kinds)]:
+            raise InputError(f"{option} {name}: no such stream; found {listing(self.of_kind(*kinds))}")
+        return name
+
+    def cameras(self, wanted):
+        if wanted:
+            return [self.named(name, "--camera", "camera") for name in wanted]
+        found = self.of_kind("camera")
+        if len(found) > 2:
+            raise InputError(f"{len(found)} cameras, segcal takes two at most: choose with --camera NAME; found {listing(found)}")
+        return [s.name for s in found]
+
+    def imu(self, options):
+        """(samples with both sensors, None, None) or (None, gyroscope's, accelerometer's)."""
+        if options.gyro or options.accel:
+            if not (options.gyro and options.accel):
+                raise InputError("--gyro NAME and --accel NAME belong together")
+            pick = [self.read(self.named(name, option, "imu", kind))
+                    for name, option, kind in ((options.gyro, "--gyro", "gyro"), (options.accel, "--accel", "accel"))]
+            return self.both(*pick)
+        if options.imu:
+            imu = self.read(self.named(options.imu, "--imu", "imu"))
+            if imu.gyro is None or imu.accel is None:
+                raise InputError(f"--imu {options.imu}: no {'rotation rates' if imu.gyro is None else 'accelerations'} in it; give --gyro and --accel")
+            return imu, None, None
+        return self.obvious_imu()
+
+    def obvious_imu(self):
+        read = [self.read(s.name) for s in self.of_kind("imu", "gyro", "accel")]
+        whole = [imu for imu in read if imu.gyro is not None and imu.accel is not None]
+        if len(whole) == 1:
+            return whole[0], None, None
+        if len(whole) > 1:
+            raise InputError(f"{len(whole)} IMUs: choose with --imu NAME; found {', '.join(imu.name for imu in whole)}")
+        gyros = calibrated([i for i in read if i.gyro is not None])
+        accels = [i for i in read if i.accel is not None]
+        # Applications log acceleration with and without gravity; only the raw one is of use.
+        accels = calibrated([i for i in accels if accel_unit(i.accel)] or accels)
+        if len(gyros) == 1 and len(accels) == 1:
+            return self.both(gyros[0], accels[0])
+        if gyros and accels:
+            raise InputError(f"choose with --gyro NAME and --accel NAME; found {listing(self.of_kind('imu', 'gyro', 'accel'))}")
+        raise InputError(f"{self.sources[0].where}: no gyroscope and accelerometer in it; found {listing(self.streams)}")
+
+    def both(self, gyro, accel):
+        for imu, values, what in ((gyro, gyro.gyro, "rotation rates"), (accel, accel.accel, "accelerations")):
+            if values is None:
+                raise InputError(f"{imu.name}: no {what} in this stream")
+        return None, gyro, accel
+
+    def read(self, name):
+        return self.owner[name].imu(name)

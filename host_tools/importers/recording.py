@@ -1,0 +1,128 @@
+"""Writes a recording folder. It appears whole: everything goes to a folder beside it, which gets its name at the end."""
+
+import os
+import shutil
+import signal
+from pathlib import Path
+
+import numpy as np
+from PIL import Image as Png
+
+from streams import InputError
+
+IMU_HEADER = "#timestamp [ns],w_x [rad s^-1],w_y [rad s^-1],w_z [rad s^-1],a_x [m s^-2],a_y [m s^-2],a_z [m s^-2]"
+NOISE_NAMES = ("gyroscope_noise_density", "gyroscope_random_walk", "accelerometer_noise_density", "accelerometer_random_walk")
+NOISE_UNITS = ("rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)", "m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)")
+# Several times a consumer IMU's data sheet (BMI160: 1.2e-4 rad/s/sqrt(Hz), 1.8e-3 m/s^2/sqrt(Hz)), for vibration and clocks.
+ASSUMED_NOISE = (5e-4, 5e-5, 5e-3, 5e-4)
+
+
+def yaml_number(value):
+    """YAML 1.1 (PyYAML, so Kalibr) takes 2e-05 for a word: 2.0e-05."""
+    text = repr(float(value))
+    return text.replace("e", ".0e") if "e" in text and "." not in text else text
+
+
+def yaml_list(values):
+    return "[" + ", ".join(map(yaml_number, values)) + "]"
+
+
+def interrupted(*_):
+    raise KeyboardInterrupt
+
+
+class NewFolder:
+    """`with NewFolder(out) as part:` fills `part`; it becomes `out` if nothing was raised, and else goes away."""
+
+    def __init__(self, out):
+        self.out = Path(out)
+        self.part = self.out.resolve().parent / f".{self.out.resolve().name}.{os.getpid()}.part"
+
+    def __enter__(self):
+        if self.out.exists() and (not self.out.is_dir() or any(self.out.iterdir())):
+            raise InputError(f"{self.out}: expected a new or empty folder for the recording")
+        try:
+            self.part.mkdir(parents=True)
+        except OSError as error:
+            raise InputError(f"{self.out}: cannot be written: {error.strerror}") from None
+        signal.signal(signal.SIGTERM, interrupted)
+        return self.part
+
+    def __exit__(self, kind, error, trace):
+        if kind is None:
+            if self.out.exists():
+                self.out.rmdir()
+            os.replace(self.part, self.out)
+            return False
+        shutil.rmtree(self.part, ignore_errors=True)
+        if isinstance(error, OSError):
+            raise InputError(f"{self.out}: cannot be written: {error.strerror}") from None
+        return False
+
+
+def write_imu(folder, imu):
+    """All digits: values read back to the same bits."""
+    folder.mkdir(parents=True)
+    with_temperature = imu.temperature is not None
+    with (folder / "data.csv").open("w") as file:
+        file.write(IMU_HEADER + (",temperature [degC]\n" if with_temperature else "\n"))
+        columns = [imu.gyro, imu.accel] + ([imu.temperature[:, None]] if with_temperature else [])
+        values = np.concatenate(columns, axis=1).tolist()
+        for t_ns, row in zip(imu.t_ns.tolist(), values):
+            file.write(f"{t_ns}," + ",".join(map(repr, row)) + "\n")
+
+
+def write_noise(folder, rate_hz, noise, origin):
+    lines = [f"# {origin}", "sensor_type: imu", f"rate_hz: {rate_hz:.10g}  # Hz"]
+    lines += [f"{name}: {yaml_number(value)}  # {unit}" for name, value, unit in zip(NOISE_NAMES, noise, NOISE_UNITS)]
+    (folder / "sensor.yaml").write_text("\n".join(lines) + "\n")
+
+
+class CameraWriter:
+    """Images of one camera, in stamp order; one whose stamp was there already is dropped."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        (folder / "data").mkdir(parents=True)
+        self.names = {}
+        self.dropped = 0
+        self.size = None
+
+    def add(self, t_ns, image):
+        if t_ns in self.names:
+            self.dropped += 1
+            return
+        name = f"{t_ns}{image.suffix}"
+        file = self.folder / "data" / name
+        if image.encoded is not None:
+            file.write_bytes(image.encoded)
+            self.size = self.size or size_of(file)
+        else:
+            # Lossless; level 1 takes a tenth of the time of the default and makes files a tenth larger.
+            Png.fromarray(np.ascontiguousarray(image.pixels)).save(file, compress_level=1)
+            self.size = self.size or (image.pixels.shape[1], image.pixels.shape[0])
+        self.names[t_ns] = name
+
+    def finish(self):
+        rows = "".join(f"{t_ns},{self.names[t_ns]}\n" for t_ns in sorted(self.names))
+        (self.folder / "data.csv").write_text("#timestamp [ns],filename\n" + rows)
+
+
+def size_of(file):
+    try:
+        with Png.open(file) as image:
+            return image.size
+    except OSError:
+        raise InputError(f"an image that cannot be decoded ({file.name})") from None
+
+
+def camchain_text(cameras):
+    """Kalibr's camchain-imucam.yaml of [(Camera, T_CI, origin of T_CI)]."""
+    text = ""
+    for i, (camera, T_CI, origin) in enumerate(cameras):
+        text += f"cam{i}:\n  # p_cam = T_cam_imu p_imu, m; {origin}\n  T_cam_imu:\n"
+        text += "".join(f"  - {yaml_list(row)}\n" for row in T_CI)
+        text += f"  camera_model: pinhole\n  intrinsics: {yaml_list(camera.intrinsics)}  # fx fy cx cy, px\n"
+        text += f"  distortion_model: {camera.distortion_model}\n  distortion_coeffs: {yaml_list(camera.distortion)}\n"
+        text += f"  resolution: {[camera.width, camera.height]}\n  timeshift_cam_imu: 0.0  # s, t_imu = t_cam + shift\n"
+    return text

@@ -1,0 +1,48 @@
+// The subcommand `segcal export`: a calibration in the files of other tools (host_tools/exporters).
+#include <memory>
+#include <string>
+
+#include "commands.h"
+#include "python_script.h"
+#include "recording.h"
+
+namespace host {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* explanation = "Writes a calibration as Kalibr, OpenVINS, Basalt or ROS read it.";
+
+constexpr const char* footer = R"(DIR is what `segcal replay --out DIR` wrote (or any folder with camchain-imucam.yaml and imu.yaml). Written to --out:
+  kalibr     camchain-imucam.yaml, imu.yaml (model scale-misalignment: lower triangular M, body frame of the accelerometer)
+  openvins   kalibr_imucam_chain.yaml, kalibr_imu_chain.yaml (model rpng, frame of the gyroscope as here)
+  basalt     calibration.json
+  ros        camN.yaml for camera_info_manager and camera_calibration_parsers, transforms.yaml
+
+  segcal export out --to openvins --out openvins_config
+
+Frames are carried over exactly: where another tool's IMU frame is the accelerometer's, the camera's pose is turned with it.
+A lens that the other tool lacks is replaced by the nearest it has, and how near that is on stderr. Biases are states of the
+device, not calibration; they are written as zero. Exit code 2: DIR has no calibration, or it cannot be read.)";
+
+struct ExportOptions {
+  std::string folder, to, out;
+};
+
+}  // namespace
+
+void add_export_command(CLI::App& app, int& exit_code) {
+  CLI::App* const sub = app.add_subcommand("export", explanation);
+  sub->footer(footer);
+  const auto options = std::make_shared<ExportOptions>();
+  sub->add_option("DIR", options->folder, "folder with camchain-imucam.yaml and imu.yaml")->required();
+  sub->add_option("--to", options->to, "kalibr, openvins, basalt or ros")->required()->check(CLI::IsMember({"kalibr", "openvins", "basalt", "ros"}));
+  sub->add_option("--out", options->out, "folder to write into")->required();
+  sub->callback([options, &exit_code] {
+    if (!fs::exists(fs::path(options->folder) / "camchain-imucam.yaml"))
+      throw InputError((fs::path(options->folder) / "camchain-imucam.yaml").string() + ": file is missing; `segcal replay --out` writes it");
+    exit_code = run_python_script("exporters/export.py", {options->folder, options->to, options->out});
+  });
+}
+
+}  // namespace host
