@@ -31,9 +31,11 @@ def read_yaml(file):
     return content
 
 
-def noise_of(options):
+def noise_of(options, source):
     """(four figures, where they are from)."""
     if not options.imu_noise:
+        if hasattr(source, "noise") and (stated := source.noise()):
+            return stated
         return ASSUMED_NOISE, "assumed: a consumer IMU's, several times the data sheet"
     content = read_yaml(options.imu_noise)
     content = content.get("imu0", content)

@@ -70,7 +70,8 @@ def convert(sources, options):
     with NewFolder(options.out) as folder:
         imu, stamp_source, dropped = imu_stage.prepared(choice, options, notes, warnings)
         names = choice.cameras(options.camera)
-        noise = calibration.noise_of(options)
+        notes += [note for source in sources for note in getattr(source, "notes", [])]
+        noise = calibration.noise_of(options, choice.owner[imu.name.split(' + ')[0]])
         imu_folder = folder / "mav0" / "imu0"
         write_imu(imu_folder, imu)
         rate_hz = 1e9 / float(np.median(np.diff(imu.t_ns)))

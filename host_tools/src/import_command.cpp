@@ -11,13 +11,17 @@ namespace host {
 namespace {
 
 constexpr const char* explanation =
-    "Makes a recording of a log: ROS bags, MCAP, phone logs. REC then works with all other commands.";
+    "Makes a recording of a log: ROS bags, MCAP, phone logs, PX4 logs, video. REC then works with all other commands.";
 
 constexpr const char* footer = R"(Formats, known by their content:
   ROS 1 bag          run.bag, or all parts of one that was split
   ROS 2 bag          folder with metadata.yaml (SQLite or MCAP), or its .db3 or .mcap alone
   phone log          folder with tables gyro.csv and accel.csv or the like (Sensor Logger, phyphox, ...) or JSON lines, and a
                      table of images (timestamp, filename)
+  PX4 log            flight.ulg: sensor_combined, or sensor_gyro and sensor_accel
+  EuRoC, TUM-VI      folder with mav0 (needs no import, but may have one)
+  video              clip.mp4 with a table of its frames' stamps beside it, clip.csv or frames.csv; with the IMU's tables as
+                     further SRC. Needs a package that setup does not install; the message says the command
 Several SRC are read together, if their stamps are of one clock.
 
 Examples:

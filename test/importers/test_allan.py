@@ -65,7 +65,7 @@ class Allan(Case):
         self.assertLess(abs(np.mean(ratios) - 1), 0.25, ratios)
         # The file is one that the other commands take.
         self.assertEqual(set(text) - {"rostopic", "update_rate"}, {f"{s}_{n}" for s in ("gyroscope", "accelerometer") for n in ("noise_density", "random_walk")})
-        self.assertTrue(all(isinstance(v, float) for k, v in text.items() if k != "rostopic"), text)
+        self.assertTrue(all(isinstance(v, (int, float)) for k, v in text.items() if k != "rostopic"), text)
 
     def test_a_rest_within_motion(self):
         values = samples(130, 3, density=(1e-4, 2e-3), walk=(0, 0))

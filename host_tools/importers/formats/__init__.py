@@ -1,8 +1,8 @@
 """The formats, in the order in which they are asked whether a file is theirs."""
 
-from . import phone, ros
+from . import asl, phone, ros, ulog, video
 
-ALL = [ros, phone]
+ALL = [ros, ulog, asl, video, phone]
 
 # Packages that are not installed unasked, and the command that does.
 EXTRAS = {"av": "video"}
