@@ -53,7 +53,22 @@ prepare_unity() {
   host_tools/fetch_unity.sh "$PWD/third_party/unity"
 }
 
+# The pictures on the walls of rendered rooms (`segcal simulate --images`): scikit-image's example photographs, of which the
+# wheel is taken apart and nothing else is used.
+prepare_photographs() {
+  [ -d third_party/photographs ] && return
+  local work
+  work=$(mktemp -d)
+  .venv/bin/pip download --quiet --disable-pip-version-check --no-deps --only-binary :all: -d "$work" scikit-image==0.26.0
+  .venv/bin/python -m zipfile -e "$work"/scikit_image-*.whl "$work/wheel"
+  mkdir -p third_party "$work/photographs"
+  cp "$work"/wheel/skimage/data/*.png "$work"/wheel/skimage/data/*.jpg "$work/photographs"
+  mv "$work/photographs" third_party/photographs
+  rm -rf "$work"
+}
+
 install_packages
 make_python_environment
 prepare_unity
+prepare_photographs
 echo "Ready. Next: cmake --workflow --preset demo, --preset test or --preset firmware"

@@ -162,9 +162,10 @@ void simulate_cameras(const SimulationOptions& options, const Session& session, 
     const std::int64_t t_ns = stamp(session, session.first_frame + period * k);
     const double t = time_of(session.time_zero_ns, t_ns);
     for (std::size_t i = 0; i < simulators.size(); ++i) {
-      Frame frame{t_ns, simulators[i].next_frame(t, next_track_id)};
+      Frame frame{t_ns, options.images ? std::vector<TrackPoint>() : simulators[i].next_frame(t, next_track_id)};
       if (!in_hole(session, t)) result.recording.cameras[i].frames.push_back(std::move(frame));
     }
+    if (!in_hole(session, t)) result.frame_times.push_back(t);
     if (progress && k % 100 == 0) progress(static_cast<double>(k) / frames);
   }
 }
@@ -180,6 +181,7 @@ SimulationResult simulate(const SimulationOptions& options, const std::function<
   check(options);
   const Session session = options.trajectory_file.empty() ? drawn_session(options) : recorded_session(options);
   SimulationResult result;
+  result.with_images = options.images;
   result.nominal = sim::nominal_device(options.distortion, options.cameras);
   result.device_seed = options.device_seed.value_or(options.seed);
   result.truth = sim::draw_device(result.nominal, result.device_seed, options.device_scale);

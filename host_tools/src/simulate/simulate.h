@@ -29,6 +29,7 @@ struct SimulationOptions {
   double camera_rate_hz = 10;                 ///< Hz
   ImuNoise imu_noise;                         ///< rate and noise that are written to sensor.yaml and simulated
   bool with_imu_noise = true;                 ///< false: no white noise and no biases
+  bool images = false;                        ///< frames without tracks, for render::write_images
   sim::TrackOptions tracks;                   ///< number, life span and pixel noise
   sim::Effects effects;                       ///< departures from the model, applied in this order
   std::optional<sim::WarmUp> temperature;     ///< of the IMU; empty: recorded only if an effect needs it
@@ -47,11 +48,13 @@ struct SimulationResult {
   Calibration nominal;             ///< what an estimator starts from
   Calibration truth;               ///< the simulated specimen, before any shock
   std::vector<sim::EffectTruth> effects;
+  bool with_images = false;        ///< the frames have stamps only
   bool imu_is_simulated = true;    ///< false with `imu_file`: the IMU part of `truth` is unknown then
   sim::Trajectory trajectory;      ///< times in s since `time_zero_ns`
   sim::BiasHistory biases;
   std::int64_t time_zero_ns = 0;
   std::uint64_t device_seed = 0;   ///< the specimen
+  std::vector<double> frame_times;  ///< what each frame's stamp was before faults of the log, s since `time_zero_ns`
 
   /// Truth at a stamp of the IMU's clock, ns; stamps outside the recording are clamped.
   TruthState state_at(std::int64_t t_ns) const;
@@ -62,7 +65,7 @@ struct SimulationResult {
 SimulationResult simulate(const SimulationOptions& options, const std::function<void(double)>& progress = {});
 
 /// Writes the recording, camchain-imucam.yaml (nominal) and truth/ (camchain-imucam.yaml, imu.yaml, truth.json,
-/// biases.csv) under `root`. Throws InputError if the disk refuses.
+/// biases.csv) under `root`; of a session with images no tracks. Throws InputError if the disk refuses.
 void write_simulation(const SimulationResult& result, const std::filesystem::path& root);
 
 }  // namespace host

@@ -1,9 +1,11 @@
 // The subcommand `segcal simulate`.
 #include <algorithm>
+#include <chrono>
 #include <iostream>
 #include <memory>
 
 #include "../commands.h"
+#include "../render/render_images.h"
 #include "effect_model.h"
 #include "effect_names.h"
 #include "scenarios.h"
@@ -29,12 +31,17 @@ constexpr const char* examples = R"(Examples:
       the same departure from the model, in another device
   segcal simulate --out mh03 --trajectory groundtruth.csv --imu imu.csv --seconds 100
       landmarks simulated along a recorded motion, with the real IMU samples
+  segcal simulate --out room --images --rate-camera 20 --seconds 20 && segcal track room
+      images of a room papered with photographs, for the real tracker; some 0.1 s per image, progress on stderr
+  segcal simulate --out phone --images --rate-camera 30 --effect rolling_shutter=3e-5 --exposure 0.015 --grey-noise 4
+      a telephone's camera: rows exposed one after another, motion blur, noise
 
 The device is drawn around nominal with 1 px (f, c), 0.004 and 0.002 (gyroscope scale, misalignment), 0.012
 (accelerometer scale, misalignment; rotations, rad) and 4 mm. Exit code 2: bad usage or an unusable file.)";
 
 struct Command {
   SimulationOptions options;
+  render::ImageOptions images;
   std::filesystem::path out;
   std::string distortion = "fov";
   std::vector<std::string> effects, faults;
@@ -74,17 +81,32 @@ void report(const Command& command, const SimulationResult& result) {
     frames += camera.frames.size();
     for (const Frame& frame : camera.frames) points += frame.points.size();
   }
-  std::cerr << "wrote " << command.out.string() << ": " << result.recording.imu.samples.size() << " IMU samples, "
-            << frames << " frames, " << points / std::max<std::size_t>(frames, 1) << " tracks per frame\n";
+  std::cerr << "wrote " << command.out.string() << ": " << result.recording.imu.samples.size() << " IMU samples, " << frames;
+  if (result.with_images)
+    std::cerr << " images; next: segcal track " << command.out.string() << '\n';
+  else
+    std::cerr << " frames, " << points / std::max<std::size_t>(frames, 1) << " tracks per frame\n";
+}
+
+void write_images(const Command& command, const SimulationResult& result) {
+  const auto began = std::chrono::steady_clock::now();
+  render::write_images(result, command.options, command.images, command.out, [&](std::size_t done, std::size_t all) {
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - began;
+    if (done % 20 == 0 || done == all)
+      std::cerr << "\rrendering " << done << " of " << all << " images, " << static_cast<int>(1e3 * spent.count() / static_cast<double>(done))
+                << " ms each" << (done == all ? "\n" : "") << std::flush;
+  });
 }
 
 void run(const Command& command) {
   check_output(command);
+  if (command.options.images) render::read_photographs(command.images.photographs);  // complain before anything is written
   const SimulationResult result = simulate(command.options, [](double share) {
     std::cerr << "\rsimulating " << static_cast<int>(100 * share) << " %" << std::flush;
   });
   std::cerr << "\rsimulating 100 %\n";
   write_simulation(result, command.out);
+  if (command.options.images) write_images(command, result);
   report(command, result);
 }
 
@@ -125,6 +147,21 @@ void add_sensor_options(CLI::App& app, Command& command) {
   app.add_option("--accel-walk", noise.accel_random_walk, "m/s^3/sqrt(Hz)")->check(positive)->capture_default_str();
 }
 
+void add_image_options(CLI::App& app, Command& command) {
+  render::SensorOptions& sensor = command.images.sensor;
+  app.add_flag("--images", command.options.images,
+               "images instead of tracks: camN/data.csv and camN/data, as EuRoC has them. A room of textured planes with furniture,\n"
+               "through the lens of --distortion. A stamp is the middle of the exposure, with rolling_shutter that of the middle row");
+  app.add_option("--exposure", sensor.exposure_s, "usual exposure time, s; the exposure control goes from half of it to twice")
+      ->check(CLI::Range(0.0, 0.1))->capture_default_str();
+  app.add_option("--grey-noise", sensor.noise_grey, "noise of the image sensor at a grey value of 128: standard deviation, grey values")
+      ->check(CLI::Range(0.0, 50.0))->capture_default_str();
+  app.add_option("--lens-blur", sensor.lens_blur_px, "standard deviation of the lens' point spread, px")
+      ->check(CLI::Range(0.0, 1.0))->capture_default_str();
+  app.add_flag("!--fixed-exposure", sensor.control_exposure, "no exposure control: bright walls stay bright");
+  app.add_option("--photographs", command.images.photographs, "folder of the photographs on the walls (default: what host_tools/setup.sh brings)");
+}
+
 void add_effect_options(CLI::App& app, Command& command) {
   app.add_option("--effect", command.effects,
                  "NAME=v1,v2,...: an effect that the calibrated model has no parameter for; repeatable. Values of the sizes\n"
@@ -161,6 +198,7 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
   add_motion_options(*sub, *command);
   add_device_options(*sub, *command);
   add_sensor_options(*sub, *command);
+  add_image_options(*sub, *command);
   add_effect_options(*sub, *command);
   sub->callback([command, &exit_code] {
     command->options.distortion = distortion_from_name(command->distortion);

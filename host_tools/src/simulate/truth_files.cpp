@@ -47,6 +47,7 @@ std::string biases_csv(const SimulationResult& result) {
 void write_simulation(const SimulationResult& result, const std::filesystem::path& root) {
   Recording recording = result.recording;
   recording.root = root;
+  if (result.with_images) recording.cameras.clear();
   write_recording(recording);
   write_camchain(root / "camchain-imucam.yaml", result.nominal);
   write_file(root / "device.yaml",
