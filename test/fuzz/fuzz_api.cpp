@@ -28,8 +28,8 @@ class Session {
   void run() {
     segcal_config_t config = SyntheticStream::config();
     config.estimate_effects = in_.flag() ? std::uint32_t(SEGCAL_EFFECT_TIME_OFFSET) : 0u;
-    config.metric = in_.below(7);
-    for (int n = in_.below(4); n > 0; --n) in_.spoil(&config);
+    config.metric = in_.below(5);
+    for (int n = in_.below(8) - 5; n > 0; --n) in_.spoil(&config);   // three of eight sessions
     if (segcal_create(&device_, &config, storage_.data(), storage_.size() * sizeof(std::max_align_t)) != SEGCAL_OK) return;
     while (!in_.empty()) step();
     segcal_flush(device_);
@@ -48,7 +48,7 @@ class Session {
       case 8: if (in_.below(4) == 0) segcal_flush(device_); return;
       case 9: if (in_.below(4) == 0) segcal_calibrate(device_); return;
       case 10: if (in_.below(6) == 0) segcal_new_session(device_); return;
-      default: shift_ns_ += in_.below(3) == 0 ? in_.integer() : in_.below(100) * 1000000; return;
+      default: shift_ns_ = in_.below(3) == 0 ? in_.integer() : shift() + in_.below(100) * 1000000; return;
     }
   }
 
