@@ -15,6 +15,7 @@ body { margin: 0 auto; max-width: 62rem; padding: 0.8rem; color: #212529; backgr
 h1 { font-size: 1.35rem; margin: 0.2rem 0 0.6rem; overflow-wrap: anywhere; }
 h2 { font-size: 1.1rem; margin: 2rem 0 0.4rem; border-bottom: 1px solid #dee2e6; padding-bottom: 0.2rem; }
 p { margin: 0.4rem 0; }
+.cause { font-weight: 600; }
 .headline { font-size: 1.1rem; padding: 0.7rem 0.9rem; border-radius: 0.5rem; border-left: 0.4rem solid; }
 .calibrated { background: #ebfbee; border-color: #2b8a3e; }
 .insufficient { background: #fff9db; border-color: #e67700; }
@@ -162,11 +163,23 @@ def faults(data, result):
     return section("Data and faults", table(("what", "count"), rows))
 
 
+def cause_and_suspects(result):
+    """Why there is no calibration, and what else may be wrong: first of all that a reader sees."""
+    cause = result.get("cause") or ""
+    parts = [f'<p class="cause">{escape(cause)}</p>'] if cause else []
+    for suspect in (result.get("health") or {}).get("suspects") or []:
+        text = suspect.get("words") or suspect.get("name") or ""
+        if text and text not in cause:
+            parts.append(note("Suspect: " + text))
+    return "\n".join(parts)
+
+
 def body(name, result, data):
     status = result["status"] if result["status"] in words.STATUS_WORDS else "failed"
     return "\n".join([
         f"<h1>segcal: {escape(name)}</h1>",
         f'<p class="headline {status}">{escape(words.headline(result))}</p>',
+        cause_and_suspects(result),
         calibration(result),
         unobservable(result),
         drawn("Path, seen from above", figures.top_view, data, alignment_remark(data)),

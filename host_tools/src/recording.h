@@ -90,13 +90,16 @@ struct Recording {
   ImuData imu;
   std::vector<CameraData> cameras;  ///< cam0, cam1, ...
   std::vector<TruthPose> truth;     ///< empty where the folder has none
+  std::vector<std::string> notes;   ///< what was done to the data while they were read, a sentence each
   std::optional<DeviceSession> device;  ///< of a device log; then all cameras have the same frames, some of them empty
 };
 
 /// Reads REC/mav0. `n_cameras` cameras must exist. Frames come from tracks.csv; where it is missing, `frames` stays
 /// empty (the caller decides whether that is an error: `segcal replay` says to run `segcal track` first).
+/// The IMU comes from imu0/data.csv or, where that is missing, from gyro.csv and accel.csv (stamps/imu_streams.h).
+/// `smooth`: stamps of IMU and tracks are those of callbacks and are smoothed (stamps/smooth_stamps.h).
 /// Throws InputError: missing or empty file, wrong column count, non-number, no overlap of IMU and camera in time.
-Recording read_recording(const std::filesystem::path& root, int n_cameras);
+Recording read_recording(const std::filesystem::path& root, int n_cameras, bool smooth = false);
 
 /// Writes imu0/{data.csv,sensor.yaml}, camN/{data.csv-less, tracks.csv}, state_groundtruth_estimate0/data.csv (if truth).
 void write_recording(const Recording& recording);

@@ -3,12 +3,15 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <map>
 #include <unordered_set>
 
 #include "csv.h"
 #include "imu_data_file.h"
 #include "imu_noise_file.h"
 #include "recording.h"
+#include "stamps/imu_streams.h"
+#include "stamps/smooth_stamps.h"
 
 namespace host {
 namespace {
@@ -16,6 +19,47 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* truth_columns = "timestamp [ns], p_x, p_y, p_z [m], q_w, q_x, q_y, q_z (, more)";
+
+/// Stamps of one file, smoothed.
+std::vector<std::int64_t> smoothed(const std::string& stream, const std::vector<std::int64_t>& t_ns, std::vector<std::string>* notes) {
+  SmoothedStamps out = smooth_stamps(t_ns);
+  notes->push_back(smoothing_note(stream, out.t_ns.size(), out.period_s, out.moved_rms_s, out.moved_most_s, out.missing));
+  return std::move(out.t_ns);
+}
+
+ImuData read_imu(const fs::path& root, bool smooth, std::vector<std::string>* notes) {
+  ImuData imu;
+  const ImuNoise noise = read_recording_noise(root);
+  imu.noise = noise;
+  const fs::path folder = root / "mav0" / "imu0";
+  if (!fs::exists(folder / "data.csv") && fs::exists(folder / "gyro.csv")) {
+    imu.samples = read_imu_streams(folder, smooth, notes);
+    return imu;
+  }
+  imu = read_imu_samples(folder / "data.csv");
+  imu.noise = noise;
+  if (smooth) {
+    std::vector<std::int64_t> t_ns;
+    for (const ImuSample& s : imu.samples) t_ns.push_back(s.t_ns);
+    t_ns = smoothed("imu0", t_ns, notes);
+    for (std::size_t i = 0; i < t_ns.size(); ++i) imu.samples[i].t_ns = t_ns[i];
+  }
+  return imu;
+}
+
+/// Cameras of one rig share their trigger: moments are smoothed once, for all of them.
+void smooth_frames(std::vector<CameraData>* cameras, std::vector<std::string>* notes) {
+  std::map<std::int64_t, std::int64_t> moment;
+  for (const CameraData& camera : *cameras)
+    for (const Frame& frame : camera.frames) moment[frame.t_ns] = 0;
+  std::vector<std::int64_t> t_ns;
+  for (const auto& [t, unused] : moment) t_ns.push_back(t);
+  if (t_ns.empty()) return;
+  const std::vector<std::int64_t> smooth = smoothed("cam0", t_ns, notes);
+  for (std::size_t i = 0; i < t_ns.size(); ++i) moment[t_ns[i]] = smooth[i];
+  for (CameraData& camera : *cameras)
+    for (Frame& frame : camera.frames) frame.t_ns = moment[frame.t_ns];
+}
 
 /// `must_exist` where the images are the only source of tracks: then each file that the list names has to be there.
 std::vector<ImageEntry> read_images(const fs::path& folder, bool must_exist) {
@@ -113,16 +157,15 @@ void check_overlap(const Recording& recording) {
 
 }  // namespace
 
-Recording read_recording(const fs::path& root, int n_cameras) {
+Recording read_recording(const fs::path& root, int n_cameras, bool smooth) {
   if (!fs::is_directory(root / "mav0"))
     throw InputError(root.string() + ": expected a recording, a folder that holds mav0/imu0 and mav0/cam0");
   Recording recording;
   recording.root = root;
-  const ImuNoise noise = read_recording_noise(root);
-  recording.imu = read_imu_samples(root / "mav0" / "imu0" / "data.csv");
-  recording.imu.noise = noise;
+  recording.imu = read_imu(root, smooth, &recording.notes);
   for (int i = 0; i < n_cameras; ++i)
     recording.cameras.push_back(read_camera(root / "mav0" / ("cam" + std::to_string(i))));
+  if (smooth) smooth_frames(&recording.cameras, &recording.notes);
   recording.truth = read_truth(root / "mav0");
   check_overlap(recording);
   return recording;

@@ -72,6 +72,31 @@ void test_misfits_leave_after_a_failed_calibration() {
   }
 }
 
+/// The camera is observed, but it is less than half of theta: the result says what was found, and the device goes on with the
+/// calibration that it had.
+void test_only_a_calibrated_result_moves_the_device() {
+  static const SyntheticStream twelve(211, 12);
+  for (bool known_imu : {true, false}) {
+    const Id id = Id().add("known_imu", known_imu);
+    segcal_config_t config = SyntheticStream::config();
+    config.keep_segments = 6;
+    config.trigger_fraction = -1;
+    for (int i = 11; i < 26; ++i) config.prior_sigma[i] = known_imu ? 1e-6 : 0;  // no data tell more: fixed
+    Storage storage(0xFF);
+    segcal_t* device = create(&storage, config);
+    feed(device, twelve, Way::keyframes, 1000000);
+    segcal_flush(device);
+    segcal_calibrate(device);
+    static segcal_result_t result;
+    TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_result(device, &result));
+    segcal_camera_t camera;
+    segcal_get_camera(device, 0, &camera);
+    check_near(id, "status", known_imu ? 0 : 1, result.status, 0);
+    check_true(id, "fx was found", result.parameter[6].value != config.camera[0].intrinsics[0]);
+    check_true(id, "the device's fx stays unless calibrated", (camera.intrinsics[0] == config.camera[0].intrinsics[0]) == known_imu);
+  }
+}
+
 /// Lively motion: segments go on up to twice their length, and lose every second keyframe on the way.
 void test_segments_of_open_length() {
   static const SyntheticStream forty(208, 40);
@@ -131,6 +156,7 @@ void test_slices_change_no_bit() {
 int main(int argc, char** argv) {
   test::select_cases(argc, argv);
   UNITY_BEGIN();
+  RUN_TEST(test_only_a_calibrated_result_moves_the_device);
   RUN_TEST(test_misfits_leave_after_a_failed_calibration);
   RUN_TEST(test_segments_of_open_length);
   RUN_TEST(test_slices_change_no_bit);

@@ -139,10 +139,11 @@ class Diagnoser {
   std::string lost_odometry() const {
     std::map<std::string, std::uint32_t> count;
     for (const auto& [name, n] : evidence_.result().counters) count[name] = n;
-    const bool used = 2 * count["frames_used"] > count["frames"], seen = 2 * count["frames_few_tracks"] < count["frames"];
+    const std::uint32_t offered = evidence_.result().health.frames_offered;  // every third image of a camera with 30 Hz
+    const bool used = 2 * count["frames_used"] > offered, seen = 2 * count["frames_few_tracks"] < count["frames"];
     if (used || !seen || (count["filter_restarts"] == 0 && count["frames_used"] > 0)) return "";
     return "odometry diverges with this model: " + std::to_string(count["filter_restarts"]) + " restarts, " +
-           std::to_string(count["frames_used"]) + " of " + std::to_string(count["frames"]) +
+           std::to_string(count["frames_used"]) + " of " + std::to_string(offered) +
            " images used; look for something large: the lens model, the resolution that the calibration was made at, the extrinsics";
   }
 

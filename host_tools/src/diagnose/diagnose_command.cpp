@@ -17,7 +17,7 @@ struct Arguments {
   std::vector<std::string> recordings;
   std::string calibration, model, out;
   int cameras = 1;
-  bool json = false;
+  bool json = false, smooth_stamps = false;
   DiagnoseOptions diagnose;
 };
 
@@ -75,7 +75,7 @@ void print_next(const Arguments& a, const Diagnosis& d) {
 }
 
 int run(Arguments a) {
-  const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras);
+  const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras, a.smooth_stamps);
   a.diagnose.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
   a.diagnose.core.noise = sessions.front().imu.noise;
   if (!a.model.empty()) read_model(a.model).apply(&a.diagnose.core);
@@ -105,6 +105,7 @@ void add_diagnose_command(CLI::App& app, int& exit_code) {
   sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
   sub->add_option("--pixel-sigma", a->diagnose.core.pixel_sigma, "stated noise of a tracked corner per axis, px")
       ->capture_default_str()->check(CLI::PositiveNumber);
+  sub->add_flag("--smooth-stamps", a->smooth_stamps, "stamps were taken in callbacks: smooth them first, as segcal replay does");
   sub->add_flag("--json", a->json, "print diagnosis.json on standard output");
   sub->footer(R"(Example:
   segcal simulate --out late --scenario rich --seconds 60 --seed 1 --effect time_offset=0.003

@@ -68,6 +68,16 @@ void EffectChoice::set(const std::string& parameter, double value) {
   throw InputError("there is no parameter '" + parameter + "'");
 }
 
+bool EffectChoice::enabled(const std::string& effect) const {
+  const int e = find_name(effect);
+  return e >= 0 && (effects_ >> e & 1u) != 0;
+}
+
+double EffectChoice::value(const std::string& parameter) const {
+  const auto found = value_.find(parameter);
+  return found == value_.end() ? 0 : found->second;
+}
+
 void EffectChoice::add_term(const std::string& name, double value) {
   Term t;
   if (!find_term(name, &t)) throw InputError("there is no term '" + name + "'; expected one as gyro_x:fy*wz, accel_z:T or image_u:x^2*y");

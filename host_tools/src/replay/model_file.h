@@ -19,6 +19,9 @@ class EffectChoice {
   void add_term(const std::string& name, double value);
   /// Start of a parameter, "time_offset.t_d". Throws InputError if the effect has none of that name.
   void set(const std::string& parameter, double value);
+  bool enabled(const std::string& effect) const;
+  /// Start of a parameter; 0 where none was set.
+  double value(const std::string& parameter) const;
   /// Puts the choice into the core's options.
   void apply(CoreOptions* options) const;
 

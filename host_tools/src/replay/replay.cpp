@@ -1,5 +1,7 @@
 #include "replay/replay.h"
 
+#include "review/review.h"
+
 #include <algorithm>
 #include <chrono>
 
@@ -68,6 +70,7 @@ class Session {
   void take_frame(const RigFrame& frame, Clock::time_point start) {
     const FrameOutcome outcome = core_.push_frame(frame.t_ns, frame.cameras);
     newest_ = frame.t_ns;
+    if (outcome != FrameOutcome::skipped) ++out_.health.frames_offered;
     const bool calibrated = core_.background();
     const double ms = ms_since(start);
     if (collect_segment()) {
@@ -180,6 +183,8 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   out.timing.vio_ms_p95 = quantile(session.frame_ms, 0.95);
   out.timing.score_ms_median = quantile(session.score_ms, 0.5);
   mark_kept(out);
+  out.clocks = options.clocks;
+  if (options.review) review::review(sessions, core_options, *core, &out);
   if (options.keep_core) *options.keep_core = std::move(core);
   return out;
 }

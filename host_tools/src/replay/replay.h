@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "clock/clock_search.h"
 #include "replay/core.h"
 
 namespace host {
@@ -11,6 +12,8 @@ struct ReplayOptions {
   CoreOptions core;
   std::string profile = "mobile";
   bool joint_ekf = false;            ///< no segments: the filter gives the calibration itself, at the end of each session
+  bool review = false;               ///< judge the result and name causes (review/review.h)
+  std::vector<ClockSearch> clocks;   ///< what was found of the sessions' clocks, one each; may be empty
   bool calibrate = true;             ///< false: odometry only, the calibration stays as it is
   /// Called after each session with what has been found so far; may be empty. The number counts from 0.
   std::function<void(std::size_t, const CoreResult&, const Calibration&)> after_session;
@@ -38,7 +41,29 @@ struct ReplayTiming {
   double calibrate_ms = 0;                   ///< the last calibration
 };
 
+/// What a result may suffer from: a fault of the data, or an effect that the model lacks.
+struct Suspect {
+  std::string name;                  ///< of a fault "kind.sensor", of an effect its own
+  double statistic = 0;              ///< of a fault its size over the limit, of an effect chi-square
+  double log10_p = 0;                ///< of an effect, corrected for the number of effects
+  double bias_sigmas = 0;            ///< by how much the effect would move the released value `moves`
+  std::string moves;
+  std::string words;                 ///< a sentence
+};
+
+struct Health {
+  std::uint32_t frames = 0, frames_used = 0, filter_restarts = 0;
+  std::uint32_t frames_offered = 0;  ///< at the odometry's rate: a camera of 30 Hz offers every third image
+  double segment_scatter = 1;        ///< variance of what the segments say, over the model's; 1: not more than noise
+  double step_chi2 = 0;              ///< of the step from the start by the prior's sigmas
+  int step_dof = 0;
+  std::vector<Suspect> suspects;     ///< faults, then effects, the largest statistic first
+};
+
 struct ReplayResult {
+  Health health;
+  std::string cause;                 ///< why it is not calibrated; a sentence, where it was reviewed
+  std::vector<ClockSearch> clocks;   ///< of the sessions
   CoreResult result;
   bool calibrated = false;           ///< a calibration ran
   std::vector<ReplayCalibration> calibrations;

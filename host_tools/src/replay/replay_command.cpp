@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "clock/clock_search.h"
 #include "commands.h"
 #include "csv.h"
 #include "device_log/device_log.h"
@@ -21,7 +22,7 @@ struct Arguments {
   std::string calibration, out, model, strategy = "single", verify_hash, device_id;
   std::vector<std::string> effects;
   int cameras = 1;
-  bool json = false, no_calibration = false, keep_outdated = false, hash = false;
+  bool json = false, no_calibration = false, keep_outdated = false, hash = false, smooth_stamps = false, keep_clock = false;
   ReplayOptions replay;
   std::vector<CLI::Option*> of_device;  ///< what a device log says itself
   CLI::Option* profile = nullptr;
@@ -39,6 +40,10 @@ void show_progress(double fraction) {
 
 void print_summary(const ReplayResult& r) {
   const CoreResult& c = r.result;
+  if (!r.cause.empty()) std::printf("not calibrated: %s\n", r.cause.c_str());
+  for (const Suspect& s : r.health.suspects) {
+    if (r.cause.find(s.words) == std::string::npos) std::printf("suspect: %s\n", s.words.c_str());
+  }
   std::printf("%s: %d of %zu segments kept, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n",
               c.status.c_str(), c.segments, r.segments.size(), c.dof > 0 ? c.chi2 / c.dof : 0.0, c.reprojection_rms_px,
               c.reprojection_median_px, c.iterations);
@@ -89,7 +94,7 @@ std::vector<Recording> sessions_of(Arguments* a) {
     a->cameras = static_cast<int>(front.calibration.cameras.size());
     a->replay.core.pixel_sigma = front.pixel_sigma;
   }
-  std::vector<Recording> sessions = read_sessions(a->recordings, a->cameras);
+  std::vector<Recording> sessions = read_sessions(a->recordings, a->cameras, a->smooth_stamps);
   if (log && a->calibration.empty()) {
     take_device(sessions, a);
   } else {
@@ -132,8 +137,57 @@ Provenance provenance_of(const Arguments& a, const std::vector<Recording>& sessi
   return from;
 }
 
+/// The offset that the clocks are known to have: of the model, if it has one, else of the camera chain.
+double stated_offset(const Arguments& a, EffectChoice* choice) {
+  const double of_model = choice->value("time_offset.t_d");
+  return of_model != 0 ? of_model : a.replay.core.calibration.cameras.front().timeshift_cam_imu;
+}
+
+/// Moves all camera stamps to the IMU's clock: by the offset that is stated and, where the images and the gyroscope say another
+/// one, by that, which is then estimated on. Returns the offset of the last session, from which the effect counts.
+double align_clocks(Arguments* a, EffectChoice* choice, std::vector<Recording>* sessions) {
+  const double stated = stated_offset(*a, choice);
+  double offset = stated;
+  for (Recording& session : *sessions) {
+    if (session.device) return 0;  // a device's bits are the device's
+    offset = stated;
+    if (!a->keep_clock) {
+      const ClockSearch found = search_clock(session, a->replay.core.calibration.cameras.front(), stated);
+      a->replay.clocks.push_back(found);
+      if (found.differs_from(stated)) {
+        offset = found.offset_s;
+        std::cerr << "segcal: " << session.root.string() << ": " << found.words << "; time_offset is estimated from there" << std::endl;
+        choice->enable("time_offset");
+      }
+    }
+    shift_frames(offset, &session);
+  }
+  if (choice->enabled("time_offset")) choice->set("time_offset.t_d", 0);
+  return offset;
+}
+
+/// The effect's value as people and files count it: from the stamps as they are in the recording.
+void count_offset_from_recording(double offset, ReplayResult* result) {
+  const auto add = [offset](std::vector<CoreParameter>* parameters) {
+    double value = offset;
+    for (CoreParameter& p : *parameters) {
+      if (p.name != "time_offset.t_d") continue;
+      p.initial += offset;
+      value = p.value += offset;
+    }
+    return value;
+  };
+  const double total = add(&result->result.parameters);
+  for (std::size_t i = 0; i < result->result.mean.size() && i < result->result.parameters.size(); ++i) {
+    if (result->result.parameters[i].name == "time_offset.t_d") result->result.mean[i] += offset;
+  }
+  for (ReplayCalibration& c : result->calibrations) add(&c.parameters);
+  if (result->result.status != "calibrated") return;  // the calibration is the one that it started with
+  for (CameraCalibration& camera : result->calibration.cameras) camera.timeshift_cam_imu = total;
+}
+
 int run(Arguments a) {
-  const std::vector<Recording> sessions = sessions_of(&a);
+  std::vector<Recording> sessions = sessions_of(&a);
   a.replay.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
   a.replay.core.noise = sessions.front().imu.noise;
   a.replay.core.multi_session = a.strategy == "multi";
@@ -143,11 +197,14 @@ int run(Arguments a) {
   EffectChoice choice;
   if (!a.model.empty()) choice = read_model(a.model);
   for (const std::string& name : a.effects) choice.enable(name);
+  const double offset = align_clocks(&a, &choice, &sessions);
   choice.apply(&a.replay.core);
+  a.replay.review = !sessions.front().device && !a.replay.joint_ekf && a.replay.calibrate;
   if (a.keep_outdated) a.replay.core.outdated_level = -1;
   a.replay.progress = show_progress;
   if (!a.verify_hash.empty()) read_hashes(a.verify_hash);  // a file without one is found out before the work
-  const ReplayResult result = replay(sessions, a.replay);
+  ReplayResult result = replay(sessions, a.replay);
+  if (!sessions.front().device) count_offset_from_recording(offset, &result);
   const Provenance from = provenance_of(a, sessions);
   write_result_files(a.out, result, from, sessions.back().truth);
   if (a.json) {
@@ -199,6 +256,10 @@ void add_model_options(CLI::App* sub, Arguments* a) {
   sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
   sub->add_option("--pixel-sigma", core.pixel_sigma, "stated noise of a tracked corner per axis, px")
       ->capture_default_str()->check(CLI::PositiveNumber);
+  sub->add_flag("--smooth-stamps", a->smooth_stamps,
+                "stamps were taken in callbacks: replace each by a robust line through those of one second before and after it");
+  sub->add_flag("--keep-clock", a->keep_clock,
+                "do not look for the camera clock's offset: it is the camera chain's timeshift_cam_imu, or the model's");
   sub->add_option("--enable", a->effects,
                   "effect to estimate beside the calibration, as time_offset; repeatable. All of them: see below")
       ->allow_extra_args(false);

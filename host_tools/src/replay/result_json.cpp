@@ -54,6 +54,15 @@ Json logs_json(const Provenance& from) {
   return json;
 }
 
+Json health_json(const Health& h) {
+  Json suspects = Json::array();
+  for (const Suspect& s : h.suspects) {
+    suspects.push_back({{"name", s.name}, {"statistic", s.statistic}, {"log10_p", s.log10_p}, {"bias_sigmas", s.bias_sigmas}, {"moves", s.moves}, {"words", s.words}});
+  }
+  return {{"frames", h.frames}, {"frames_used", h.frames_used}, {"frames_offered", h.frames_offered}, {"filter_restarts", h.filter_restarts},
+          {"segment_scatter", h.segment_scatter}, {"step_chi2", h.step_chi2}, {"step_dof", h.step_dof}, {"suspects", suspects}};
+}
+
 }  // namespace
 
 Json result_json(const ReplayResult& out, const Provenance& from) {
@@ -62,10 +71,12 @@ Json result_json(const ReplayResult& out, const Provenance& from) {
   Json json;
   json["format"] = 2;
   json["status"] = r.status;
+  if (!out.cause.empty()) json["cause"] = out.cause;
   add_origin(from, &json);
   json["logs"] = logs_json(from);
   json["configuration"] = from.configuration;
   json["temperature_degC"] = from.temperature_degC ? Json(*from.temperature_degC) : Json();
+  json["health"] = health_json(out.health);
   json["parameters"] = parameters_json(r);
   json["mean"] = r.mean;
   json["covariance"] = r.covariance;

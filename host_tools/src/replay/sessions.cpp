@@ -17,14 +17,15 @@ std::vector<Recording> sessions_of_log(const std::string& file, int n_cameras) {
 
 }  // namespace
 
-std::vector<Recording> read_sessions(const std::vector<std::string>& recordings, int n_cameras) {
+std::vector<Recording> read_sessions(const std::vector<std::string>& recordings, int n_cameras, bool smooth) {
   std::vector<Recording> sessions;
   for (const std::string& root : recordings) {
     if (is_device_log(root)) {
       for (Recording& session : sessions_of_log(root, n_cameras)) sessions.push_back(std::move(session));
       continue;
     }
-    sessions.push_back(read_recording(root, n_cameras));
+    sessions.push_back(read_recording(root, n_cameras, smooth));
+    for (const std::string& note : sessions.back().notes) std::cerr << "segcal: " << root << ": " << note << std::endl;
     for (std::size_t c = 0; c < sessions.back().cameras.size(); ++c) {
       if (!sessions.back().cameras[c].frames.empty()) continue;
       throw InputError(root + "/mav0/cam" + std::to_string(c) + "/tracks.csv: missing; run `segcal track " + root +

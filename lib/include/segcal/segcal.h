@@ -360,7 +360,7 @@ int segcal_background(segcal_t *device, int32_t slices);
 int segcal_flush(segcal_t *device);
 /* Ends the session: as segcal_flush, then the filter starts again; the database is emptied if single session. */
 int segcal_new_session(segcal_t *device);
-/* Calibrates from the kept segments and, if something is released, puts the new theta into the filter. With none kept the
+/* Calibrates from the kept segments; only a result that is `calibrated` moves theta and the filter. With none kept the
    result is `insufficient`, and every direction is named as not excited. With joint_filter: takes what the filter knows at
    this moment; a new session goes on from it, with all of its information. */
 int segcal_calibrate(segcal_t *device);

@@ -193,13 +193,13 @@ void parameter_names(const Calibration<Real>& theta, segcal_parameter_t* out) {
   for (int i = 0; i < theta.effects.count(); ++i) describe(theta.effects.term[i], out++);
 }
 
-void parameter_values(const Calibration<Real>& theta, double* out) {
+void parameter_values(const Calibration<Real>& mean, const Calibration<Real>& theta, double* out) {
   const auto put = [&out](const auto& v, int n) {
     for (int i = 0; i < n; ++i) *out++ = static_cast<double>(v(i));
   };
   for (int c = 0; c < theta.n_cameras; ++c) {
     const CameraCalibration<Real>& camera = theta.camera[c];
-    put(so3_log<Real>(camera.R_CI), 3);
+    put(printed_rotation(mean.camera[c].R_CI, camera.R_CI), 3);
     put(camera.p_CI, 3);
     put(camera.intrinsics, 4);
     put(camera.distortion, camera.distortion_columns());
@@ -208,7 +208,7 @@ void parameter_values(const Calibration<Real>& theta, double* out) {
   put(theta.imu.gyro_misalignment, 3);
   put(theta.imu.accel_scale, 3);
   put(theta.imu.accel_misalignment, 3);
-  put(so3_log<Real>(theta.imu.R_AI), 3);
+  put(printed_rotation(mean.imu.R_AI, theta.imu.R_AI), 3);
   for (int i = 0; i < theta.effects.count(); ++i) *out++ = static_cast<double>(theta.effects.value[i]);
 }
 

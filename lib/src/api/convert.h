@@ -10,8 +10,8 @@ using Real = SEGCAL_REAL;
 
 bool options_from_config(const segcal_config_t& config, DeviceOptions<Real>* out);
 void parameter_names(const Calibration<Real>& theta, segcal_parameter_t* out);
-/// Values of theta as results print them: rotations as rotation vectors.
-void parameter_values(const Calibration<Real>& theta, double* out);
+/// Values of theta as results print them: rotations as the rotation vectors nearest to those of `mean`, the prior's.
+void parameter_values(const Calibration<Real>& mean, const Calibration<Real>& theta, double* out);
 /// False for a term that the core does not know.
 bool term_from_c(const segcal_term_t& in, Term* out);
 segcal_term_t term_to_c(const Term& term);

@@ -74,7 +74,7 @@ void Device<S>::restart_filter() {
   } else {
     vio_.reset(theta_, vio_options());
   }
-  if (!d_.options.joint_filter && calibrated_ && report_.release.status != Status::failed) vio_.set_calibration(theta_);
+  if (!d_.options.joint_filter && calibrated_ && report_.release.status == Status::calibrated) vio_.set_calibration(theta_);
   if (!own_odometry_) ++frame_;
   for (double& o : origin_) o = 0;
   builder().begin(&open_slot(), session_, serial_, false);

@@ -70,7 +70,7 @@ void Device<S>::finish_calibration() {
 
 template <class S>
 void Device<S>::take_release() {
-  if (report_.release.status == Status::failed) return;
+  if (report_.release.status != Status::calibrated) return;
   theta_ = report_.release.theta;
   d_.monitor.reset(prior(), theta_);
   stamp_shift_ns_ = stamp_shift(theta_);

@@ -8,7 +8,7 @@ namespace {
 /// (information/metrics.h); a component of a rotation vector is a sum of theta's columns.
 void printed_row(const Device<Real>& device, int i, Real* row) {
   const Directions<Real>& a = device.report().directions;
-  const PrintedValue<Real> value = printed_value(device.report().release.theta, i);
+  const PrintedValue<Real> value = printed_value(device.options().prior.mean, device.report().release.theta, i);
   for (int j = 0; j < a.n; ++j) {
     Real sum = Real(0);
     for (int k = 0; k < value.count; ++k) {
@@ -36,7 +36,7 @@ extern "C" int segcal_get_posterior(const segcal_t* device, double* mean, double
   const Release<Real>& release = d->device.report().release;
   const int n = d->device.report().directions.n;
   if (capacity < n * n) return SEGCAL_ERROR_SIZE;
-  parameter_values(d->device.report().theta, mean);
+  parameter_values(d->device.options().prior.mean, d->device.report().theta, mean);
   // Correlations times the released sigmas, which are never above the prior's: the diagonal is theirs exactly, and a matrix
   // of correlations scaled from both sides stays positive definite.
   Real row[kMaxTheta], other[kMaxTheta];

@@ -31,8 +31,8 @@ struct Release {
   S noise_scale = S(1);
 };
 
-/// A printed value's change as a sum over theta's columns: the column itself, or, for a component of a rotation vector,
-/// row i of J_l^-1(Log R): theta's columns are the small rotation Exp(d) R, and Log(Exp(d) R) moves by J_l^-1(Log R) d.
+/// A printed value's change as a sum over theta's columns: the column itself, or, for a component of a rotation vector v,
+/// row i of J_l^-1(v): theta's columns are the small rotation Exp(d) R, and the rotation vector of Exp(d) R moves by J_l^-1(v) d.
 template <class S>
 struct PrintedValue {
   int first = 0, count = 1;
@@ -50,15 +50,23 @@ auto rotation_of(Theta* theta, int i, int* first) -> decltype(&theta->imu.R_AI) 
   return i >= *first && i < *first + 3 ? &theta->imu.R_AI : nullptr;
 }
 
+/// A rotation as printed: the rotation vector nearest to the mean's. Cameras of phones are half a turn from the IMU, where the
+/// shortest vector jumps to its opposite, and components of the two must not be compared or mixed.
 template <class S>
-PrintedValue<S> printed_value(const Calibration<S>& theta, int i) {
+Vec3<S> printed_rotation(const Mat3<S>& R_mean, const Mat3<S>& R) {
+  return so3_log_near<S>(R, so3_log<S>(R_mean));
+}
+
+template <class S>
+PrintedValue<S> printed_value(const Calibration<S>& mean, const Calibration<S>& theta, int i) {
   PrintedValue<S> value;
   const Mat3<S>* R = rotation_of(&theta, i, &value.first);
   if (!R) {
     value.first = i;
     return value;
   }
-  const Mat3<S> J = so3_right_jacobian_inverse<S>(Vec3<S>(-so3_log<S>(*R)));  // left is right of the negative
+  const Vec3<S> v = printed_rotation(*rotation_of(&mean, i, &value.first), *R);
+  const Mat3<S> J = so3_right_jacobian_inverse<S>(Vec3<S>(-v));  // left is right of the negative
   value.count = 3;
   for (int k = 0; k < 3; ++k) value.weight[k] = J(i - value.first, k);
   return value;
@@ -85,7 +93,7 @@ void restore_fixed_components(const Calibration<S>& mean, const Verdict* verdict
     if (verdict[i] != Verdict::fixed && verdict[i + 1] != Verdict::fixed && verdict[i + 2] != Verdict::fixed) continue;
     const Mat3<S>& R_mean = *rotation_of(&mean, i, &first);
     const Vec3<S> v_mean = so3_log<S>(R_mean);
-    Vec3<S> v = so3_log<S>(*R);
+    Vec3<S> v = so3_log_near<S>(*R, v_mean);
     int fixed = 0;
     for (int k = 0; k < 3; ++k) {
       if (verdict[i + k] != Verdict::fixed) continue;
@@ -98,12 +106,12 @@ void restore_fixed_components(const Calibration<S>& mean, const Verdict* verdict
 
 /// Index of the fixed value that is least known, of those not yet `done`; -1 if none is left.
 template <class S>
-int least_known(const Release<S>& release, const S* prior_sigma, const bool* done) {
+int least_known(const Release<S>& release, const ThetaPrior<S>& prior, const bool* done) {
   int least = -1;
   S largest = S(0);
   for (int i = 0; i < release.theta.columns(); ++i) {
     if (done[i] || release.verdict[i] != Verdict::fixed) continue;
-    const S relative = release.printed_sigma[i] / sigma_before(printed_value(release.theta, i), prior_sigma);
+    const S relative = release.printed_sigma[i] / sigma_before(printed_value(prior.mean, release.theta, i), prior.sigma);
     if (least >= 0 && !(relative > largest)) continue;
     least = i;
     largest = relative;
@@ -143,8 +151,8 @@ void hold_fixed(const ThetaPrior<S>& prior, PackedTriangle<S>* R, Release<S>* ou
   S offset[kMaxTheta];
   bool done[kMaxTheta] = {};
   difference(out->theta, prior.mean, offset);
-  for (int i = least_known(*out, prior.sigma, done); i >= 0; i = least_known(*out, prior.sigma, done)) {
-    const PrintedValue<S> value = printed_value(out->theta, i);
+  for (int i = least_known(*out, prior, done); i >= 0; i = least_known(*out, prior, done)) {
+    const PrintedValue<S> value = printed_value(prior.mean, out->theta, i);
     S to_mean = S(0);
     for (int k = 0; k < value.count; ++k) to_mean += value.weight[k] * offset[value.first + k];
     done[i] = true;
@@ -158,7 +166,7 @@ void hold_fixed(const ThetaPrior<S>& prior, PackedTriangle<S>* R, Release<S>* ou
   for (int i = 0; i < n; ++i) step[i] = (*R)(i, n);
   back_substitute(*R, n, step);
   for (int i = 0; i < n; ++i) {
-    if (out->verdict[i] == Verdict::fixed && printed_value(out->theta, i).count == 1) step[i] = offset[i];
+    if (out->verdict[i] == Verdict::fixed && printed_value(prior.mean, out->theta, i).count == 1) step[i] = offset[i];
   }
   add_step(&out->theta, step);
   restore_fixed_components(prior.mean, out->verdict, &out->theta);
@@ -175,7 +183,7 @@ int judge_parameters(const PackedTriangle<S>& R, const Calibration<S>& theta, co
     const S one = S(1);
     const S sigma = marginal_sigma(R, n, i, &one, 1, work) * out->noise_scale;
     out->sigma[i] = sigma < prior.sigma[i] ? sigma : prior.sigma[i];
-    const PrintedValue<S> value = printed_value(theta, i);
+    const PrintedValue<S> value = printed_value(prior.mean, theta, i);
     const S before = sigma_before(value, prior.sigma);
     const S after = marginal_sigma(R, n, value.first, value.weight, value.count, work) * out->noise_scale;
     out->printed_sigma[i] = after < before ? after : before;

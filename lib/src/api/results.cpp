@@ -36,8 +36,8 @@ void release_to_c(const CDevice& d, const Release<Real>& release, segcal_result_
   out->noise_scale = static_cast<double>(release.noise_scale);
   double value[SEGCAL_MAX_PARAMETERS], initial[SEGCAL_MAX_PARAMETERS];
   parameter_names(release.theta, out->parameter);
-  parameter_values(release.theta, value);
-  parameter_values(d.device.options().prior.mean, initial);
+  parameter_values(d.device.options().prior.mean, release.theta, value);
+  parameter_values(d.device.options().prior.mean, d.device.options().prior.mean, initial);
   for (int i = 0; i < out->n_parameters; ++i) {
     segcal_parameter_t& p = out->parameter[i];
     p.value = value[i];

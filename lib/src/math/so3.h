@@ -111,6 +111,17 @@ Vec3<S> so3_log(const Mat3<S>& R) {
   return v * (S(2) * arc_tangent2(n, q(0)) / n);
 }
 
+/// Rotation vector of R nearest to `centre`, |centre| <= pi. The one with |Log| <= pi jumps from v to v - 2 pi v/|v| at half
+/// turns; of these two, the one that moves smoothly with R around Exp(centre).
+template <class S>
+Vec3<S> so3_log_near(const Mat3<S>& R, const Vec3<S>& centre) {
+  const Vec3<S> v = so3_log<S>(R);
+  const S n = square_root(v.squaredNorm());
+  if (n < S(1)) return v;  // the other one is longer than 5
+  const Vec3<S> other = v * (S(1) - S(6.283185307179586) / n);
+  return (other - centre).squaredNorm() < (v - centre).squaredNorm() ? other : v;
+}
+
 /// The nearest rotation after many products in rounded arithmetic (one step towards orthogonality by quaternion).
 template <class S>
 Mat3<S> renormalised(const Mat3<S>& R) {

@@ -1,0 +1,101 @@
+#include "review/missing_effects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "review/linearised.h"
+
+namespace host::review {
+namespace {
+
+using namespace diagnosis;
+
+constexpr double kLevel = -4;            // log10 p of a false suspicion, corrected
+constexpr double kDisagree = -3;         // halves that differ by more contradict each other
+constexpr double kHelps = 0.25;          // of the statistic that one half must gain from the other's value
+
+/// With the candidate free, the largest movement of a released value, in its stated sigmas.
+void find_bias(const Problem& problem, const Candidate& candidate, const ReplayResult& result, Suspect* out) {
+  const std::vector<CoreParameter>& p = result.result.parameters;
+  const Solution without = solve(with_prior(with_groups(problem.all, problem.n_theta, {}), problem.prior));
+  const Solution with = solve(with_groups(with_prior(problem.all, problem.prior), problem.n_theta, {candidate.columns}));
+  const Eigen::VectorXd moved = printed_by_columns(p) * (with.x.head(problem.n_theta) - without.x);
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (p[i].verdict == "fixed") continue;
+    const double sigmas = std::abs(moved(static_cast<Eigen::Index>(i))) / p[i].sigma;
+    if (sigmas <= out->bias_sigmas) continue;
+    out->bias_sigmas = sigmas;
+    out->moves = p[i].name;
+  }
+}
+
+/// Terms that a calibration estimated are no candidates any more.
+Catalogue not_estimated(Catalogue catalogue, const std::vector<CoreParameter>& parameters) {
+  const auto taken = [&parameters](const std::string& name) {
+    return std::any_of(parameters.begin(), parameters.end(), [&name](const CoreParameter& p) { return p.name == name; });
+  };
+  Catalogue out;
+  for (Candidate c : catalogue.candidates) {
+    if (taken(catalogue.terms[static_cast<std::size_t>(c.columns.first)].name)) continue;
+    const int first = static_cast<int>(out.terms.size());
+    for (int i = 0; i < c.columns.count; ++i) out.terms.push_back(catalogue.terms[static_cast<std::size_t>(c.columns.first + i)]);
+    c.columns.first = first;
+    out.candidates.push_back(c);
+  }
+  return out;
+}
+
+std::string number(const char* format, double value) {
+  char text[48];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+void ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c, std::size_t trials, const ReplayResult& result,
+         std::vector<Suspect>* out) {
+  const EffectTest test = test_effect(problem, c, {});
+  if (test.seen == 0) return;
+  const double log10_p = scatter_over_time(problem, c, {}).log10_p(test.statistic, test.seen) + std::log10(static_cast<double>(trials));
+  if (log10_p > kLevel) return;
+  const HalvesTest halves = test_halves(problem, c, {});
+  if (halves.log10_p_disagree < kDisagree || halves.gain < kHelps * test.statistic) return;
+  Suspect suspect{c.name, test.statistic, log10_p, 0, "", ""};
+  find_bias(problem, c, result, &suspect);
+  suspect.words = c.name + " is not in the model and would explain what is left (";
+  for (int i = 0; i < c.columns.count && i < 3; ++i) {
+    const TermInfo& t = catalogue.terms[static_cast<std::size_t>(c.columns.first + i)];
+    suspect.words += (i > 0 ? ", " : "") + t.name + " " + number("%.3g", test.value(i)) + " +- " + number("%.1g ", test.sigma(i)) + t.unit;
+  }
+  suspect.words += "); with it " + suspect.moves + " moves by " + number("%.1f", suspect.bias_sigmas) + " sigma: --enable " + c.name;
+  out->push_back(std::move(suspect));
+}
+
+}  // namespace
+
+std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature) {
+  std::vector<Suspect> out;
+  const Catalogue catalogue = not_estimated(core_catalogue(has_temperature), result.result.parameters);
+  const auto ask_all = [&](const Catalogue& part) {
+    const Problem problem = linearised(core, result, part.terms);
+    if (problem.held_out.empty()) return;
+    for (const Candidate& c : part.candidates) ask(problem, part, c, catalogue.candidates.size(), result, &out);
+  };
+  try {
+    ask_all(catalogue);
+  } catch (const InputError&) {  // no room for all at once
+    for (const Candidate& c : catalogue.candidates) {
+      Catalogue one{{}, {c}};
+      for (int i = 0; i < c.columns.count; ++i) one.terms.push_back(catalogue.terms[static_cast<std::size_t>(c.columns.first + i)]);
+      one.candidates[0].columns.first = 0;
+      try {
+        ask_all(one);
+      } catch (const InputError&) {  // nor for this one: this profile cannot be asked about it
+      }
+    }
+  }
+  std::sort(out.begin(), out.end(), [](const Suspect& a, const Suspect& b) { return a.statistic > b.statistic; });
+  return out;
+}
+
+}  // namespace host::review

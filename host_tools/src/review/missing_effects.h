@@ -1,0 +1,16 @@
+// The score test of the catalogue at a finished calibration: which effect outside the model would explain what it leaves, and
+// how far would theta move with it?
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "replay/replay.h"
+
+namespace host::review {
+
+/// An effect that the calibration's rows ask for: significant after correction for the number of effects and against the scatter
+/// of its own value over the segments; halves of the recording agree and help each other.
+std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature);
+
+}  // namespace host::review

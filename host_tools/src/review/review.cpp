@@ -1,0 +1,174 @@
+#include "review/review.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "diagnose/chi_square.h"
+#include "diagnose/fault.h"
+#include "replay/words.h"
+#include "review/linearised.h"
+#include "review/missing_effects.h"
+#include "review/segment_scatter.h"
+
+namespace host::review {
+namespace {
+
+constexpr double kLeastUsed = 0.5;       // of the images that the odometry was offered
+constexpr double kImplausible = -6;      // log10 p of the step from the start
+constexpr double kMostBias = 3;          // sigmas that a missing effect may move a released value by
+constexpr double kObserved = 0.3, kWeak = 0.5;  // as in lib/src/api/release.h
+
+template <typename... T>
+std::string text(const char* format, T... values) {
+  char buffer[500];
+  std::snprintf(buffer, sizeof buffer, format, values...);
+  return buffer;
+}
+
+std::uint32_t counter(const ReplayResult& result, const char* name) {
+  for (const auto& [key, count] : result.counters)
+    if (key == name) return count;
+  return 0;
+}
+
+class Review {
+ public:
+  Review(const std::vector<Recording>& sessions, const CoreOptions& options, Core& core, ReplayResult* result)
+      : sessions_(sessions), options_(options), core_(core), out_(*result), health_(result->health) {}
+
+  void run() {
+    health_.frames = counter(out_, "frames");
+    health_.frames_used = counter(out_, "frames_used");
+    health_.filter_restarts = counter(out_, "filter_restarts");
+    find_faults_of_data();
+    const bool fitted = out_.calibrated && out_.result.dof > 0 && out_.kept.size() >= 2 && out_.result.status != "failed";
+    if (fitted) judge_fit();
+    if (out_.result.status != "calibrated" && out_.cause.empty()) out_.cause = reason();
+  }
+
+ private:
+  void find_faults_of_data() {
+    for (const Recording& r : sessions_) {
+      for (const Fault& f : find_faults(r, options_.calibration)) {
+        health_.suspects.push_back({f.kind + "." + f.sensor, f.limit != 0 ? std::abs(f.value / f.limit) : 0, 0, 0, "", f.words});
+      }
+    }
+    faults_ = health_.suspects.size();
+  }
+
+  void judge_fit() {
+    const std::vector<Suspect> missing = missing_effects(core_, out_, options_.has_temperature);
+    health_.suspects.insert(health_.suspects.end(), missing.begin(), missing.end());
+    widen_sigmas();
+    if (out_.result.status != "calibrated") return;
+    if (!odometry_stayed()) return refuse("insufficient", used_words());
+    const std::string step = implausible_step();
+    if (!step.empty()) return refuse("failed", step);
+    const auto worst = std::max_element(missing.begin(), missing.end(), [](const Suspect& a, const Suspect& b) { return a.bias_sigmas < b.bias_sigmas; });
+    if (worst != missing.end() && worst->bias_sigmas > kMostBias) return refuse("failed", missing.front().words);
+    const auto observed = std::count_if(out_.result.parameters.begin(), out_.result.parameters.end(), [](const CoreParameter& p) { return p.verdict == "observed"; });
+    if (2 * static_cast<std::size_t>(observed) < out_.result.parameters.size())
+      refuse("insufficient", text("the segments disagree with each other by %.1f times their noise: with that in the sigmas, %d of %zu parameters are observed",
+                                  std::sqrt(health_.segment_scatter), static_cast<int>(observed), out_.result.parameters.size()));
+  }
+
+  void widen_sigmas() {
+    const diagnosis::Problem problem = linearised(core_, out_, {});
+    const SegmentScatter scatter = scatter_of_segments(problem, printed_by_columns(out_.result.parameters), out_.result.chi2 / out_.result.dof);
+    health_.segment_scatter = scatter.pooled;
+    for (std::size_t i = 0; i < out_.result.parameters.size(); ++i) {
+      CoreParameter& p = out_.result.parameters[i];
+      if (p.verdict == "fixed") continue;
+      const double before = p.sigma;
+      p.sigma = std::min(p.prior_sigma, p.sigma * std::sqrt(scatter.variance_factor(static_cast<Eigen::Index>(i))));
+      if (p.sigma > before) scale_covariance(i, p.sigma / before);
+      if (p.sigma > kObserved * p.prior_sigma) p.verdict = "weak";
+    }
+  }
+
+  /// Correlations stay.
+  void scale_covariance(std::size_t i, double factor) {
+    std::vector<double>& covariance = out_.result.covariance;
+    const std::size_t n = out_.result.parameters.size();
+    if (covariance.size() != n * n) return;
+    for (std::size_t j = 0; j < n; ++j) {
+      covariance[i * n + j] *= factor;
+      covariance[j * n + i] *= factor;
+    }
+  }
+
+  bool odometry_stayed() const {
+    return health_.frames_used >= kLeastUsed * health_.frames_offered;
+  }
+
+  std::string used_words() const {
+    return text("odometry used %u of %u images that it was offered (%u restarts)", health_.frames_used, health_.frames_offered, health_.filter_restarts);
+  }
+
+  /// The prior says where the truth may be; a step far beyond it was not made by noise.
+  std::string implausible_step() {
+    const std::vector<CoreParameter>& p = out_.result.parameters;
+    const Eigen::VectorXd step = step_from_start(p);
+    double sum = 0, largest = 0;
+    std::size_t which = 0;
+    int n = 0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      if (p[i].verdict == "fixed") continue;
+      const double sigmas = std::abs(step(static_cast<Eigen::Index>(i))) / p[i].prior_sigma;
+      sum += sigmas * sigmas;
+      ++n;
+      if (sigmas <= largest) continue;
+      largest = sigmas;
+      which = i;
+    }
+    health_.step_chi2 = sum;
+    health_.step_dof = n;
+    if (diagnosis::log10_upper_tail(sum, n) > kImplausible) return "";
+    return text("the result is too far from the start to be believed: %s from %.5g to %.5g is %.1f of the start's sigmas (chi2 %.0f of %d); "
+                "start nearer, or state a clock or lens error first (segcal diagnose)",
+                p[which].name.c_str(), p[which].initial, p[which].value, largest, sum, n);
+  }
+
+  void refuse(const char* status, const std::string& why) {
+    out_.result.status = status;
+    out_.calibration = out_.start;
+    out_.cause = why;
+  }
+
+  /// Why there is no calibration, the most certain reason first.
+  std::string reason() const {
+    const CoreResult& r = out_.result;
+    const std::string clock = !out_.clocks.empty() && !out_.clocks.front().judged ? out_.clocks.front().words : "";
+    std::string what;
+    if (r.status == "failed") {
+      what = r.dof > 0 && r.converged ? text("the fit leaves %.1f times the stated noise (chi2/dof %.2f)", std::sqrt(r.chi2 / r.dof), r.chi2 / r.dof) : "the fit did not settle";
+    } else if (!odometry_stayed()) {
+      what = used_words();
+    } else if (out_.kept.empty()) {
+      what = text("no segment told enough to be kept: %zu scored", out_.segments.size());
+    } else {
+      const auto observed = std::count_if(r.parameters.begin(), r.parameters.end(), [](const CoreParameter& p) { return p.verdict == "observed"; });
+      what = text("the motion tells %d of %zu parameters, half are needed: move and turn about all axes", static_cast<int>(observed), r.parameters.size());
+    }
+    if (faults_ > 0) return what + ": " + health_.suspects.front().words;
+    if (!clock.empty()) return what + ": " + clock;
+    if (!health_.suspects.empty()) return what + ": " + health_.suspects.front().words;
+    return what;
+  }
+
+  const std::vector<Recording>& sessions_;
+  const CoreOptions& options_;
+  Core& core_;
+  ReplayResult& out_;
+  Health& health_;
+  std::size_t faults_ = 0;
+};
+
+}  // namespace
+
+void review(const std::vector<Recording>& sessions, const CoreOptions& options, Core& core, ReplayResult* result) {
+  Review(sessions, options, core, result).run();
+}
+
+}  // namespace host::review

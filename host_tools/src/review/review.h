@@ -1,0 +1,16 @@
+// Before a calibration is believed: was the data used, is the step plausible, do segments agree, is an effect missing?
+#pragma once
+
+#include "replay/replay.h"
+
+namespace host::review {
+
+/// Fills result->health and result->cause. Widens sigmas where segments disagree by more than noise does
+/// (segment_scatter.h), and takes `calibrated` back, with everything as it was, where
+///  - the odometry used less than half of the images that it was offered,
+///  - the step from the start is one that the prior does not allow (chi-square, p < 1e-6),
+///  - an effect that the model lacks would move a released value by more than three of its sigmas (missing_effects.h),
+///  - fewer than half of the parameters are observed with the widened sigmas.
+void review(const std::vector<Recording>& sessions, const CoreOptions& options, Core& core, ReplayResult* result);
+
+}  // namespace host::review

@@ -1,0 +1,126 @@
+#include "stamps/smooth_stamps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace host {
+namespace {
+
+constexpr double half_window_s = 1;    // 30 images: a line that is good to a fifth of one stamp's jitter
+constexpr double envelope_s = 0.15;    // longer than a callback is ever late
+constexpr std::size_t least_envelope = 5;
+constexpr int reweightings = 6;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// A stream of stamps in s from the first one, with the number of each event.
+class Stream {
+ public:
+  explicit Stream(const std::vector<std::int64_t>& t_ns) {
+    for (const std::int64_t t : t_ns) t_.push_back(1e-9 * static_cast<double>(t - t_ns.front()));
+    number();
+  }
+
+  /// The line's value at event i, minus the stamp; s.
+  double correction(std::size_t i) const {
+    const auto begin = std::lower_bound(t_.begin(), t_.end(), t_[i] - half_window_s) - t_.begin();
+    const auto end = std::upper_bound(t_.begin(), t_.end(), t_[i] + half_window_s) - t_.begin();
+    std::vector<double> x, y, off;
+    for (auto j = static_cast<std::size_t>(begin); j < static_cast<std::size_t>(end); ++j) {
+      x.push_back(n_[j] - n_[i]);
+      y.push_back(t_[j] - t_[i]);
+    }
+    if (x.size() < least_envelope) return 0;
+    double a = 0, b = local_period(i), scale = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < reweightings; ++round) {
+      double w0 = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        const double r = (y[k] - a - b * x[k]) / scale, w = 1 / (1 + r * r);
+        w0 += w;
+        wx += w * x[k];
+        wy += w * y[k];
+        wxx += w * x[k] * x[k];
+        wxy += w * x[k] * y[k];
+      }
+      b = (w0 * wxy - wx * wy) / (w0 * wxx - wx * wx);
+      a = (wy - b * wx) / w0;
+      off.clear();
+      for (std::size_t k = 0; k < x.size(); ++k) off.push_back(std::abs(y[k] - a - b * x[k]));
+      scale = std::max(2 * median(off), 1e-6);
+    }
+    return a;
+  }
+
+  double missing() const { return n_.back() - static_cast<double>(n_.size() - 1); }
+
+ private:
+  double local_period(std::size_t i) const {
+    std::size_t begin = i, end = i;
+    while (begin > 0 && t_[i] - t_[begin - 1] < half_window_s) --begin;
+    while (end + 1 < t_.size() && t_[end + 1] - t_[i] < half_window_s) ++end;
+    std::vector<double> intervals;
+    for (std::size_t j = begin; j < end; ++j) intervals.push_back(t_[j + 1] - t_[j]);
+    return intervals.empty() ? 0 : median(std::move(intervals));
+  }
+
+  /// Earliest stamp, less its number's share, of events from `first` on for `envelope_s`; numbers as if none was missing.
+  double phase_after(std::size_t first, double number, double period) const {
+    double earliest = std::numeric_limits<double>::infinity();
+    for (std::size_t j = first; j < t_.size() && (j < first + least_envelope || t_[j] < t_[first] + envelope_s); ++j) {
+      earliest = std::min(earliest, t_[j] - period * (number + static_cast<double>(j - first)));
+    }
+    return earliest;
+  }
+  double phase_before(std::size_t last, double period) const {
+    double earliest = std::numeric_limits<double>::infinity();
+    for (std::size_t j = last + 1; j-- > 0 && (j + least_envelope > last || t_[j] > t_[last] - envelope_s);) {
+      earliest = std::min(earliest, t_[j] - period * n_[j]);
+    }
+    return earliest;
+  }
+
+  void number() {
+    n_.push_back(0);
+    for (std::size_t i = 1; i < t_.size(); ++i) {
+      double next = n_.back() + 1;
+      const double period = local_period(i);
+      // Intervals that are nearly even need no second look.
+      if (period > 0 && t_[i] - t_[i - 1] > 1.3 * period) {
+        next += std::max(0.0, std::round((phase_after(i, next, period) - phase_before(i - 1, period)) / period));
+      }
+      n_.push_back(next);
+    }
+  }
+
+  std::vector<double> t_, n_;
+};
+
+}  // namespace
+
+SmoothedStamps smooth_stamps(const std::vector<std::int64_t>& t_ns) {
+  SmoothedStamps out{t_ns, 0, 0, 0, 0};
+  const bool increasing = std::adjacent_find(t_ns.begin(), t_ns.end(), std::greater_equal<std::int64_t>()) == t_ns.end();
+  if (t_ns.size() < 2 * least_envelope || !increasing) return out;
+  const Stream stream(t_ns);
+  std::vector<double> intervals;
+  double squares = 0;
+  for (std::size_t i = 0; i < t_ns.size(); ++i) {
+    const double moved = stream.correction(i);
+    out.t_ns[i] = t_ns[i] + static_cast<std::int64_t>(std::llround(1e9 * moved));
+    if (i > 0) out.t_ns[i] = std::max(out.t_ns[i], out.t_ns[i - 1] + 1);
+    if (i > 0) intervals.push_back(1e-9 * static_cast<double>(t_ns[i] - t_ns[i - 1]));
+    squares += moved * moved;
+    out.moved_most_s = std::max(out.moved_most_s, std::abs(moved));
+  }
+  out.period_s = median(std::move(intervals));
+  out.moved_rms_s = std::sqrt(squares / static_cast<double>(t_ns.size()));
+  out.missing = static_cast<std::size_t>(stream.missing());
+  return out;
+}
+
+}  // namespace host

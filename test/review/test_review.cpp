@@ -1,0 +1,91 @@
+// What a replay says of its own result: sound data are calibrated as before, an effect that is not modelled is suspected or
+// refused with its name, and a result far from its start is not believed.
+#include "../replay/simulated_replay.h"
+#include "../support/cases.h"
+#include "clock/clock_search.h"
+#include "review/linearised.h"
+#include "simulate/effect_names.h"
+
+extern "C" void setUp() {}
+extern "C" void tearDown() {}
+
+namespace {
+
+using test::Id;
+
+host::ReplayResult reviewed(const host::SimulationResult& session, const host::Recording& recording, bool review = true) {
+  host::ReplayOptions options;
+  options.core.calibration = session.nominal;
+  options.core.noise = session.recording.imu.noise;
+  options.review = review;
+  return host::replay({recording}, options);
+}
+
+void test_sound_data_stay_as_they_are() {
+  for (const char* scenario : {"rich", "arvr"}) {
+    const Id id = Id().add("scenario", scenario);
+    const host::SimulationResult session = test::simulated(scenario, 60, 3);
+    const host::ReplayResult plain = reviewed(session, session.recording, false), judged = reviewed(session, session.recording);
+    test::check_true(id, ("status " + judged.result.status + " " + judged.cause).c_str(), judged.result.status == "calibrated");
+    test::check_true(id, "no suspect", judged.health.suspects.empty());
+    test::check_true(id, "the same bits", plain.result_hash == judged.result_hash);
+    for (std::size_t i = 0; i < plain.result.parameters.size(); ++i) {
+      const host::CoreParameter &a = plain.result.parameters[i], &b = judged.result.parameters[i];
+      test::check_near(id, a.name.c_str(), a.value, b.value, 0);
+      test::check_near(id, (a.name + ".sigma").c_str(), a.sigma, b.sigma, 0);
+    }
+    test::check_between(id, "share of images used", 0.9, double(judged.health.frames_used) / judged.health.frames_offered, 1);
+  }
+}
+
+/// 2 ms move values by two sigmas: suspected by name. 8 ms move them by more than three: refused, and the start stays.
+void test_an_offset_that_is_not_modelled_is_named() {
+  const host::SimulationResult session = test::simulated("rich", 60, 3);
+  for (const double offset : {0.002, 0.008}) {
+    const Id id = Id().add("offset", offset);
+    host::Recording recording = session.recording;
+    host::shift_frames(-offset, &recording);
+    const host::ReplayResult out = reviewed(session, recording);
+    bool named = false;
+    for (const host::Suspect& s : out.health.suspects) named |= s.name == "time_offset";
+    test::check_true(id, "time_offset is suspected", named);
+    if (offset < 0.004) continue;
+    test::check_true(id, ("refused: " + out.result.status).c_str(), out.result.status != "calibrated");
+    test::check_true(id, ("cause: " + out.cause).c_str(), out.cause.find("time_offset") != std::string::npos);
+    test::check_near(id, "fx as it was", session.nominal.cameras[0].intrinsics(0), out.calibration.cameras[0].intrinsics(0), 0);
+  }
+}
+
+/// The prior allows 4 % in f: a start that is 40 % off is no start of this device.
+void test_a_step_that_the_prior_forbids_is_refused() {
+  host::SimulationResult session = test::simulated("rich", 60, 3);
+  session.nominal.cameras[0].intrinsics.head<2>() *= 1.3;
+  const host::ReplayResult out = reviewed(session, session.recording);
+  test::check_true(Id(), ("status " + out.result.status).c_str(), out.result.status != "calibrated");
+  test::check_true(Id(), "a cause", !out.cause.empty());
+}
+
+/// Near a half turn the two rotation vectors are opposite; the step between the rotations is small all the same.
+void test_steps_of_rotations_are_small_rotations() {
+  std::vector<host::CoreParameter> p(3);
+  const char* const names[] = {"cam0.r_CI.x", "cam0.r_CI.y", "cam0.r_CI.z"};
+  const double before[] = {3.13, 0, 0}, after[] = {-3.14, 0, 0.01};
+  for (std::size_t i = 0; i < 3; ++i) {
+    p[i].name = names[i];
+    p[i].initial = before[i];
+    p[i].value = after[i];
+  }
+  test::check_between(Id(), "step", 0.01, host::review::step_from_start(p).norm(), 0.04);  // 2 pi - 6.27 and 0.02 of tilt
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  test::select_cases(argc, argv);
+  UNITY_BEGIN();
+  RUN_TEST(test_steps_of_rotations_are_small_rotations);
+  RUN_TEST(test_sound_data_stay_as_they_are);
+  RUN_TEST(test_an_offset_that_is_not_modelled_is_named);
+  RUN_TEST(test_a_step_that_the_prior_forbids_is_refused);
+  return UNITY_END();
+}
