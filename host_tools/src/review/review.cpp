@@ -139,7 +139,7 @@ class Review {
   /// Why there is no calibration, the most certain reason first.
   std::string reason() const {
     const CoreResult& r = out_.result;
-    const std::string clock = !out_.clocks.empty() && !out_.clocks.front().judged ? out_.clocks.front().words : "";
+    const std::string clock = words_on_clocks();
     std::string what;
     if (r.status == "failed") {
       what = r.dof > 0 && r.converged ? text("the fit leaves %.1f times the stated noise (chi2/dof %.2f)", std::sqrt(r.chi2 / r.dof), r.chi2 / r.dof) : "the fit did not settle";
@@ -155,6 +155,13 @@ class Review {
     if (!clock.empty()) return what + ": " + clock;
     if (!health_.suspects.empty()) return what + ": " + health_.suspects.front().words;
     return what;
+  }
+
+  /// What the images and the gyroscope say of the clocks, where that may be why odometry or fit went wrong.
+  std::string words_on_clocks() const {
+    if (!out_.clocks.empty()) return out_.clocks.front().judged ? "" : out_.clocks.front().words;
+    const ClockSearch found = search_clock(sessions_.front(), options_.calibration.cameras.front(), 0);
+    return !found.judged || found.differs_from(0) ? found.words : "";
   }
 
   const std::vector<Recording>& sessions_;
