@@ -9,6 +9,7 @@ namespace {
 
 constexpr double half_window_s = 1;    // 30 images: a line that is good to a fifth of one stamp's jitter
 constexpr double envelope_s = 0.15;    // longer than a callback is ever late
+constexpr double lag_s = 0.3;          // six times as long as a late callback holds up others
 constexpr std::size_t least_envelope = 5;
 constexpr int reweightings = 6;
 
@@ -59,13 +60,17 @@ class Stream {
   double missing() const { return n_.back() - static_cast<double>(n_.size() - 1); }
 
  private:
+  /// Median slope over `lag_s`, of the events within half a window. A late callback that holds up those behind it shortens many
+  /// single intervals, but hardly any of these slopes.
   double local_period(std::size_t i) const {
     std::size_t begin = i, end = i;
     while (begin > 0 && t_[i] - t_[begin - 1] < half_window_s) --begin;
     while (end + 1 < t_.size() && t_[end + 1] - t_[i] < half_window_s) ++end;
-    std::vector<double> intervals;
-    for (std::size_t j = begin; j < end; ++j) intervals.push_back(t_[j + 1] - t_[j]);
-    return intervals.empty() ? 0 : median(std::move(intervals));
+    std::size_t lag = 1;
+    while (begin + lag < end && t_[begin + lag] - t_[begin] < lag_s) ++lag;
+    std::vector<double> slopes;
+    for (std::size_t j = begin; j + lag <= end; ++j) slopes.push_back((t_[j + lag] - t_[j]) / static_cast<double>(lag));
+    return slopes.empty() ? 0 : median(std::move(slopes));
   }
 
   /// Earliest stamp, less its number's share, of events from `first` on for `envelope_s`; numbers as if none was missing.
