@@ -161,6 +161,19 @@ void test_single_segment() {
   }
 }
 
+/// Tracks that drift, and some points far off: whitened together, in both ways.
+void test_drifting_tracks() {
+  for (double damping : {0.0, 0.7}) {
+    test::SyntheticOptions options = small_options(50);
+    options.track_walk = 0.9;
+    Session session(options);
+    for (int o = 0; o < session.segments[0]->n_observations; o += 7) session.segments[0]->observation[o].u += 4;
+    const Id id = Id().add("tracks", "drift").add("damping", damping);
+    check_single(id, session, damping);
+    check_back_substitution(id.add("step", "back"), session, damping);
+  }
+}
+
 /// The dense problem of a session whose segments hang together as the calibrator says.
 DenseProblem dense_chain(const Session& session, Calibrator<double>* calibrator, double damping) {
   std::vector<const Segment<double>*> segments;
@@ -260,8 +273,9 @@ void test_mixed_joins() {
 
 void test_float_agrees_with_double() {
   // Seeds far and near the solution: residuals of some pixels, and of the noise alone.
-  for (std::uint32_t seed = 45; seed < 49; ++seed) {
+  for (std::uint32_t seed = 45; seed < 53; ++seed) {
     test::SyntheticOptions options = small_options(seed);
+    options.track_walk = seed < 49 ? 0 : 0.9;
     options.start_error = seed % 2;
     options.device = seed % 2;
     const Session session(options);
@@ -272,7 +286,9 @@ void test_float_agrees_with_double() {
     test::cast<double>(*single, same.get());   // double works at the very place that float holds
     SegmentInformation<float> f;
     SegmentInformation<double> d;
-    eliminator<float>()->eliminate(*single, GuestLink<float>(), test::cast<float>(session.nominal), MeasurementModel<float>(), 0);
+    MeasurementModel<float> model;
+    model.track_walk = static_cast<float>(session.model.track_walk);
+    eliminator<float>()->eliminate(*single, GuestLink<float>(), test::cast<float>(session.nominal), model, 0);
     eliminator<float>()->extract(&f);
     eliminator<double>()->eliminate(*same, GuestLink<double>(), session.nominal, session.model, 0);
     eliminator<double>()->extract(&d);
@@ -292,6 +308,7 @@ int main(int argc, char** argv) {
   test::select_cases(argc, argv);
   UNITY_BEGIN();
   RUN_TEST(test_single_segment);
+  RUN_TEST(test_drifting_tracks);
   RUN_TEST(test_segments_joined_by_imu);
   RUN_TEST(test_segments_joined_by_bias_walk);
   RUN_TEST(test_mixed_joins);

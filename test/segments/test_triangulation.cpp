@@ -5,6 +5,7 @@
 #include "../support/cases.h"
 #include "../support/random.h"
 #include "../support/synthetic_segments.h"
+#include "segments/segment_cost.h"
 
 using namespace SEGCAL_NS;
 using test::Id;
@@ -136,6 +137,44 @@ void check_refused() {
   test::check_true(id.add("why", "jump"), "finite", found.m.allFinite() && is_finite(found.rho));
 }
 
+/// Where tracks drift, the rows that triangulation solves are the slope of the cost that the calibration judges steps by, also
+/// with a point far off and a slip.
+void test_drifting_rows_are_the_slope_of_the_cost() {
+  test::SyntheticOptions options;
+  options.seed = 61;
+  options.segments = 1;
+  options.landmarks = 20;
+  options.track_walk = 0.9;
+  test::SyntheticSession session(options);
+  Segment<double>& segment = *session.segments[0];
+  for (int j = 0; j < segment.n_landmarks; ++j) {
+    const int middle = (segment.first_observation[j] + segment.first_observation[j + 1]) / 2;
+    segment.observation[middle].v += 6;
+    for (int o = middle; o < segment.first_observation[j + 1]; ++o) segment.observation[o].u += 3;
+    const Landmark<double> l = segment.states.landmark[j];
+    double data[packed_size(4)];
+    const Id id = Id().add("check", "slope").add("landmark", j);
+    const double cost = landmark_cost<double>(segment, j, session.nominal, session.model, l, data);
+    test::check_near(id, "cost", image_cost(segment, j, TiedLandmarks(), session.nominal, session.model), cost, 1e-9 * cost);
+    const PackedTriangle<double> R(data, 4);
+    for (int c = 0; c < 3; ++c) {
+      double slope = 0, at[2];
+      for (int i = 0; i <= c; ++i) slope -= 2 * R(i, c) * R(i, 3);
+      const double h = 1e-6;
+      for (int side = 0; side < 2; ++side) {
+        double d[3] = {};
+        d[c] = side == 0 ? -h : h;
+        segment.states.landmark[j] = l;
+        add_step(&segment.states.landmark[j], d);
+        at[side] = image_cost(segment, j, TiedLandmarks(), session.nominal, session.model);
+      }
+      segment.states.landmark[j] = l;
+      // Robust weights settle to 1e-14 of the cost, some 1e4: 1e-10 over a step of 2e-6.
+      test::check_near(id.add("column", c), "slope", slope, (at[1] - at[0]) / (2 * h), 1e-3 + 1e-5 * std::fabs(slope));
+    }
+  }
+}
+
 void test_exact_points() {
   check_exact<float>();
   check_exact<double>();
@@ -159,6 +198,7 @@ int main(int argc, char** argv) {
   test::select_cases(argc, argv);
   UNITY_BEGIN();
   RUN_TEST(test_exact_points);
+  RUN_TEST(test_drifting_rows_are_the_slope_of_the_cost);
   RUN_TEST(test_rotation_in_place_gives_directions);
   RUN_TEST(test_far_points);
   RUN_TEST(test_impossible_tracks);

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <Eigen/QR>
+#include <algorithm>
 #include <vector>
 
 #include "calibration/prior.h"
@@ -158,7 +160,57 @@ class DenseProblem {
     if (own && damping_ > 0) {
       for (int i = 0; i < 3; ++i) add_single(landmark_column(s, j) + i, damping_ / 0.02, 0);
     }
+    const std::size_t first_row = rows_.size();
+    points_.clear();
     for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) add_observation(s, j, segment.observation[o]);
+    if (model_.track_walk > 0) whiten_tracks(segment, first_row);
+  }
+
+  /// The rows from `first_row` on, in px and two for each of points_, by their covariance as a matrix.
+  void whiten_tracks(const Segment<double>& segment, std::size_t first_row) {
+    const auto n = static_cast<Eigen::Index>(points_.size());
+    Eigen::MatrixXd r(n, 2), white = Eigen::MatrixXd::Identity(n, n);
+    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(n, n);  // a point's walk is the sum of the steps so far of its camera
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(n);     // px^2
+    for (Eigen::Index a = 0; a < n; ++a) {
+      const Observation& z = points_[static_cast<std::size_t>(a)];
+      for (Eigen::Index b = 0; b < a; ++b) {
+        const Observation& y = points_[static_cast<std::size_t>(b)];
+        if (y.camera != z.camera) continue;
+        sums.row(a) = sums.row(b);
+        step(a) = std::pow(model_.track_walk, 2) * 1e-6 * (segment.t_us[z.keyframe] - segment.t_us[y.keyframe]);
+      }
+      if (step(a) > 0) sums(a, a) = 1;
+      for (int i = 0; i < 2; ++i) r(a, i) = -rhs_[first_row + 2 * static_cast<std::size_t>(a) + static_cast<std::size_t>(i)];
+    }
+    white *= model_.pixel_sigma * model_.pixel_sigma;
+    Eigen::VectorXd weighted = step;
+    Eigen::MatrixXd walk;
+    for (int round = 0; round < 200; ++round) {
+      walk = sums * weighted.asDiagonal() * sums.transpose();
+      const Eigen::MatrixXd solved = (walk + white).llt().solve(r);
+      const Eigen::MatrixXd taken = weighted.asDiagonal() * sums.transpose() * solved;
+      const Eigen::MatrixXd rest = r - walk * (walk + white).llt().solve(r);
+      for (Eigen::Index a = 0; a < n; ++a) {
+        const double e = rest.row(a).norm() / model_.pixel_sigma;
+        white(a, a) = model_.pixel_sigma * model_.pixel_sigma * std::max(1.0, e / model_.huber);
+        if (step(a) > 0) weighted(a) = step(a) * std::max(1.0, taken.row(a).norm() / std::sqrt(step(a)) / model_.huber);
+      }
+    }
+    const Eigen::MatrixXd W = Eigen::MatrixXd((walk + white).llt().matrixL()).inverse();
+    for (std::size_t i = 0; i < 2; ++i) {
+      Eigen::MatrixXd rows(n, columns() + 1);
+      for (Eigen::Index a = 0; a < n; ++a) {
+        const std::size_t at = first_row + 2 * static_cast<std::size_t>(a) + i;
+        rows.row(a) << rows_[at].transpose(), rhs_[at];
+      }
+      rows = (W * rows).eval();
+      for (Eigen::Index a = 0; a < n; ++a) {
+        const std::size_t at = first_row + 2 * static_cast<std::size_t>(a) + i;
+        rows_[at] = rows.row(a).head(columns()).transpose();
+        rhs_[at] = rows(a, columns());
+      }
+    }
   }
 
   void add_observation(int s, int j, const Observation& z) {
@@ -166,7 +218,9 @@ class DenseProblem {
     ReprojectionRows<double> rows;
     if (!point_rows<double>(z, theta_, at, segments_[s]->states.landmark[j], nullptr, &rows)) return;
     const double e = rows.r.norm() / model_.pixel_sigma;
-    const double scale = std::sqrt(e > model_.huber ? model_.huber / e : 1.0) / model_.pixel_sigma;
+    const double weighted = std::sqrt(e > model_.huber ? model_.huber / e : 1.0) / model_.pixel_sigma;
+    const double scale = model_.track_walk > 0 ? 1 : weighted;
+    points_.push_back(z);
     const int n_camera = theta_.camera[z.camera].columns();
     for (int i = 0; i < 2; ++i) {
       Eigen::VectorXd row = Eigen::VectorXd::Zero(columns());
@@ -217,6 +271,7 @@ class DenseProblem {
   }
 
   std::vector<const Segment<double>*> segments_;
+  std::vector<Observation> points_;          ///< of the landmark that is being added, with a row for each axis
   Calibration<double> theta_;
   MeasurementModel<double> model_;
   double damping_;

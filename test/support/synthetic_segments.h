@@ -21,6 +21,7 @@ struct SyntheticOptions {
   double gap = 0;               ///< 0: each segment's IMU samples begin at the last keyframe of the one before
   double move = 1, turn = 1;    ///< how much of the path's translation and rotation is used
   double device = 1;            ///< the device's true values: this times the usual deviation from nominal
+  double track_walk = 0;        ///< px/sqrt(s), drift of the image points along their tracks
   double start_error = 1;       ///< of the states that the segments begin with
 };
 
@@ -56,6 +57,7 @@ class SyntheticSession {
  public:
   explicit SyntheticSession(const SyntheticOptions& options)
       : options_(options), random_(options.seed), nominal(nominal_calibration(options.model)), truth(nominal) {
+    model.track_walk = options_.track_walk;
     draw_device();
     path_ = random_path(&random_, options_.move, options_.turn);
     draw_imu();
@@ -209,9 +211,12 @@ class SyntheticSession {
   void follow(double t0, const Vec3<double>& l, int first, int end, std::uint32_t track, Segment<double>* segment) {
     const int begin = segment->n_observations;
     int n = begin;
+    Vec2<double> walked(0, 0);
     for (int k = first; k < end && n < kMaxObservations; ++k) {
       Vec2<double> uv;
+      if (k > first && options_.track_walk > 0) walked += random_.vector(options_.track_walk * std::sqrt(options_.keyframe_interval)).head<2>();
       if (!image_of(l, t0 + k * options_.keyframe_interval, &uv)) continue;
+      uv += walked;
       segment->observation[n++] = {static_cast<float>(uv.x() + random_.normal(model.pixel_sigma)),
                                    static_cast<float>(uv.y() + random_.normal(model.pixel_sigma)),
                                    static_cast<std::uint16_t>(segment->n_landmarks), static_cast<std::uint8_t>(k), 0, 0};

@@ -105,4 +105,25 @@ struct CameraResidual {
   }
 };
 
+/// An image point whose error has drifted since its track began.
+struct DriftingResidual {
+  CameraResidual at_once;
+  template <class T>
+  bool operator()(const T* pose, const T* landmark, const T* camera, const T* drift, T* residual) const {
+    at_once(pose, landmark, camera, residual);
+    for (int i = 0; i < 2; ++i) residual[i] -= drift[i] / T(at_once.pixel_sigma);
+    return true;
+  }
+};
+
+/// A step of the random walk.
+struct DriftStep {
+  double sigma;
+  template <class T>
+  bool operator()(const T* from, const T* to, T* residual) const {
+    for (int i = 0; i < 2; ++i) residual[i] = (to[i] - from[i]) / T(sigma);
+    return true;
+  }
+};
+
 }  // namespace host::reference

@@ -1,5 +1,7 @@
 #include "reference/ceres_problem.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 
 namespace host::reference {
@@ -109,19 +111,64 @@ void CeresProblem::fill() {
     std::copy_n(c.distortion.data(), 4, camera_.back().begin() + 10);
   }
   imu_block(problem_.theta.imu, imu_.data());
+  for (const Point& z : problem_.points) drift_.push_back({z.drift.x(), z.drift.y()});
+  drift_before_.assign(drift_.size(), -1);
+  block_.assign(drift_.size(), nullptr);
   points_of_.assign(problem_.landmarks.size(), 0);
+  used_points_.resize(problem_.landmarks.size());
   for (const Point& z : problem_.points) points_of_[static_cast<std::size_t>(z.landmark)] += z.rejected ? 0 : 1;
+}
+
+/// The drift of a point, and its step from the point of the track before; null at the track's beginning, from where it counts.
+double* CeresProblem::add_drift(std::size_t point) {
+  const Point& z = problem_.points[point];
+  if (!(problem_.model.track_walk > 0)) return nullptr;
+  const auto [last, begins] = track_.try_emplace({z.segment, z.landmark, z.camera}, static_cast<int>(point));
+  if (begins) {
+    drift_[point] = {0, 0};
+    return nullptr;
+  }
+  const auto before = static_cast<std::size_t>(last->second);
+  drift_before_[point] = last->second;
+  last->second = static_cast<int>(point);
+  auto* f = new ceres::AutoDiffCostFunction<DriftStep, 2, 2, 2>(new DriftStep{std::sqrt(drift_variance(before, point))});
+  ceres_.AddResidualBlock(f, new ceres::HuberLoss(problem_.model.huber), drift_[before].data(), drift_[point].data());
+  if (drift_before_[before] < 0) ceres_.SetParameterBlockConstant(drift_[before].data());
+  return drift_[point].data();
+}
+
+/// px^2, of the walk from one point to the other.
+double CeresProblem::drift_variance(std::size_t from, std::size_t to) const {
+  const auto time = [this](std::size_t i) { return problem_.states[static_cast<std::size_t>(problem_.points[i].state)].t_ns; };
+  return std::pow(problem_.model.track_walk, 2) * 1e-9 * static_cast<double>(time(to) - time(from));
+}
+
+/// The same by its robust weight at the present estimate.
+double CeresProblem::step_variance(std::size_t from, std::size_t to) const {
+  const double variance = drift_variance(from, to);
+  const double e = std::hypot(drift_[to][0] - drift_[from][0], drift_[to][1] - drift_[from][1]) / std::sqrt(variance);
+  return variance * std::max(1.0, e / problem_.model.huber);
 }
 
 void CeresProblem::add_points() {
   auto* const loss = new ceres::HuberLoss(problem_.model.huber);  // one for all: Ceres deletes it once
-  for (const Point& z : problem_.points) {
+  for (std::size_t i = 0; i < problem_.points.size(); ++i) {
+    const Point& z = problem_.points[i];
     const auto l = static_cast<std::size_t>(z.landmark), k = static_cast<std::size_t>(z.state), c = static_cast<std::size_t>(z.camera);
     if (z.rejected || !used(l)) continue;
-    auto* f = new CameraResidual{problem_.theta.cameras[c], problem_.states[k], problem_.landmarks[l], z.uv,
-                                 problem_.model.pixel_sigma, problem_.model.huber};
-    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<CameraResidual, 2, kPoseSize, kLandmarkSize, kCameraSize>(f), loss,
-                            pose_[k].data(), landmark_[l].data(), camera_[c].data());
+    const CameraResidual f{problem_.theta.cameras[c], problem_.states[k], problem_.landmarks[l], z.uv, problem_.model.pixel_sigma,
+                           problem_.model.huber};
+    double* const drift = add_drift(i);
+    if (drift) {
+      block_[i] = ceres_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<DriftingResidual, 2, kPoseSize, kLandmarkSize, kCameraSize, 2>(new DriftingResidual{f}), loss,
+          pose_[k].data(), landmark_[l].data(), camera_[c].data(), drift);
+    } else {
+      block_[i] = ceres_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<CameraResidual, 2, kPoseSize, kLandmarkSize, kCameraSize>(new CameraResidual(f)), loss,
+          pose_[k].data(), landmark_[l].data(), camera_[c].data());
+    }
+    used_points_[l].push_back(i);
     ++image_points_;
   }
   if (image_points_ == 0) delete loss;
@@ -181,6 +228,9 @@ std::shared_ptr<ceres::ParameterBlockOrdering> CeresProblem::ordering() {
   }
   for (Pose& x : pose_) out->AddElementToGroup(x.data(), 1);
   for (Motion& x : motion_) out->AddElementToGroup(x.data(), 1);
+  for (std::size_t i = 0; i < drift_.size(); ++i) {
+    if (drift_before_[i] >= 0 || ceres_.HasParameterBlock(drift_[i].data())) out->AddElementToGroup(drift_[i].data(), 1);
+  }
   for (auto& c : camera_) out->AddElementToGroup(c.data(), 1);
   out->AddElementToGroup(imu_.data(), 1);
   return out;
@@ -193,25 +243,45 @@ std::vector<const double*> CeresProblem::theta_blocks() const {
   return out;
 }
 
+/// Covariance of a landmark's image points in units of the pixel sigma squared, of one axis: white noise by its robust weight,
+/// and the walks of the tracks.
+Eigen::MatrixXd CeresProblem::point_covariance(const std::vector<std::size_t>& points, const std::vector<double>& weights) const {
+  const auto n = static_cast<Eigen::Index>(points.size());
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      if (static_cast<int>(points[static_cast<std::size_t>(j)]) != drift_before_[points[static_cast<std::size_t>(i)]]) continue;
+      C.row(i).head(i) = C.row(j).head(i);
+      C(i, i) = C(j, j) + step_variance(points[static_cast<std::size_t>(j)], points[static_cast<std::size_t>(i)]) /
+                              std::pow(problem_.model.pixel_sigma, 2);
+      C.col(i).head(i) = C.row(i).head(i);
+    }
+  }
+  for (Eigen::Index i = 0; i < n; ++i) C(i, i) += 1 / weights[static_cast<std::size_t>(i)];
+  return C;
+}
+
 /// Part of what is known of a landmark's inverse distance that comes from its prior: so much of an unknown is not fitted.
 double CeresProblem::prior_share(std::size_t landmark) const {
   const double sigma = problem_.landmarks[landmark].prior_sigma, prior = 1 / (sigma * sigma);
+  const std::vector<std::size_t>& points = used_points_[landmark];
+  std::vector<double> weights;
+  const auto n = static_cast<Eigen::Index>(points.size());
+  Eigen::MatrixXd J[2] = {Eigen::MatrixXd(n, 3), Eigen::MatrixXd(n, 3)};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::vector<double*> parameters;
+    ceres_.GetParameterBlocksForResidualBlock(block_[points[i]], &parameters);
+    double r[2];
+    Eigen::Matrix<double, 2, 3, Eigen::RowMajor> J_point;
+    double* jacobians[4] = {nullptr, J_point.data(), nullptr, nullptr};
+    ceres_.GetCostFunctionForResidualBlock(block_[points[i]])->Evaluate(parameters.data(), r, jacobians);
+    weights.push_back(std::min(1.0, problem_.model.huber / std::hypot(r[0], r[1])));
+    for (int axis = 0; axis < 2; ++axis) J[axis].row(static_cast<Eigen::Index>(i)) = J_point.row(axis);
+  }
+  const Eigen::LLT<Eigen::MatrixXd> C(point_covariance(points, weights));
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   H(2, 2) = prior;
-  std::vector<ceres::ResidualBlockId> blocks;
-  ceres_.GetResidualBlocksForParameterBlock(landmark_[landmark].data(), &blocks);
-  for (const ceres::ResidualBlockId block : blocks) {
-    const ceres::CostFunction& f = *ceres_.GetCostFunctionForResidualBlock(block);
-    if (f.num_residuals() != 2) continue;  // the prior itself
-    std::vector<double*> parameters;
-    ceres_.GetParameterBlocksForResidualBlock(block, &parameters);
-    double r[2];
-    Eigen::Matrix<double, 2, 3, Eigen::RowMajor> J;
-    double* jacobians[3] = {nullptr, J.data(), nullptr};
-    f.Evaluate(parameters.data(), r, jacobians);
-    const double length = std::hypot(r[0], r[1]);
-    H += std::min(1.0, problem_.model.huber / length) * J.transpose() * J;
-  }
+  for (const Eigen::MatrixXd& J_axis : J) H += J_axis.transpose() * C.solve(J_axis);
   return std::min(1.0, prior * H.inverse()(2, 2));
 }
 
@@ -239,6 +309,7 @@ void CeresProblem::take_over(Problem* problem) const {
     to.direction = (to.direction + landmark_[l][0] * tangent.e1 + landmark_[l][1] * tangent.e2).normalized();
     to.inverse_distance = landmark_[l][2];
   }
+  for (std::size_t i = 0; i < drift_.size(); ++i) problem->points[i].drift = {drift_[i][0], drift_[i][1]};
   for (std::size_t c = 0; c < camera_.size(); ++c) {
     CameraCalibration& to = problem->theta.cameras[c];
     to.R_CI = (turned_by(camera_[c].data()) * Eigen::Quaterniond(to.R_CI)).normalized().toRotationMatrix();

@@ -4,6 +4,7 @@
 #include <ceres/ceres.h>
 
 #include <array>
+#include <map>
 #include <memory>
 
 #include "reference/imu_residual.h"
@@ -34,6 +35,10 @@ class CeresProblem {
   void add_motion();
   void add_priors();
   double prior_share(std::size_t landmark) const;
+  double* add_drift(std::size_t point);
+  double drift_variance(std::size_t from, std::size_t to) const;
+  double step_variance(std::size_t from, std::size_t to) const;
+  Eigen::MatrixXd point_covariance(const std::vector<std::size_t>& points, const std::vector<double>& weights) const;
   bool used(std::size_t landmark) const { return points_of_[landmark] >= 2; }
 
   const Problem& problem_;
@@ -44,6 +49,11 @@ class CeresProblem {
   std::vector<std::array<double, kCameraSize>> camera_;
   std::array<double, kImuSize> imu_{};
   std::vector<int> points_of_;
+  std::vector<std::array<double, 2>> drift_;       ///< px, per point
+  std::vector<int> drift_before_;                  ///< point of the same track before; -1: it begins there
+  std::vector<ceres::ResidualBlockId> block_;      ///< per point that is used
+  std::vector<std::vector<std::size_t>> used_points_;  ///< per landmark
+  std::map<std::array<int, 3>, int> track_;        ///< segment, landmark, camera: the last point added
   int image_points_ = 0;
 };
 

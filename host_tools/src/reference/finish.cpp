@@ -40,7 +40,7 @@ void write_reference_files(const std::filesystem::path& dir, const ReferenceResu
   write_imu_yaml(dir / "imu.yaml", reference.calibration, reference.noise);
   write_file(dir / "trajectory.tum", trajectory_tum(reference.trajectory));
   nlohmann::ordered_json json = result_json(as_replay);
-  for (const char* name : {"segments", "timing", "memory", "faults"}) json.erase(name);
+  for (const char* name : {"segments", "timing", "memory", "faults", "noise"}) json.erase(name);
   write_file(dir / "result.json", json.dump(1) + "\n");  // last: its presence says the rest is there
 }
 

@@ -42,6 +42,8 @@ struct Point {
   int state = 0, landmark = 0, camera = 0;
   Eigen::Vector2d uv{0, 0};        ///< px
   bool rejected = false;
+  int segment = 0;                 ///< a track's drift begins at its first point in each
+  Eigen::Vector2d drift{0, 0};     ///< px, estimate of the random walk there
 };
 
 struct Problem {

@@ -52,7 +52,8 @@ struct Builder {
     std::vector<int> index;
     for (const CoreLandmark& l : segment.landmarks) index.push_back(landmark_of(l, i, segment.turned_only));
     for (const CorePoint& z : segment.measured) {
-      problem.points.push_back({first + z.keyframe, index[static_cast<std::size_t>(z.landmark)], z.camera, {z.u, z.v}, z.rejected});
+      problem.points.push_back({first + z.keyframe, index[static_cast<std::size_t>(z.landmark)], z.camera, {z.u, z.v}, z.rejected,
+                                static_cast<int>(i)});
     }
   }
 

@@ -197,7 +197,7 @@ bool point_residual(const Problem& problem, const Point& z, Eigen::Vector2d* res
 void reject_outliers(Problem* problem, double limit) {
   for (Point& z : problem->points) {
     Eigen::Vector2d r;
-    z.rejected = !point_residual(*problem, z, &r) || r.norm() > limit * problem->model.pixel_sigma;
+    z.rejected = !point_residual(*problem, z, &r) || (r - z.drift).norm() > limit * problem->model.pixel_sigma;
   }
 }
 

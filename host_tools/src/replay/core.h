@@ -25,7 +25,8 @@ struct CoreOptions {
   int segments = 8;
   double segment_s = 4;
   bool adaptive_segments = false;    ///< segments of half to twice segment_s, where motion says
-  double pixel_sigma = 0.5;          ///< px
+  double pixel_sigma = 0.5;          ///< px, white noise of a corner per axis
+  double track_walk = 0;             ///< px/sqrt(s), random walk of its error along the track, per axis
   std::uint64_t seed = 1;
   double outdated_level = 1e-3;      ///< probability that a calibration drops segments of an unchanged device; -1: it never drops any
   double trigger_fraction = 0;       ///< sigmas over the prior's at which the device calibrates of its own; 0: it does not
@@ -92,6 +93,7 @@ struct CoreModel {
   double gyro_noise_density = 0, gyro_random_walk = 0, accel_noise_density = 0, accel_random_walk = 0;
   double gravity = 0, pixel_sigma = 0, huber = 0;
   double bias_a_sigma = 0, bias_g_sigma = 0, velocity_sigma = 0, inverse_depth_sigma = 0, turned_inverse_depth_sigma = 0;
+  double track_walk = 0;
 };
 
 struct CoreLandmark {

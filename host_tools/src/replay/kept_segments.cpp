@@ -38,7 +38,7 @@ const std::vector<std::pair<const char*, double CoreModel::*>>& model_fields() {
       {"gravity", &CoreModel::gravity}, {"pixel_sigma", &CoreModel::pixel_sigma}, {"huber", &CoreModel::huber},
       {"bias_a_sigma", &CoreModel::bias_a_sigma}, {"bias_g_sigma", &CoreModel::bias_g_sigma},
       {"velocity_sigma", &CoreModel::velocity_sigma}, {"inverse_depth_sigma", &CoreModel::inverse_depth_sigma},
-      {"turned_inverse_depth_sigma", &CoreModel::turned_inverse_depth_sigma}};
+      {"turned_inverse_depth_sigma", &CoreModel::turned_inverse_depth_sigma}, {"track_walk", &CoreModel::track_walk}};
   return fields;
 }
 
@@ -152,7 +152,9 @@ CoreKept read_segment(const Json& json, std::size_t n_cameras) {
 KeptSegments read(const Json& json) {
   if (json.at("format").get<int>() != kFormat) throw InputError("format: expected " + std::to_string(kFormat));
   KeptSegments out;
-  for (const auto& [name, field] : model_fields()) out.model.*field = json.at("model").at(name).get<double>();
+  Json model = json.at("model");
+  if (!model.contains("track_walk")) model["track_walk"] = 0.0;  // of a version without
+  for (const auto& [name, field] : model_fields()) out.model.*field = model.at(name).get<double>();
   out.start = read_calibration_json(json.at("prior").at("mean"));
   out.prior_sigma = json.at("prior").at("sigma").get<std::vector<double>>();
   out.noise.rate_hz = json.at("imu_rate_hz").get<double>();

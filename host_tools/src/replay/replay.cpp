@@ -111,6 +111,16 @@ bool calibrates_at_end(const Recording& recording) {
          std::none_of(std::find_if(calls.rbegin(), calls.rend(), is(DeviceCall::frame)).base(), calls.end(), is(DeviceCall::calibrate));
 }
 
+/// A second time, with the noise that the first one's tracks show; the first one's result where they show nothing.
+ReplayResult replay_with_track_noise(const std::vector<Recording>& sessions, ReplayOptions options) {
+  options.estimate_track_noise = false;
+  ReplayResult first = replay(sessions, options);
+  if (first.track_noise.points == 0) return first;
+  options.core.pixel_sigma = first.track_noise.white_px;
+  options.core.track_walk = first.track_noise.walk_px_per_sqrt_s;
+  return replay(sessions, options);
+}
+
 }  // namespace
 
 std::vector<RigFrame> rig_frames(const Recording& recording) {
@@ -154,6 +164,7 @@ std::vector<DeviceCall> calls_of(const Recording& recording, const std::vector<R
 }
 
 ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions& options) {
+  if (options.estimate_track_noise) return replay_with_track_noise(sessions, options);
   CoreOptions core_options = options.core;
   core_options.joint_ekf = options.joint_ekf;
   if (!options.calibrate) core_options.trigger_fraction = 0;
@@ -175,6 +186,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   out.calibration = core->calibration();
   out.kept = core->kept();
   out.model = core->model();
+  out.track_noise = estimate_track_noise(out.kept, out.calibration, out.model);
   out.start = options.core.calibration;
   out.counters = core->counters();
   out.memory = core->memory();

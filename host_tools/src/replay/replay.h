@@ -5,6 +5,7 @@
 
 #include "clock/clock_search.h"
 #include "replay/core.h"
+#include "replay/track_noise.h"
 
 namespace host {
 
@@ -14,6 +15,7 @@ struct ReplayOptions {
   bool joint_ekf = false;            ///< no segments: the filter gives the calibration itself, at the end of each session
   bool review = false;               ///< judge the result and name causes (review/review.h)
   std::vector<ClockSearch> clocks;   ///< what was found of the sessions' clocks, one each; may be empty
+  bool estimate_track_noise = false; ///< replays twice: pixel_sigma and track_walk are what the first one's tracks show
   bool calibrate = true;             ///< false: odometry only, the calibration stays as it is
   /// Called after each session with what has been found so far; may be empty. The number counts from 0.
   std::function<void(std::size_t, const CoreResult&, const Calibration&)> after_session;
@@ -76,6 +78,7 @@ struct ReplayResult {
   std::vector<CoreKept> kept;
   std::vector<std::pair<std::string, std::uint32_t>> counters;
   CoreMemory memory;
+  TrackNoise track_noise;            ///< that the kept segments' tracks show
   ReplayTiming timing;
   std::uint64_t result_hash = 0;     ///< at the end
   std::vector<HashCheck> hash_checks;  ///< one for each in the log

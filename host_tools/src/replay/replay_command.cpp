@@ -260,6 +260,11 @@ void add_model_options(CLI::App* sub, Arguments* a) {
                 "stamps were taken in callbacks: replace each by a robust line through those of one second before and after it");
   sub->add_flag("--keep-clock", a->keep_clock,
                 "do not look for the camera clock's offset: it is the camera chain's timeshift_cam_imu, or the model's");
+  sub->add_option("--track-walk", core.track_walk, "random walk of a corner's error along its track per axis, px/sqrt(s)")
+      ->capture_default_str()->check(CLI::Range(0.0, 100.0));
+  sub->add_flag("--estimate-track-noise", a->replay.estimate_track_noise,
+                "replay twice: the second time with the white noise and the walk that the first one's tracks show")
+      ->excludes("--pixel-sigma")->excludes("--track-walk");
   sub->add_option("--enable", a->effects,
                   "effect to estimate beside the calibration, as time_offset; repeatable. All of them: see below")
       ->allow_extra_args(false);
@@ -309,6 +314,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   add_model_options(sub, a.get());
   add_hash_options(sub, a.get());
   for (const char* name : {"--metric", "--segments", "--segment-seconds", "--adaptive-segments", "--strategy", "--cameras", "--pixel-sigma",
+                           "--track-walk", "--estimate-track-noise",
                            "--seed", "--trigger-sigma", "--hold-calibration", "--joint-ekf", "--keep-outdated"}) {
     a->of_device.push_back(sub->get_option(name));
   }

@@ -88,6 +88,9 @@ Json result_json(const ReplayResult& out, const Provenance& from) {
   json["fit"] = {{"chi2", r.chi2}, {"dof", r.dof}, {"iterations", r.iterations}, {"converged", r.converged},
                  {"reprojection_rms_px", r.reprojection_rms_px}, {"reprojection_median_px", r.reprojection_median_px},
                  {"noise_scale", r.noise_scale}, {"partitions", r.partitions}, {"image_points", r.image_points}};
+  json["noise"] = {{"track_white_px", out.track_noise.white_px}, {"track_walk_px_per_sqrt_s", out.track_noise.walk_px_per_sqrt_s},
+                   {"track_points", out.track_noise.points}, {"stated_white_px", out.model.pixel_sigma},
+                   {"stated_walk_px_per_sqrt_s", out.model.track_walk}};
   json["timing"] = {{"vio_ms_median", out.timing.vio_ms_median}, {"vio_ms_p95", out.timing.vio_ms_p95},
                     {"score_ms_median", out.timing.score_ms_median}, {"calibrate_ms", out.timing.calibrate_ms}};
   json["memory"] = {{"state_bytes", out.memory.state_bytes}, {"segment_bytes", out.memory.segment_bytes},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "camera_model.h"
 
@@ -92,8 +93,12 @@ void CameraSimulator::continue_tracks(double t, std::vector<TrackPoint>& points)
     if (!pixel) continue;
     --track.frames_left;
     track.pixel = *pixel;
+    if (options_.walk_px_per_sqrt_s > 0) {
+      const double step = options_.walk_px_per_sqrt_s * std::sqrt(period_);
+      for (double& walked : track.walked) walked += step * noise_.normal();
+    }
     alive.push_back(track);
-    points.push_back(measured(track.id, *pixel));
+    points.push_back(measured(track));
   }
   tracks_ = std::move(alive);
 }
@@ -160,15 +165,16 @@ void CameraSimulator::start_tracks(double t, std::uint32_t& next_track_id, std::
 
 void CameraSimulator::start_track(const Sighting& sighting, std::uint32_t id, std::vector<TrackPoint>& points) {
   const int life = choices_.integer(options_.shortest, options_.longest);
-  tracks_.push_back({id, sighting.landmark, life - 1, sighting.pixel});
+  tracks_.push_back({id, sighting.landmark, life - 1, sighting.pixel, {0, 0}});
   in_use_[sighting.landmark] = true;
-  points.push_back(measured(id, sighting.pixel));
+  points.push_back(measured(tracks_.back()));
 }
 
-TrackPoint CameraSimulator::measured(std::uint32_t id, const Eigen::Vector2d& pixel) {
+TrackPoint CameraSimulator::measured(const Track& track) {
+  const Eigen::Vector2d pixel = track.pixel + track.walked;
   const double u = pixel.x() + options_.pixel_noise_px * noise_.normal();
   const double v = pixel.y() + options_.pixel_noise_px * noise_.normal();
-  return {id, u, v};
+  return {track.id, u, v};
 }
 
 }  // namespace host::sim

@@ -16,7 +16,8 @@ namespace host::sim {
 struct TrackOptions {
   int count = 60;                     ///< tracks alive at a time, as far as the view offers them
   int shortest = 6, longest = 45;     ///< life span of a track, frames
-  double pixel_noise_px = 0.5;        ///< standard deviation per axis
+  double pixel_noise_px = 0.5;        ///< white, standard deviation per axis
+  double walk_px_per_sqrt_s = 0;      ///< of a random walk along each track, per axis
   DepthRange depth;
 };
 
@@ -40,6 +41,7 @@ class CameraSimulator {
     std::size_t landmark;
     int frames_left;
     Eigen::Vector2d pixel;  ///< without noise, so that the noise has no say in which tracks begin
+    Eigen::Vector2d walked{0, 0};  ///< px, drift since the track began
   };
   struct Sighting {
     std::size_t landmark;
@@ -57,7 +59,7 @@ class CameraSimulator {
   const Track* matched_track(std::size_t landmark) const;
   std::uint32_t id_for(std::size_t landmark, std::uint32_t& next_track_id);
   void start_track(const Sighting& sighting, std::uint32_t id, std::vector<TrackPoint>& points);
-  TrackPoint measured(std::uint32_t id, const Eigen::Vector2d& pixel);
+  TrackPoint measured(const Track& track);
 
   CameraCalibration camera_;   ///< before any shock
   std::size_t index_;

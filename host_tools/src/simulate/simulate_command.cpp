@@ -1,8 +1,10 @@
 // The subcommand `segcal simulate`.
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "../commands.h"
 #include "../render/render_images.h"
@@ -133,12 +135,33 @@ void add_device_options(CLI::App& app, Command& command) {
       ->check(CLI::IsMember({"fov", "radtan", "equidistant"}))->capture_default_str();
 }
 
+void set_track_noise(const std::string& what, sim::TrackOptions* tracks) {
+  if (what == "white") return;
+  if (what == "drift") {
+    tracks->pixel_noise_px = 0.1;
+    tracks->walk_px_per_sqrt_s = 0.9;
+    return;
+  }
+  std::ifstream in(what);
+  const nlohmann::json result = nlohmann::json::parse(in, nullptr, false);
+  try {
+    tracks->pixel_noise_px = result.at("noise").at("track_white_px").get<double>();
+    tracks->walk_px_per_sqrt_s = result.at("noise").at("track_walk_px_per_sqrt_s").get<double>();
+  } catch (const nlohmann::json::exception&) {
+    throw InputError("--track-noise " + what + ": expected white, drift or a result.json with `noise`, as segcal replay writes it");
+  }
+}
+
 void add_sensor_options(CLI::App& app, Command& command) {
   SimulationOptions& options = command.options;
   ImuNoise& noise = options.imu_noise;
   const CLI::Range positive(0.0, 1e3);
   app.add_option("--tracks", options.tracks.count, "tracks at a time and camera")->capture_default_str();
   app.add_option("--pixel-noise", options.tracks.pixel_noise_px, "standard deviation per axis, px")->capture_default_str();
+  app.add_option_function<std::string>(
+      "--track-noise", [&options](const std::string& what) { set_track_noise(what, &options.tracks); },
+      "white: --pixel-noise alone; drift: as the corner tracks of a real camera, most of it a random walk along the track "
+      "(0.1 px and 0.9 px/sqrt(s)); or the result.json of a replay: what its tracks showed");
   app.add_option("--rate-camera", options.camera_rate_hz, "Hz")->capture_default_str();
   app.add_option("--rate-imu", noise.rate_hz, "Hz")->capture_default_str();
   app.add_option("--gyro-noise", noise.gyro_noise_density, "rad/s/sqrt(Hz)")->check(positive)->capture_default_str();

@@ -29,6 +29,7 @@
 #define SEGCAL_DEFAULT_EFFECT_ESTIMATES 1
 #define SEGCAL_DEFAULT_EFFECT_COLUMNS 3
 #define SEGCAL_DEFAULT_PIXEL_BITS 16
+#define SEGCAL_DEFAULT_TRACK_WALK 0
 #elif SEGCAL_PROFILE == SEGCAL_PROFILE_MOBILE
 #define SEGCAL_DEFAULT_NS segcal_mobile
 #define SEGCAL_DEFAULT_CAMERAS 2
@@ -45,6 +46,7 @@
 #define SEGCAL_DEFAULT_TIES 8
 #define SEGCAL_DEFAULT_IMU_HISTORY 1000
 #define SEGCAL_DEFAULT_PIXEL_BITS 32
+#define SEGCAL_DEFAULT_TRACK_WALK 1
 #define SEGCAL_DEFAULT_EFFECT_ESTIMATES 36
 #define SEGCAL_DEFAULT_EFFECT_COLUMNS 36
 #elif SEGCAL_PROFILE == SEGCAL_PROFILE_HOST
@@ -63,6 +65,7 @@
 #define SEGCAL_DEFAULT_TIES 16
 #define SEGCAL_DEFAULT_IMU_HISTORY 2000
 #define SEGCAL_DEFAULT_PIXEL_BITS 32
+#define SEGCAL_DEFAULT_TRACK_WALK 1
 #define SEGCAL_DEFAULT_EFFECT_ESTIMATES 64
 #define SEGCAL_DEFAULT_EFFECT_COLUMNS 64
 #else
@@ -97,6 +100,11 @@
    counted. */
 #ifndef SEGCAL_PIXEL_BITS
 #define SEGCAL_PIXEL_BITS SEGCAL_DEFAULT_PIXEL_BITS
+#endif
+/* 1: the errors of a corner along its track may have a random walk (segcal_config_t.track_walk). 0: leaves that code out, some
+   kB, and stack. */
+#ifndef SEGCAL_TRACK_WALK
+#define SEGCAL_TRACK_WALK SEGCAL_DEFAULT_TRACK_WALK
 #endif
 /* Raw IMU samples of a segment; when they run out the segment ends early. */
 #ifndef SEGCAL_MAX_IMU_SAMPLES

@@ -187,6 +187,9 @@ typedef struct {
      links are kept up to ten times further: it may be the effect that breaks them. */
   uint32_t watch_effects;
   int32_t has_temperature;         /* 1: segcal_imu_t.temperature is set; 0: it is not looked at */
+  /* Drift of a corner along its track, beside pixel_sigma's white noise: a random walk per axis, px/sqrt(s), up to 100; 0: none.
+     A build without SEGCAL_TRACK_WALK refuses others. The filter's own weights do not depend on it. */
+  double track_walk;
 } segcal_config_t;
 
 /* ---- data in ---- */
@@ -272,7 +275,9 @@ typedef struct {
 typedef struct {
   int64_t t_ns;
   int32_t camera;                  /* 0.. for image points */
-  float u, v;                      /* predicted - measured in units of the pixel sigma */
+  /* predicted - measured in units of the pixel sigma; where tracks drift: what the points before of its track did not show, in
+     units of the sigma of that */
+  float u, v;
 } segcal_point_residual_t;
 typedef struct {
   int64_t t_ns;
@@ -289,6 +294,7 @@ typedef struct {
   double velocity_sigma;           /* m/s: prior about zero on the first keyframe of each segment */
   double inverse_depth_sigma;      /* 1/m: prior about zero on each landmark */
   double turned_inverse_depth_sigma; /* the same in a segment that only turned */
+  double track_walk;               /* px/sqrt(s), per axis: random walk of a corner's error along its track */
 } segcal_model_t;
 
 enum { SEGCAL_JOIN_NONE = 0, SEGCAL_JOIN_IMU = 1, SEGCAL_JOIN_BIAS = 2 };

@@ -68,6 +68,8 @@ bool noise_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   Real gravity;
   if (!accept_or_default(c.gravity, 9.80665, 1e-3, 100, &gravity)) return false;
   out->model.g = Vec3<Real>(Real(0), Real(0), -gravity);
+  if (!is_finite(c.track_walk) || c.track_walk < 0 || c.track_walk > (kTrackWalk ? 100 : 0)) return false;
+  out->model.track_walk = static_cast<Real>(c.track_walk);
   const auto density = [](double value, double fallback, double most, Real* to) {
     return accept_or_default(value, fallback, kLeastSigma, most, to);
   };

@@ -94,7 +94,7 @@ int segcal_get_model(const segcal_t* device, segcal_model_t* out) {
   const auto number = [](Real value) { return static_cast<double>(value); };
   *out = {number(m.imu.gyro), number(m.imu.gyro_walk), number(m.imu.accel), number(m.imu.accel_walk), number(-m.g.z()),
           number(m.pixel_sigma), number(m.huber), number(m.bias_a_sigma), number(m.bias_g_sigma), number(m.velocity_sigma),
-          number(m.inverse_depth_sigma), number(m.turned_inverse_depth_sigma)};
+          number(m.inverse_depth_sigma), number(m.turned_inverse_depth_sigma), number(m.track_walk)};
   return SEGCAL_OK;
 }
 

@@ -29,6 +29,29 @@ int count_unexcited(const Directions<Real>& a) {
   return n;
 }
 
+/// Whitened residuals of a segment's points where tracks drift.
+int walking_residuals(const Segment<Real>& s, const Calibration<Real>& theta, const MeasurementModel<Real>& model,
+                      segcal_point_residual_t* out, int capacity) {
+  int n = 0;
+  for (int j = 0; j < s.n_landmarks && n < capacity; ++j) {
+    TrackNoise<Real> track;
+    Vec2<Real> whitened[kMaxKeyframes * kMaxCameras];
+    add_residuals(s, j, theta, model, false, &track);
+    track.weigh_equally(model);
+    track.whitened(whitened);
+    int point = 0;
+    for (int o = s.first_observation[j]; o < s.first_observation[j + 1] && n < capacity; ++o) {
+      const Observation& z = s.observation[o];
+      Vec2<Real> r;
+      if (z.rejected || !point_residual(s, z, theta, model.g, s.states.landmark[j], &r)) continue;
+      out[n++] = {keyframe_time(s, z.keyframe), z.camera, static_cast<float>(whitened[point].x()),
+                  static_cast<float>(whitened[point].y())};
+      ++point;
+    }
+  }
+  return n;
+}
+
 /// Parameters and verdicts.
 void release_to_c(const CDevice& d, const Release<Real>& release, segcal_result_t* out) {
   out->status = static_cast<int32_t>(release.status);
@@ -209,7 +232,11 @@ int segcal_get_point_residuals(const segcal_t* device, int32_t index, segcal_poi
   const int error = open_slot(device, index, out, capacity, &d, &s);
   if (error != SEGCAL_OK) return error;
   int n = 0;
-  const Real sigma = d->device.options().model.pixel_sigma;
+  const MeasurementModel<Real>& model = d->device.options().model;
+  if constexpr (kTrackWalk) {
+    if (TrackNoise<Real>::walks(model)) return walking_residuals(*s, d->device.calibrator().theta(), model, out, capacity);
+  }
+  const Real sigma = model.pixel_sigma;
   for (int o = 0; o < s->n_observations && n < capacity; ++o) {
     const Observation& z = s->observation[o];
     if (z.rejected) continue;

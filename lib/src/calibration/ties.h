@@ -19,10 +19,40 @@ constexpr S kKnownDistance2 = S(100);
 
 static_assert(kMaxLandmarks < 32768, "landmarks are counted in 16 bits");
 
+/// fold_landmark() where tracks drift.
+template <class S>
+void fold_walking_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                           PackedTriangle<S>* R) {
+  constexpr int kPoint = 2 * kLandmarkColumns;
+  TrackNoise<S> track;
+  S block[kPoint * kMaxKeyframes * kMaxCameras];
+  track.begin();
+  for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
+    const Observation& z = segment.observation[o];
+    ReprojectionRows<S> rows;
+    if (z.rejected || !point_rows<S>(z, theta, exposure_of(segment, z, theta, model.g, false), segment.states.landmark[j], nullptr,
+                                     &rows)) {
+      continue;
+    }
+    S* const point = block + kPoint * track.points();
+    for (int i = 0; i < kPoint; ++i) point[i] = rows.J_l(i / kLandmarkColumns, i % kLandmarkColumns);
+    track.add(z.camera, segment.t_us[z.keyframe], rows.r, model);
+  }
+  track.weigh(model);
+  track.whiten(block, kLandmarkColumns, 0, kLandmarkColumns);
+  fold_rows(*R, block, 2 * track.points(), kLandmarkColumns, 0, kLandmarkColumns);
+}
+
 /// Folds what a segment's image points say about landmark j, with everything else known, into a triangle over its columns.
 template <class S>
 void fold_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                    PackedTriangle<S>* R) {
+  if constexpr (kTrackWalk) {
+    if (TrackNoise<S>::walks(model)) {
+      fold_walking_landmark(segment, j, theta, model, R);
+      return;
+    }
+  }
   const S inverse_sigma = S(1) / model.pixel_sigma;
   S block[2 * kLandmarkColumns];
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {

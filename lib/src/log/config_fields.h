@@ -131,6 +131,7 @@ void config_fields(Config* c, Codec* f) {
   term_fields(c, terms, f);
   f->integer(c->watch_effects);
   f->integer(c->has_temperature);
+  f->number(c->track_walk);
 }
 
 /// False if the bytes are no configuration that fits into these capacities.

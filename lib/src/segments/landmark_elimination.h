@@ -3,14 +3,15 @@
 //
 // Columns of the block: 3 free ones, then the reduced system's, right-hand side -r. The landmark's own columns stand right
 // before the first pose that sees it, so that the columns before need neither be cleared nor reflected.
-// Rows: one for the prior on the inverse depth, three for damping if there is any, two per image point.
+// Rows: one for the prior on the inverse depth, three for damping if there is any, two per image point. The points' rows are
+// whitened together where tracks drift (track_noise.h).
 //
 // A tied landmark (calibration/ties.h) stays: its rows are the image points' alone, and stand in the tie's columns.
 #pragma once
 
 #include "segments/exposure.h"
 #include "segments/reduced_system.h"
-#include "segments/weights.h"
+#include "segments/track_noise.h"
 
 namespace SEGCAL_NS {
 
@@ -24,7 +25,6 @@ struct LandmarkFit {
   int used = 0;              ///< image points with weight
   int first_keyframe = 0, last_keyframe = 0;  ///< of the image points, with weight or not
   S prior_share = S(0);      ///< part of the inverse depth's information that is prior: counts towards dof
-  S robust_cost = S(0);
 };
 
 template <class S>
@@ -58,8 +58,11 @@ class LandmarkBlock {
   }
   bool add_observation(const Segment<S>& segment, int j, const Observation& o, const Calibration<S>& theta,
                        const MeasurementModel<S>& model, const ReducedLayout& layout, const Term* camera_terms,
-                       LandmarkFit<S>* fit);
+                       TrackNoise<S>* track);
   void find_keyframes(const Segment<S>& segment, int j, LandmarkFit<S>* fit) const;
+  /// Rows of the points that have an image; returns their number. `track`: null, or gathers them, and the rows stay in px.
+  int add_points(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                 const ReducedLayout& layout, const Term* camera_terms, TrackNoise<S>* track);
   void add_observations(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                         const ReducedLayout& layout, const Term* camera_terms, LandmarkFit<S>* fit);
   int stride_ = 0, rows_ = 0;
@@ -73,21 +76,21 @@ class LandmarkBlock {
 template <class S>
 bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const Observation& o, const Calibration<S>& theta,
                                        const MeasurementModel<S>& model, const ReducedLayout& layout,
-                                       const Term* camera_terms, LandmarkFit<S>* fit) {
+                                       const Term* camera_terms, TrackNoise<S>* track) {
   const Landmark<S>& l = segment.states.landmark[j];
   bool time_columns = false;
   for (int t = 0; t < layout.camera_terms; ++t) time_columns |= camera_terms[t].of_time();
   const Exposure<S> exposure = exposure_of(segment, o, theta, model.g, time_columns);
   const Vec3<S>& p_first = segment.states.x[segment.observation[segment.first_observation[j]].keyframe].p_GI;
   ReprojectionRows<S> rows;
-  if (!point_rows(o, theta, exposure, l, segment.turned_only ? &p_first : nullptr, &rows)) {
-    fit->robust_cost += model.huber * model.huber;
-    return false;
+  if (!point_rows(o, theta, exposure, l, segment.turned_only ? &p_first : nullptr, &rows)) return false;
+  S scale = S(1);
+  if (track) {
+    track->add(o.camera, segment.t_us[o.keyframe], rows.r, model);
+  } else {
+    const S inverse_sigma = S(1) / model.pixel_sigma;
+    scale = square_root(robust_term(model, rows.r.squaredNorm() * inverse_sigma * inverse_sigma).weight) * inverse_sigma;
   }
-  const S inverse_sigma = S(1) / model.pixel_sigma;
-  const RobustTerm<S> robust = robust_term(model, rows.r.squaredNorm() * inverse_sigma * inverse_sigma);
-  fit->robust_cost += robust.cost;
-  const S scale = square_root(robust.weight) * inverse_sigma;
   const int pose = kLandmarkColumns + layout.pose(o.keyframe);
   const int camera = kLandmarkColumns + layout.cameras() + theta.camera_column(o.camera);
   const int n_camera = theta.camera[o.camera].columns();
@@ -150,19 +153,40 @@ LandmarkFit<S> LandmarkBlock<S>::build_tied(const Segment<S>& segment, int t, co
   stride_ = kLandmarkColumns + layout.width();
   first_ = kLandmarkColumns + layout.pose(fit.first_keyframe);
   column_ = kLandmarkColumns + layout.tie(t);
+  gap_ = ColumnGap{};
   rows_ = 0;
   add_observations(segment, j, theta, model, layout, camera_terms, &fit);
   return fit;
 }
 
 template <class S>
+int LandmarkBlock<S>::add_points(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                                 const ReducedLayout& layout, const Term* camera_terms, TrackNoise<S>* track) {
+  int used = 0;
+  for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
+    if (segment.observation[o].rejected) continue;
+    if (add_observation(segment, j, segment.observation[o], theta, model, layout, camera_terms, track)) ++used;
+  }
+  return used;
+}
+
+template <class S>
 void LandmarkBlock<S>::add_observations(const Segment<S>& segment, int j, const Calibration<S>& theta,
                                         const MeasurementModel<S>& model, const ReducedLayout& layout,
                                         const Term* camera_terms, LandmarkFit<S>* fit) {
-  for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
-    if (segment.observation[o].rejected) continue;
-    if (add_observation(segment, j, segment.observation[o], theta, model, layout, camera_terms, fit)) ++fit->used;
+  const int first_row = rows_;
+  if constexpr (kTrackWalk) {
+    if (TrackNoise<S>::walks(model)) {
+      TrackNoise<S> track;
+      fit->used = add_points(segment, j, theta, model, layout, camera_terms, &track);
+      track.weigh(model);
+      track.whiten(row(first_row), stride_, first_, first_ + gap_.first);
+      track.whiten(row(first_row), stride_, first_ + gap_.last, stride_);
+      fit->rows = rows_;
+      return;
+    }
   }
+  fit->used = add_points(segment, j, theta, model, layout, camera_terms, nullptr);
   fit->rows = rows_;
 }
 

@@ -20,6 +20,25 @@ S inverse_depth_cost(const Landmark<S>& l, S sigma) {
   return prior * prior;
 }
 
+/// Gathers the residuals of landmark j's image points, with the rejected ones or without. Returns how many have no image.
+template <class S>
+int add_residuals(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model, bool rejected,
+                  TrackNoise<S>* track) {
+  int unseen = 0;
+  track->begin();
+  for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
+    const Observation& z = segment.observation[o];
+    if (z.rejected && !rejected) continue;
+    Vec2<S> r;
+    if (point_residual(segment, z, theta, model.g, segment.states.landmark[j], &r)) {
+      track->add(z.camera, segment.t_us[z.keyframe], r, model);
+    } else {
+      ++unseen;
+    }
+  }
+  return unseen;
+}
+
 /// Robust cost of landmark j's image points, and the prior on its inverse distance; that of a tie is not the segment's.
 template <class S>
 S image_cost(const Segment<S>& segment, int j, const TiedLandmarks& tied, const Calibration<S>& theta,
@@ -27,6 +46,13 @@ S image_cost(const Segment<S>& segment, int j, const TiedLandmarks& tied, const 
   const S inverse_variance = S(1) / (model.pixel_sigma * model.pixel_sigma);
   const Landmark<S>& l = segment.states.landmark[j];
   S sum = tied.place_of(j) >= 0 ? S(0) : inverse_depth_cost(l, model.depth_sigma(segment.wide_depth_prior));
+  if constexpr (kTrackWalk) {
+    if (TrackNoise<S>::walks(model)) {
+      TrackNoise<S> track;
+      sum += model.huber * model.huber * S(add_residuals(segment, j, theta, model, false, &track));
+      return sum + track.weigh(model);
+    }
+  }
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
     if (z.rejected) continue;
@@ -37,10 +63,35 @@ S image_cost(const Segment<S>& segment, int j, const TiedLandmarks& tied, const 
   return sum;
 }
 
+/// Marks points of landmark j that are farther than `longest` px from where its track should be.
+template <class S>
+int mark_outliers_of(int j, const Calibration<S>& theta, const MeasurementModel<S>& model, S longest, Segment<S>* segment) {
+  TrackNoise<S> track;
+  add_residuals(*segment, j, theta, model, true, &track);
+  track.weigh(model);
+  int marked = 0, point = 0;
+  for (int o = segment->first_observation[j]; o < segment->first_observation[j + 1]; ++o) {
+    Observation& z = segment->observation[o];
+    Vec2<S> r;
+    const bool seen = point_residual(*segment, z, theta, model.g, segment->states.landmark[j], &r);
+    z.rejected = !seen || track.without_walk(point++).squaredNorm() > longest * longest ? 1 : 0;
+    marked += z.rejected;
+  }
+  return marked;
+}
+
 /// Marks image points whose whitened residual is longer than `limit`, and takes back earlier marks. Returns their number.
 template <class S>
 int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model, S limit, Segment<S>* segment) {
   int marked = 0;
+  if constexpr (kTrackWalk) {
+    if (TrackNoise<S>::walks(model)) {
+      for (int j = 0; j < segment->n_landmarks; ++j) {
+        marked += mark_outliers_of(j, theta, model, limit * model.pixel_sigma, segment);
+      }
+      return marked;
+    }
+  }
   for (int o = 0; o < segment->n_observations; ++o) {
     Observation& z = segment->observation[o];
     Vec2<S> r;

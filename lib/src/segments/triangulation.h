@@ -3,7 +3,7 @@
 #pragma once
 
 #include "segments/exposure.h"
-#include "segments/weights.h"
+#include "segments/track_noise.h"
 
 namespace SEGCAL_NS {
 
@@ -58,6 +58,38 @@ class LandmarkRows {
   S block_[4 * kRows];
 };
 
+/// Rows of points whose tracks drift, in px until all are known.
+template <class S, bool = kTrackWalk>
+class WalkingRows {
+ public:
+  void begin() { track_.begin(); }
+  void add(int camera, std::int32_t t_us, const Vec2<S>& r, const MeasurementModel<S>& model) { track_.add(camera, t_us, r, model); }
+  /// Of the point added last: its row along axis i.
+  S* row(int i) { return block_ + 8 * (track_.points() - 1) + 4 * i; }
+  /// Whitens them; returns their robust cost.
+  S move_to(LandmarkRows<S>* out, const MeasurementModel<S>& model) {
+    const S cost = track_.weigh(model);
+    track_.whiten(block_, 4, 0, 4);
+    for (int i = 0; i < 2 * track_.points(); ++i) {
+      S* const row = out->next();
+      for (int c = 0; c < 4; ++c) row[c] = block_[4 * i + c];
+    }
+    return cost;
+  }
+
+ private:
+  TrackNoise<S> track_;
+  S block_[8 * kMaxKeyframes * kMaxCameras];
+};
+template <class S>
+class WalkingRows<S, false> {
+ public:
+  void begin() {}
+  void add(int, std::int32_t, const Vec2<S>&, const MeasurementModel<S>&) {}
+  S* row(int) { return nullptr; }
+  S move_to(LandmarkRows<S>*, const MeasurementModel<S>&) { return S(0); }
+};
+
 /// Robust cost of landmark l, and its normal equations' triangle [3 | rhs] by QR.
 template <class S>
 S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
@@ -73,6 +105,8 @@ S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, c
   row[3] = -prior;
   Vec3<S> e1, e2;
   tangent_basis(l.m, &e1, &e2);
+  WalkingRows<S> walking;
+  walking.begin();
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
     if (z.rejected) continue;
@@ -86,19 +120,22 @@ S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, c
     Mat<S, 2, 3> J_h;
     const bool seen = project<S>(camera, R_CG * l.m + l.rho * t, &predicted, &J_h, nullptr, image_terms_at(z, theta));
     const Vec2<S> r = seen ? Vec2<S>(predicted - Vec2<S>(S(z.u), S(z.v))) : Vec2<S>::Zero();
-    const RobustTerm<S> robust = robust_term(model, seen ? r.squaredNorm() * inverse_sigma * inverse_sigma : S(1e4));
+    const bool walks = seen && TrackNoise<S>::walks(model);
+    const RobustTerm<S> robust = walks ? RobustTerm<S>{S(1), S(0)} : robust_term(model, seen ? r.squaredNorm() * inverse_sigma * inverse_sigma : S(1e4));
     cost += robust.cost;
     if (!seen) continue;
-    const S scale = square_root(robust.weight) * inverse_sigma;
+    const S scale = walks ? S(1) : square_root(robust.weight) * inverse_sigma;
     const Vec3<S> a1 = R_CG * e1, a2 = R_CG * e2;
+    if (walks) walking.add(z.camera, segment.t_us[z.keyframe], r, model);
     for (int i = 0; i < 2; ++i) {
-      row = rows.next();
+      row = walks ? walking.row(i) : rows.next();
       row[0] = scale * J_h.row(i).dot(a1);
       row[1] = scale * J_h.row(i).dot(a2);
       row[2] = scale * J_h.row(i).dot(t);
       row[3] = -scale * r(i);
     }
   }
+  if (TrackNoise<S>::walks(model)) cost += walking.move_to(&rows, model);
   rows.fold();
   return cost;
 }

@@ -8,7 +8,7 @@
 #pragma once
 
 #include "segments/exposure.h"
-#include "segments/weights.h"
+#include "segments/track_noise.h"
 
 namespace SEGCAL_NS {
 
@@ -19,6 +19,8 @@ S visible_shift(const Segment<S>& segment, int j, const Calibration<S>& theta, c
   const Landmark<S>& l = segment.states.landmark[j];
   const Vec3<S>& p_first = segment.states.x[segment.observation[segment.first_observation[j]].keyframe].p_GI;
   S total = S(0);
+  TrackNoise<S> track;
+  track.begin();
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
     const Exposure<S> x = exposure_of(segment, z, theta, model.g, false);
@@ -26,7 +28,17 @@ S visible_shift(const Segment<S>& segment, int j, const Calibration<S>& theta, c
     Vec2<S> moved, turned;
     if (!project(camera, homogeneous_in_camera(camera, x.R_GI, x.p_GI, l), &moved)) continue;
     if (!project(camera, homogeneous_in_camera(camera, x.R_GI, p_first, l), &turned)) continue;
-    total += (moved - turned).squaredNorm();
+    if (TrackNoise<S>::walks(model)) {
+      track.add(z.camera, segment.t_us[z.keyframe], moved - turned, model);
+    } else {
+      total += (moved - turned).squaredNorm();
+    }
+  }
+  if constexpr (kTrackWalk) {
+    if (TrackNoise<S>::walks(model)) {
+      track.weigh_equally(model);
+      return track.squared_length();
+    }
   }
   return total / (model.pixel_sigma * model.pixel_sigma);
 }

@@ -8,7 +8,8 @@ namespace SEGCAL_NS {
 template <class S>
 struct MeasurementModel {
   ImuNoise<S> imu;
-  S pixel_sigma = S(0.5);          ///< px, each axis
+  S pixel_sigma = S(0.5);          ///< px, each axis: white noise of an image point
+  S track_walk = S(0);             ///< px/sqrt(s), each axis: random walk along a track (track_noise.h); 0: none
   Vec3<S> g = Vec3<S>(S(0), S(0), S(-9.80665));  ///< m/s^2, in G
   // Weak priors: they keep directions finite that no measurement touches, and are far wider than any real device.
   S bias_a_sigma = S(1);           ///< m/s^2, accelerometer bias at the start of a partition

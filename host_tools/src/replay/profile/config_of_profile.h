@@ -96,6 +96,10 @@ inline segcal_config_t config_of(const CoreOptions& options) {
   c.accel_noise_density = options.noise.accel_noise_density;
   c.accel_random_walk = options.noise.accel_random_walk;
   c.pixel_sigma = options.pixel_sigma;
+  if (options.track_walk > 0 && SEGCAL_TRACK_WALK == 0) {
+    throw InputError("--track-walk: this profile is built without (SEGCAL_TRACK_WALK)");
+  }
+  c.track_walk = options.track_walk;
   c.segment_s = options.segment_s;
   if (options.adaptive_segments) {
     c.least_segment_s = 0.5 * options.segment_s;

@@ -109,7 +109,8 @@ class ProfileCore final : public Core {
     segcal_model_t m{};
     segcal_get_model(device_, &m);
     return {m.gyro_noise_density, m.gyro_random_walk, m.accel_noise_density, m.accel_random_walk, m.gravity, m.pixel_sigma,
-            m.huber, m.bias_a_sigma, m.bias_g_sigma, m.velocity_sigma, m.inverse_depth_sigma, m.turned_inverse_depth_sigma};
+            m.huber, m.bias_a_sigma, m.bias_g_sigma, m.velocity_sigma, m.inverse_depth_sigma, m.turned_inverse_depth_sigma,
+            m.track_walk};
   }
 
   CoreRows linearise(const std::vector<std::uint32_t>& serials, const std::vector<CoreTerm>& candidates) override {

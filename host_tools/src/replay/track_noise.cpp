@@ -1,0 +1,200 @@
+#include "replay/track_noise.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "camera_geometry.h"
+
+namespace host {
+namespace {
+
+/// Below this no tracker is, and a fit has no way to tell it from none.
+constexpr double kLeastWhite_px = 0.05, kLeastWalk = 0.01;
+
+/// One corner in one camera and segment.
+struct Track {
+  std::vector<double> t_s;
+  Eigen::MatrixXd r, J[2];           ///< px: n x 2; and by the landmark, n x 3 for each axis
+  double depth_information = 0;      ///< m^2, prior on the inverse distance
+};
+
+struct Weights {
+  Eigen::VectorXd point, step;       ///< 1: as stated; less: off
+};
+
+/// The landmark's image with its direction and inverse distance moved by d.
+Eigen::Vector2d image(const CameraCalibration& camera, const CoreState& x, const CoreLandmark& l, const Eigen::Vector3d& d) {
+  const Eigen::Vector3d e1 = l.direction.unitOrthogonal(), e2 = l.direction.cross(e1);
+  const double rho = l.inverse_distance + d(2);
+  const Eigen::Vector3d h_G = l.direction + d(0) * e1 + d(1) * e2 + rho * (l.anchor - x.p_GI);
+  const Eigen::Quaterniond q_GI(x.q_GI_wxyz(0), x.q_GI_wxyz(1), x.q_GI_wxyz(2), x.q_GI_wxyz(3));
+  const Eigen::Vector3d h = camera.R_CI * (q_GI.conjugate() * h_G) + rho * camera.p_CI;
+  return distort(camera, h.head<2>() / h.z());
+}
+
+/// From whitened residuals, in the order of the track, back to px.
+void to_px(const CoreModel& model, Track* track) {
+  double known = 0;
+  Eigen::RowVector2d walked(0, 0);
+  for (Eigen::Index i = 0; i < track->r.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double before = i > 0 ? known + model.track_walk * model.track_walk * (track->t_s[k] - track->t_s[k - 1]) : 0;
+    const double variance = before + model.pixel_sigma * model.pixel_sigma;
+    const Eigen::RowVector2d innovation = std::sqrt(variance) * track->r.row(i);
+    track->r.row(i) = walked + innovation;
+    walked += before / variance * innovation;
+    known = before * model.pixel_sigma * model.pixel_sigma / variance;
+  }
+}
+
+Track track_of(const CoreKept& kept, const std::vector<std::pair<const CorePoint*, const CorePointResidual*>>& points,
+               const Calibration& calibration, const CoreModel& model) {
+  Track out;
+  const auto n = static_cast<Eigen::Index>(points.size());
+  out.r.resize(n, 2);
+  for (Eigen::MatrixXd& J : out.J) J.resize(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto [z, residual] = points[static_cast<std::size_t>(i)];
+    const CoreState& x = kept.keyframes[static_cast<std::size_t>(z->keyframe)];
+    const CoreLandmark& l = kept.landmarks[static_cast<std::size_t>(z->landmark)];
+    const CameraCalibration& camera = calibration.cameras[static_cast<std::size_t>(z->camera)];
+    out.t_s.push_back(1e-9 * static_cast<double>(x.t_ns - kept.keyframes.front().t_ns));
+    out.r.row(i) << residual->u_sigma, residual->v_sigma;
+    for (int c = 0; c < 3; ++c) {
+      const Eigen::Vector3d d = 1e-5 * Eigen::Vector3d::Unit(c);
+      const Eigen::Vector2d slope = (image(camera, x, l, d) - image(camera, x, l, -d)) / 2e-5;
+      for (int axis = 0; axis < 2; ++axis) out.J[axis](i, c) = slope(axis);
+    }
+  }
+  const double sigma = kept.turned_only ? model.turned_inverse_depth_sigma : model.inverse_depth_sigma;
+  out.depth_information = 1 / (sigma * sigma);
+  to_px(model, &out);
+  return out;
+}
+
+/// The residuals come in the order of the points, without those that are rejected or have no image.
+std::vector<Track> tracks_of(const std::vector<CoreKept>& kept, const Calibration& calibration, const CoreModel& model) {
+  std::vector<Track> out;
+  for (const CoreKept& segment : kept) {
+    std::map<std::pair<int, int>, std::vector<std::pair<const CorePoint*, const CorePointResidual*>>> tracks;
+    auto residual = segment.points.begin();
+    for (const CorePoint& z : segment.measured) {
+      if (residual == segment.points.end()) break;
+      const bool same = segment.keyframes[static_cast<std::size_t>(z.keyframe)].t_ns == residual->t_ns && z.camera == residual->camera;
+      if (z.rejected || !same) continue;
+      tracks[{z.landmark, z.camera}].push_back({&z, &*residual++});
+    }
+    for (const auto& [key, points] : tracks) {
+      if (points.size() >= 3) out.push_back(track_of(segment, points, calibration, model));
+    }
+  }
+  return out;
+}
+
+/// px^2, of the walk's steps: the first point has none.
+Eigen::VectorXd steps(const Track& track, double walk) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(track.r.rows());
+  for (Eigen::Index i = 1; i < out.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    out(i) = walk * walk * (track.t_s[k] - track.t_s[k - 1]);
+  }
+  return out;
+}
+
+/// The walk is the sum of its steps so far: L diag(steps) L' with L of ones.
+Eigen::MatrixXd walk_covariance(const Eigen::VectorXd& step) {
+  const Eigen::Index n = step.size();
+  Eigen::MatrixXd out(n, n);
+  double sum = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    sum += step(i);
+    out.row(i).tail(n - i).setConstant(sum);
+    out.col(i).tail(n - i).setConstant(sum);
+  }
+  return out;
+}
+
+Weights weights_of(const Track& track, const TrackNoise& noise, double huber) {
+  const Eigen::Index n = track.r.rows();
+  const Eigen::VectorXd step = steps(track, noise.walk_px_per_sqrt_s);
+  Weights w{Eigen::VectorXd::Ones(n), Eigen::VectorXd::Ones(n)};
+  for (int round = 0; round < 10; ++round) {
+    const Eigen::VectorXd weighted = step.cwiseQuotient(w.step);
+    const Eigen::MatrixXd walk = walk_covariance(weighted);
+    Eigen::MatrixXd C = walk;
+    C.diagonal() += noise.white_px * noise.white_px * w.point.cwiseInverse();
+    const Eigen::MatrixXd drift = walk * C.llt().solve(track.r);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double e = (track.r.row(i) - drift.row(i)).norm() / noise.white_px;
+      w.point(i) = std::min(1.0, huber / e);
+      if (i > 0) w.step(i) = std::min(1.0, huber * std::sqrt(step(i)) / (drift.row(i) - drift.row(i - 1)).norm());
+    }
+  }
+  return w;
+}
+
+/// Twice the negative logarithm of the restricted likelihood.
+double cost_of(const Track& track, const Weights& w, const TrackNoise& noise) {
+  Eigen::MatrixXd C = walk_covariance(steps(track, noise.walk_px_per_sqrt_s).cwiseQuotient(w.step));
+  C.diagonal() += noise.white_px * noise.white_px * w.point.cwiseInverse();
+  const Eigen::LLT<Eigen::MatrixXd> llt(C);
+  Eigen::Matrix3d H = Eigen::Vector3d(0, 0, track.depth_information).asDiagonal();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  double cost = 0;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Eigen::MatrixXd J = llt.matrixL().solve(track.J[axis]);
+    const Eigen::VectorXd r = llt.matrixL().solve(track.r.col(axis));
+    H += J.transpose() * J;
+    b += J.transpose() * r;
+    cost += r.squaredNorm() + 2 * llt.matrixLLT().diagonal().array().log().sum();
+  }
+  const Eigen::LLT<Eigen::Matrix3d> place(H);
+  return cost - b.dot(place.solve(b)) + 2 * place.matrixLLT().diagonal().array().log().sum();
+}
+
+/// Goes to the best of four neighbours until there is none, in ever smaller steps of the logarithms.
+TrackNoise most_likely(const std::vector<Track>& tracks, const std::vector<Weights>& weights, TrackNoise at) {
+  const auto total = [&](const TrackNoise& noise) {
+    double sum = 0;
+    for (std::size_t i = 0; i < tracks.size(); ++i) sum += cost_of(tracks[i], weights[i], noise);
+    return sum;
+  };
+  double least = total(at);
+  for (double factor = 1.5; factor > 1.01;) {
+    TrackNoise best = at;
+    for (const auto& [white, walk] : std::array<std::pair<double, double>, 4>{{{factor, 1}, {1 / factor, 1}, {1, factor}, {1, 1 / factor}}}) {
+      const TrackNoise trial{std::max(kLeastWhite_px, white * at.white_px), std::max(kLeastWalk, walk * at.walk_px_per_sqrt_s), 0};
+      const double cost = total(trial);
+      if (!(cost < least)) continue;
+      least = cost;
+      best = trial;
+    }
+    const bool moved = best.white_px != at.white_px || best.walk_px_per_sqrt_s != at.walk_px_per_sqrt_s;
+    at = best;
+    if (!moved) factor = std::sqrt(factor);
+  }
+  return at;
+}
+
+}  // namespace
+
+TrackNoise estimate_track_noise(const std::vector<CoreKept>& kept, const Calibration& calibration, const CoreModel& model) {
+  constexpr std::size_t kFewest = 30;  // tracks: each variance to a tenth or so
+  const std::vector<Track> tracks = tracks_of(kept, calibration, model);
+  TrackNoise noise{0.3, 0.5, 0};
+  if (tracks.size() < kFewest) return TrackNoise{};
+  for (int round = 0; round < 4; ++round) {
+    std::vector<Weights> weights;
+    for (const Track& track : tracks) weights.push_back(weights_of(track, noise, model.huber));
+    noise = most_likely(tracks, weights, noise);
+  }
+  for (const Track& track : tracks) noise.points += static_cast<int>(track.t_s.size());
+  if (noise.walk_px_per_sqrt_s <= kLeastWalk) noise.walk_px_per_sqrt_s = 0;
+  return noise;
+}
+
+}  // namespace host
