@@ -45,8 +45,8 @@ def check_result(result, file):
 
 
 def check_diagnosis(diagnosis, file):
-    if diagnosis.get("format", 1) != 1:
-        raise InputError(f"{file}: expected format 1, found {diagnosis['format']}")
+    if diagnosis.get("format", 1) not in (1, 2):
+        raise InputError(f"{file}: expected format 1 or 2, found {diagnosis['format']}")
     if not isinstance(diagnosis.get("verdict"), str):
         raise InputError(f"{file}: expected a member \"verdict\" with a text")
 

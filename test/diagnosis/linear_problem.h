@@ -11,6 +11,7 @@
 namespace test {
 
 struct LinearRecording {
+  static constexpr double kShare = 0.9 / 5;      ///< of the error level: five candidates share nine tenths
   int n_theta = 6, segments = 12, rows = 120;
   std::vector<host::diagnosis::Candidate> candidates;
   Eigen::VectorXd truth;                         ///< of the terms
@@ -25,7 +26,7 @@ struct LinearRecording {
 
   int terms() const { return static_cast<int>(truth.size()); }
   void add(const std::string& name, int count, double size, double value = 0) {
-    candidates.push_back({name, {terms(), count}, std::vector<double>(count, size), 0});
+    candidates.push_back({name, {terms(), count}, std::vector<double>(count, size), kShare});
     Eigen::VectorXd longer = Eigen::VectorXd::Zero(terms() + count);
     longer.head(terms()) = truth;
     longer.tail(count).setConstant(value);

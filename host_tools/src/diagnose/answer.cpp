@@ -6,6 +6,7 @@
 
 #include "diagnose/catalogue.h"
 #include "diagnose/chi_square.h"
+#include "diagnose/decision.h"
 #include "sensors/effect_terms.h"
 
 namespace host::diagnosis {
@@ -180,6 +181,15 @@ DiagnosedEffect named_noise(const std::string& effect, const std::vector<Diagnos
   return out;
 }
 
+namespace {
+
+void say_cut_short(Diagnosis* d) {
+  if (!d->cut_short) return;
+  d->sentence += ". The search ended at its " + std::to_string(decision::kFits) + " fits: more may be there";
+}
+
+}  // namespace
+
 void conclude(Diagnosis* d) {
   if (!d->faults.empty()) {
     d->verdict = "bad_data";
@@ -195,16 +205,18 @@ void conclude(Diagnosis* d) {
     d->sentence = d->lost;
     return;
   }
-  const bool open = d->before.total > 0 && d->gap_closed < 0.9;
+  const bool open = d->before.total > 0 && d->open_excess > (1 - decision::kNamesFrom) * d->before.total;
   if (d->effects.empty()) {
     d->verdict = open ? "unexplained" : "consistent";
     d->sentence = open ? "something is missing in the model that has no name here: excess " + text("%.2g", d->before.total) +
                              " of chi2 per degree of freedom" + where_words(*d)
                        : "model and measurements agree: nothing is missing that this motion would have shown";
+    say_cut_short(d);
     return;
   }
   d->verdict = open ? "partly_explained" : "explained";
   d->sentence = effects_in_words(*d) + ". " + gap_words(*d) + (open ? "; the rest has no name here" + where_words(*d) : "");
+  say_cut_short(d);
 }
 
 }  // namespace host::diagnosis

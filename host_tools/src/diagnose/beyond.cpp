@@ -3,54 +3,52 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/answer.h"
 #include "diagnose/shift.h"
 #include "segcal/config.h"
 
 namespace host::diagnosis {
 namespace {
 
-constexpr int kRounds = 3;
 constexpr std::size_t kBatch = 30;     ///< columns of one linearisation beside those that are estimated
-constexpr double kHandicap = 2;        ///< decades: a term without physics behind it needs more evidence than an effect
-constexpr double kLevel = -2.7;
-constexpr int kAskHalves = 8;
 
 }  // namespace
 
-Beyond::Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<double>* start, Selection* selection, bool has_temperature)
-    : evidence_(evidence), terms_(terms), start_(start), selection_(selection), dictionary_(dictionary(has_temperature)) {}
+Beyond::Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<double>* start, Selection* selection, Budget* fits, bool has_temperature)
+    : fits_(fits), evidence_(evidence), terms_(terms), start_(start), selection_(selection), dictionary_(dictionary(has_temperature)) {}
 
 void Beyond::run(const Fit& fit) {
   std::vector<Open> open = scan();
-  for (int i = 0; i < kRounds && !selection_->shifted; ++i) {  // fits do not know steps
+  for (int i = 0; i < decision::kTermRounds && !selection_->shifted; ++i) {  // fits do not know steps
     const std::vector<TermInfo> best = best_that_hold(open);
-    if (best.empty()) break;
+    if (best.empty() || !fits_->allows()) break;
     for (const TermInfo& term : best) add(term);
     refit(fit);
     drop_superfluous(fit);
     open = scan();
-    selection_->leftover = leftover_of(*selection_, SelectionOptions{});
+    selection_->leftover = leftover_of(*selection_);
   }
-  for (const Open& o : open) selection_->leftover = std::max(selection_->leftover, o.statistic);
+  for (const Open& o : open) selection_->leftover.take(o.chi2, in_words(o.term.term));
 }
+
+double Beyond::share() const { return decision::kDictionaryShare / static_cast<double>(dictionary_.size()); }
 
 /// Terms that are significant beside what was accepted, at the last fit, the most significant first.
 std::vector<Beyond::Open> Beyond::scan() {
   std::vector<Open> out;
+  const auto size = static_cast<double>(dictionary_.size());
   for (std::size_t from = 0; from < dictionary_.size(); from += kBatch) {
     const std::size_t to = std::min(from + kBatch, dictionary_.size());
     const std::vector<TermInfo> batch(dictionary_.begin() + static_cast<std::ptrdiff_t>(from), dictionary_.begin() + static_cast<std::ptrdiff_t>(to));
     const Problem problem = problem_with(batch, false);
     for (std::size_t i = 0; i < batch.size(); ++i) {
       const EffectTest test = test_effect(problem, candidate_at(i, batch[i]), free_in(problem));
-      if (test.seen > 0 && corrected(test.log10_p) < kLevel) out.push_back({batch[i], test.statistic, test.log10_p});
+      if (test.seen > 0 && called(test.log10_p, decision::kLeftShare / size)) out.push_back({batch[i], test.chi2, test.log10_p});
     }
   }
   std::sort(out.begin(), out.end(), [](const Open& a, const Open& b) { return a.log10_p < b.log10_p; });
   return out;
 }
-
-double Beyond::corrected(double log10_p) const { return log10_p + std::log10(static_cast<double>(dictionary_.size())); }
 
 /// The best term of each axis of a sensor, of the few that are asked. What an effect leaks into other axes goes again when it is
 /// in the fit.
@@ -58,7 +56,7 @@ std::vector<TermInfo> Beyond::best_that_hold(const std::vector<Open>& open) {
   std::vector<TermInfo> out;
   int asked = 0;
   for (const Open& o : open) {
-    if (corrected(o.log10_p) + kHandicap >= kLevel || asked == kAskHalves) break;
+    if (!called(o.log10_p, share()) || asked == decision::kTermsAsked) break;
     if (std::any_of(out.begin(), out.end(), [&o](const TermInfo& t) { return t.term.kind == o.term.term.kind; })) continue;
     ++asked;
     const Problem problem = problem_with({o.term}, true);
@@ -70,11 +68,10 @@ std::vector<TermInfo> Beyond::best_that_hold(const std::vector<Open>& open) {
 /// As for an effect of the catalogue: significant against its own scatter, the same in both halves, and of use to the other.
 bool Beyond::holds(const Problem& problem, const Candidate& candidate) const {
   const std::vector<TermGroup> free = free_in(problem);
-  const EffectTest test = test_effect(problem, candidate, free);
-  const Scatter scatter = scatter_over_time(problem, candidate, free);
-  if (corrected(scatter.log10_p(test.statistic, test.seen)) + kHandicap >= kLevel) return false;
+  if (!called(judge_effect(problem, candidate, free).log10_p, share())) return false;
   const HalvesTest halves = test_halves(problem, candidate, free);
-  return halves.log10_p_disagree >= SelectionOptions{}.log10_disagree && halves.gain >= 0.25 * test.statistic;
+  return halves.log10_p_disagree >= decision::kLog10Disagree &&
+         halves.gain >= decision::kHelps * test_effect(problem, candidate, free).statistic;
 }
 
 /// Columns [theta | taken | candidates | step].
@@ -85,7 +82,7 @@ Problem Beyond::problem_with(const std::vector<TermInfo>& candidates, bool in_pa
 }
 
 Candidate Beyond::candidate_at(std::size_t i, const TermInfo& term) const {
-  return {"unlisted", {static_cast<int>(evidence_->taken().size() + i), 1}, {term.size}, 0};
+  return {"unlisted", {static_cast<int>(evidence_->taken().size() + i), 1}, {term.size}, share()};
 }
 
 /// What was accepted.
@@ -101,7 +98,7 @@ void Beyond::add(const TermInfo& term) {
   dictionary_.erase(std::find_if(dictionary_.begin(), dictionary_.end(), [&term](const TermInfo& t) {
     return t.term.kind == term.term.kind && t.term.a == term.term.a && t.term.b == term.term.b && t.term.c == term.term.c;
   }));
-  selection_->candidates.push_back({"unlisted", {static_cast<int>(terms_->size()), 1}, {term.size}, kHandicap});
+  selection_->candidates.push_back({"unlisted", {static_cast<int>(terms_->size()), 1}, {term.size}, share()});
   terms_->push_back(term);
   start_->push_back(0);
   selection_->accepted.push_back({static_cast<int>(selection_->candidates.size()) - 1, {}});
@@ -116,7 +113,7 @@ void Beyond::refit(const Fit& fit) {
   selection_->problem = fit(estimated);
   for (std::size_t i = 0; i < selection_->accepted.size(); ++i) {
     Accepted& a = selection_->accepted[i];
-    a.test = test_effect(selection_->problem, selection_->candidates[a.candidate], groups_but(i));
+    a.test = judge_effect(selection_->problem, selection_->candidates[a.candidate], groups_but(i));
   }
 }
 
@@ -132,7 +129,7 @@ std::vector<TermGroup> Beyond::groups_but(std::size_t left_out) const {
 void Beyond::drop_superfluous(const Fit& fit) {
   for (std::size_t i = 0; i < selection_->accepted.size(); ++i) {
     const Accepted a = selection_->accepted[i];
-    if (a.test.seen > 0 && a.test.log10_p + 1 < kLevel) continue;
+    if (a.test.seen > 0 && called(a.test.log10_p, selection_->candidates[a.candidate].share)) continue;
     selection_->rejected.push_back({a.candidate, "a term that the catalogue has not says more"});
     selection_->accepted.erase(selection_->accepted.begin() + static_cast<std::ptrdiff_t>(i));
     refit(fit);

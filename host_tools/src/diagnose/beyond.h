@@ -14,17 +14,18 @@ class Beyond {
   using Fit = std::function<Problem(const std::vector<bool>& estimated)>;
 
   /// Works on the selection in place; `terms` and `start` grow by what is added.
-  Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<double>* start, Selection* selection, bool has_temperature);
+  Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<double>* start, Selection* selection, Budget* fits,
+         bool has_temperature);
   /// What stays significant is in the selection's leftover.
   void run(const Fit& fit);
 
  private:
   struct Open {
     TermInfo term;
-    double statistic = 0, log10_p = 0;
+    double chi2 = 0, log10_p = 0;
   };
   std::vector<Open> scan();
-  double corrected(double log10_p) const;
+  double share() const;
   std::vector<TermInfo> best_that_hold(const std::vector<Open>& open);
   bool holds(const Problem& problem, const Candidate& candidate) const;
   Problem problem_with(const std::vector<TermInfo>& candidates, bool in_parts);
@@ -35,6 +36,7 @@ class Beyond {
   void refit(const Fit& fit);
   std::vector<TermGroup> groups_but(std::size_t left_out) const;
 
+  Budget* fits_;
   Evidence* evidence_;
   std::vector<TermInfo>* terms_;
   std::vector<double>* start_;

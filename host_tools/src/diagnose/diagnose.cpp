@@ -20,12 +20,6 @@ namespace {
 using namespace diagnosis;
 
 constexpr std::size_t kFewestSegments = 4;
-/// A pixel noise above the stated one by less is not worth a name; and by how many sigmas it must differ. Less noise than
-/// stated is no fault, as in the raw samples (imu_noise.h): it was stated on purpose, and corner tracks follow their own error
-/// for many images, which differences of neighbours do not show and a stated noise must cover.
-constexpr double kNoiseAbove = 0.04, kNoiseSigmas = 6;
-/// Far-off points leave a fit whose noise is stated too small, so that the first factor is too small too.
-constexpr int kNoiseRounds = 3;
 /// log10 p from which on structure in residuals is reported; all of it.
 constexpr double kStructure = -3, kAll = 1e9;
 
@@ -77,7 +71,7 @@ class Diagnoser {
     }
     for (const CoreTerm& term : options_.core.terms) {
       terms_.push_back(term_info(term));
-      catalogue_.candidates.push_back({"unlisted", {static_cast<int>(terms_.size()) - 1, 1}, {terms_.back().size}, 0});
+      catalogue_.candidates.push_back({"unlisted", {static_cast<int>(terms_.size()) - 1, 1}, {terms_.back().size}, 1});
       start_.push_back(0);
       take(catalogue_.candidates.size() - 1);
     }
@@ -114,11 +108,38 @@ class Diagnoser {
     take(out_.raw_noise.gyro, "gyro_noise.factor", &noise.gyro_noise_density);
     take(out_.raw_noise.accel, "accel_noise.factor", &noise.accel_noise_density);
     out_.noise = noise;
-    if (!factors.empty()) noise_effects_.push_back(named_noise("imu_noise", factors));
+    if (!factors.empty()) noise_effects_.push_back(noise_effect("imu_noise", factors, imu_halves(factors)));
+  }
+
+  /// Factors of the first half of the samples and of the second; 0 where one is too short to tell.
+  std::vector<std::array<double, 2>> imu_halves(const std::vector<DiagnosedParameter>& factors) const {
+    std::vector<std::array<double, 2>> out(factors.size(), {0, 0});
+    for (int half = 0; half < 2; ++half) {
+      Recording part = sessions_.front();
+      std::vector<ImuSample>& samples = part.imu.samples;
+      const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+      half == 0 ? samples.erase(middle, samples.end()) : samples.erase(samples.begin(), middle);
+      const RawNoise noise = raw_imu_noise(part);
+      for (std::size_t i = 0; i < factors.size(); ++i) {
+        const SensorNoise& sensor = factors[i].name[0] == 'g' ? noise.gyro : noise.accel;
+        out[i][half] = sensor.axes[0].density > 0 ? sensor.factor : 0;
+      }
+    }
+    return out;
+  }
+
+  /// Factors of the two halves of the segments at the last fit.
+  std::array<double, 2> pixel_halves() const {
+    std::vector<CoreKept> half[2];
+    const std::vector<CoreKept> segments = evidence_.segments();
+    for (std::size_t i = 0; i < segments.size(); ++i) half[is_held_out(i) ? 1 : 0].push_back(segments[i]);
+    const double ratio = evidence_.result().model.pixel_sigma / options_.core.pixel_sigma;
+    return {ratio * pixel_noise(half[0]).factor, ratio * pixel_noise(half[1]).factor};
   }
 
   Problem fit(const std::vector<bool>& estimated) {
     begin("fit " + std::to_string(++fits_));
+    fits_left_.take();
     const Problem problem = evidence_.fit(terms_, estimated, start_);
     pixels_ = pixel_noise(evidence_.result().kept);
     return problem;
@@ -169,17 +190,20 @@ class Diagnoser {
     return out_.judged;
   }
 
+  /// Less noise than stated is no fault, as in the raw samples (imu_noise.h): it was stated on purpose, and corner tracks follow
+  /// their own error for many images, which differences of neighbours do not show and a stated noise must cover.
   /// Image noise above the stated one shows when the effects are in the model; then everything is weighed again.
   void find_effects() {
     out_.fit_before = evidence_.result();
     search();
-    for (int round = 0; round < kNoiseRounds && !lens_has_no_name() && pixel_noise_is_above(); ++round) {
+    for (int round = 0; round < decision::kNoiseRounds && fits_left_.allows() && !lens_has_no_name() && pixel_noise_is_above(); ++round) {
       fit_plain();
       search();
       noisy_pixels_ = true;
     }
     find_pixel_factor();
     if (!selection_.accepted.empty() || noisy_pixels_) out_.fit_after = evidence_.result();
+    out_.cut_short = fits_left_.used_up();
     collect();
   }
 
@@ -188,6 +212,7 @@ class Diagnoser {
     start_.resize(given_terms_);
     SelectionOptions options;
     options.known = known_;
+    options.fits = &fits_left_;
     Problem last = plain_;
     const Refit refit = [this, &last](const std::vector<int>& accepted) {
       if (accepted.empty()) return plain_;
@@ -228,7 +253,7 @@ class Diagnoser {
   bool pixel_noise_is_above() {
     find_pixel_factor();
     const double so_far = evidence_.options().pixel_sigma / options_.core.pixel_sigma, above = out_.pixels.factor / so_far - 1;
-    if (above <= std::max(kNoiseAbove, kNoiseSigmas * out_.pixels.sigma / so_far)) return false;
+    if (above <= std::max(decision::kNoiseAbove, decision::kNoiseSigmas * out_.pixels.sigma / so_far)) return false;
     evidence_.options().pixel_sigma = out_.pixels.factor * options_.core.pixel_sigma;
     return true;
   }
@@ -257,7 +282,7 @@ class Diagnoser {
   void look_beyond() {
     if (!options_.dictionary) return;
     begin("terms beyond the catalogue");
-    Beyond beyond(&evidence_, &terms_, &start_, &selection_, has_temperature_);
+    Beyond beyond(&evidence_, &terms_, &start_, &selection_, &fits_left_, has_temperature_);
     beyond.run([this](const std::vector<bool>& estimated) { return fit(estimated); });
   }
 
@@ -285,14 +310,15 @@ class Diagnoser {
     const HeldOut held_out{selection_, terms_, noise_floor()};
     report_gap(held_out, evidence_.result(), &out_);
     find_where();
-    if (noisy_pixels_ && !lens_has_no_name() && out_.after.total <= 0.1 * out_.before.total) name_pixel_noise();
+    if (noisy_pixels_ && !lens_has_no_name() && out_.open_excess <= (1 - decision::kNamesFrom) * out_.before.total) name_pixel_noise();
     add_noise_gap(noise_effects_, &out_);
   }
 
   /// Where something else is open, what the points show beside noise is that.
   void name_pixel_noise() {
     out_.pixel_sigma = evidence_.options().pixel_sigma;
-    noise_effects_.push_back(named_noise("pixel_noise", {{"pixel_noise.factor", out_.pixels.factor, out_.pixels.sigma, "-"}}));
+    const DiagnosedParameter factor{"pixel_noise.factor", out_.pixels.factor, out_.pixels.sigma, "-"};
+    noise_effects_.push_back(noise_effect("pixel_noise", {factor}, {pixel_halves()}));
   }
 
   void find_where() {
@@ -319,6 +345,7 @@ class Diagnoser {
   Evidence evidence_;
   std::string step_;
   int fits_ = 0;
+  Budget fits_left_{decision::kFits};
   std::vector<TermInfo> terms_;
   std::vector<double> start_;
   std::vector<int> known_;
@@ -327,7 +354,7 @@ class Diagnoser {
   PixelNoise pixels_;
   Selection selection_;
   bool noisy_pixels_ = false;
-  std::vector<DiagnosedEffect> noise_effects_;
+  std::vector<NoiseEffect> noise_effects_;
   Diagnosis out_;
 };
 

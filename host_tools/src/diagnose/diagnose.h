@@ -69,10 +69,12 @@ struct Diagnosis {
   bool judged = true;                ///< false: too short or too still; the verdict then says nothing
   std::string lost;                  ///< why nothing could be fitted although there is motion; empty: a fit was made
   std::string sentence;              ///< the answer, to read aloud
+  bool cut_short = false;            ///< the number of fits was used up: something may be left that more would have found
   std::vector<DiagnosedEffect> effects;
   SensorShares before, after, noise_floor;  ///< excess over the noise floor without and with the effects; chi2/dof of noise
   double after_sigma = 0;            ///< of after.total
-  double gap_closed = 0;             ///< share of before.total
+  double gap_closed = 0;             ///< share of before.total: by nested folds where there are eight segments, named or not
+  double open_excess = 0;            ///< part of before.total that the verdict counts as open: without a name, or refused one
   std::vector<diagnosis::Structure> where;
   std::vector<diagnosis::Structure> left;  ///< the same with the effects, one per entry of `where`
   std::vector<double> where_after;   ///< correlation that is left with the effects, one per entry of `where`

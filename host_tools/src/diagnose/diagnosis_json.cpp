@@ -1,4 +1,4 @@
-// diagnosis.json, format 1 (docs/formats.md).
+// diagnosis.json, format 2 (docs/formats.md).
 #include <nlohmann/json.hpp>
 
 #include "diagnose/diagnose.h"
@@ -73,10 +73,11 @@ Json noise_json(const Diagnosis& d) {
 
 std::string diagnosis_json(const Diagnosis& d) {
   Json json;
-  json["format"] = 1;
+  json["format"] = 2;
   json["verdict"] = d.verdict;
   json["judged"] = d.judged;
   json["sentence"] = d.sentence;
+  json["cut_short"] = d.cut_short;
   json["effects"] = Json::array();
   for (const DiagnosedEffect& e : d.effects) json["effects"].push_back(effect_json(e));
   json["gap"] = {{"before", shares_json(d.before)}, {"after", shares_json(d.after)}, {"noise_floor", shares_json(d.noise_floor)},

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "diagnose/chi_square.h"
+#include "diagnose/decision.h"
 #include "diagnose/selection.h"
 
 namespace host::diagnosis {
@@ -12,12 +13,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-/// A direction counts as seen where its sigma is below a third of the plausible size.
-constexpr double kSeen = 3;
-
-/// Share of a value that its linearisation far away may be wrong by: halves that differ by less agree.
-constexpr double kCurvature = 0.1;
 
 Marginal marginal(const Problem& problem, const Rows& rows, const Candidate& candidate, const std::vector<TermGroup>& free) {
   std::vector<TermGroup> groups = free;
@@ -36,32 +31,41 @@ struct Posterior {
 };
 Posterior posterior(const Marginal& m, const VectorXd& size, double noise) {
   const MatrixXd R = m.R * size.asDiagonal() / std::sqrt(noise);
-  const MatrixXd information = R.transpose() * R + 0.01 * MatrixXd::Identity(R.cols(), R.cols());
+  const MatrixXd information = R.transpose() * R + MatrixXd::Identity(R.cols(), R.cols()) / (decision::kWidePrior * decision::kWidePrior);
   Posterior out;
   out.covariance = information.inverse();
   out.value = out.covariance * (R.transpose() * m.d / std::sqrt(noise));
   return out;
 }
 
-/// The last m columns moved to the k-th of `places` groups of m.
-Rows spread(const Rows& rows, int m, int k, int places) {
-  const int n = rows.columns() - m;
-  MatrixXd wide = MatrixXd::Zero(rows.R.rows(), n + m * places + 1);
-  wide.leftCols(n) = rows.R.leftCols(n);
-  wide.middleCols(n + k * m, m) = rows.R.middleCols(n, m);
-  wide.rightCols(1) = rows.R.rightCols(1);
-  return {wide, rows.dof};
-}
-
-struct Solved {
+/// Cost of the best theta (and shared columns) where the first `m` columns of each piece have values of their own: these are
+/// eliminated piece by piece, what is left of all pieces is solved together.
+struct OwnValues {
   double cost = 0;
-  int rank = 0;
+  int rank = 0;                  ///< of the own values, all pieces
 };
-Solved cost_and_rank(const Problem& problem, const std::vector<Rows>& pieces) {
+OwnValues cost_with_own_values(const Problem& problem, const std::vector<Rows>& pieces, int m) {
+  std::vector<Rows> rest;
+  OwnValues out;
+  for (const Rows& piece : pieces) {
+    const int n = piece.columns() - m;
+    std::vector<int> own;        // a step has no columns before it
+    for (int c = n; c < n + m; ++c) {
+      if (piece.R.col(c).squaredNorm() > 0) own.push_back(c);
+    }
+    const int k = static_cast<int>(own.size());
+    MatrixXd own_first(piece.R.rows(), k + n + 1);
+    for (int i = 0; i < k; ++i) own_first.col(i) = piece.R.col(own[i]);
+    own_first.middleCols(k, n) = piece.R.leftCols(n);
+    own_first.rightCols(1) = piece.R.rightCols(1);
+    const MatrixXd R = triangle_of(own_first);
+    out.rank += k;
+    rest.push_back({R.bottomRightCorner(R.rows() - k, n + 1), piece.dof});
+  }
   std::vector<const Rows*> pointers;
-  for (const Rows& p : pieces) pointers.push_back(&p);
-  const Solution solution = solve(with_prior(sum_of(pointers), problem.prior));
-  return {solution.cost, static_cast<int>((solution.covariance.diagonal().array() > 0).count())};
+  for (const Rows& r : rest) pointers.push_back(&r);
+  out.cost = solve(with_prior(sum_of(pointers), problem.prior)).cost;
+  return out;
 }
 
 }  // namespace
@@ -81,10 +85,11 @@ EffectTest test_effect(const Problem& problem, const Candidate& candidate, const
   const VectorXd along = svd.matrixU().transpose() * m.d / std::sqrt(noise);
   EffectTest out;
   for (Eigen::Index i = 0; i < along.size(); ++i) {
-    if (svd.singularValues()(i) < kSeen) continue;
+    if (svd.singularValues()(i) < decision::kSeen) continue;
     ++out.seen;
     out.statistic += along(i) * along(i);
   }
+  out.chi2 = out.statistic * noise;
   out.largest_gain = svd.singularValues()(0);
   out.log10_p = log10_upper_tail(out.statistic, out.seen);
   const Posterior p = posterior(m, size, noise);
@@ -102,16 +107,28 @@ Scatter scatter_over_time(const Problem& problem, const Candidate& candidate, co
   if (pieces < 4) return {};
   std::vector<TermGroup> groups = free;
   groups.push_back(candidate.columns);
-  std::vector<Rows> shared, own;
-  for (int k = 0; k < pieces; ++k) {
-    shared.push_back(with_groups(problem.pieces[k].rows, problem.n_theta, groups));
-    own.push_back(spread(shared.back(), m, k, pieces));
-  }
-  const Solved one = cost_and_rank(problem, shared), each = cost_and_rank(problem, own);
-  const double noise = dispersion(problem, groups), drop = (one.cost - each.cost) / noise;
-  const int dof = each.rank - one.rank;
+  std::vector<Rows> rows;
+  std::vector<const Rows*> pointers;
+  for (const Piece& p : problem.pieces) rows.push_back(with_groups(p.rows, problem.n_theta, groups));
+  for (const Rows& r : rows) pointers.push_back(&r);
+  const double one = solve(with_prior(sum_of(pointers), problem.prior)).cost;
+  const OwnValues each = cost_with_own_values(problem, rows, m);
+  const int dof = each.rank - m;
   if (dof <= 0) return {};
-  return {std::max(1.0, drop / dof), dof};
+  return {std::max(1.0, (one - each.cost) / dispersion(problem, groups) / dof), dof};
+}
+
+EffectTest judge_effect(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free) {
+  EffectTest out = test_effect(problem, candidate, free);
+  const Scatter scatter = scatter_over_time(problem, candidate, free);
+  out.log10_p = scatter.log10_p(out.statistic, out.seen);
+  out.statistic /= scatter.factor;
+  out.sigma *= std::sqrt(scatter.factor);
+  return out;
+}
+
+bool called(double log10_p, double share) {
+  return log10_p < decision::kLog10Level + std::log10(share);
 }
 
 HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free) {
@@ -121,7 +138,7 @@ HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const
   const Posterior p[2] = {posterior(of[0], size, noise), posterior(of[1], size, noise)};
   const VectorXd difference = p[0].value - p[1].value, mean = 0.5 * (p[0].value + p[1].value);
   HalvesTest out;
-  const MatrixXd allowed = p[0].covariance + p[1].covariance + kCurvature * kCurvature * mean * mean.transpose();
+  const MatrixXd allowed = p[0].covariance + p[1].covariance + decision::kCurvature * decision::kCurvature * mean * mean.transpose();
   const double s = difference.dot(allowed.inverse() * difference);
   out.log10_p_disagree = log10_upper_tail(s, static_cast<int>(size.size()));
   for (int k = 0; k < 2; ++k) {

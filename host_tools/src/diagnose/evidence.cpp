@@ -32,9 +32,6 @@ MatrixXd unpacked(const CoreRows& rows) {
   return R;
 }
 
-/// Both halves see the whole time: segments 0, 3, 4, 7, 8, ... against the rest.
-bool is_held_out(std::size_t i) { return (i + 1) / 2 % 2 == 1; }
-
 /// Steps of these blocks are looked for; sizes of a shock.
 std::vector<Block> blocks_of(const Calibration& calibration) {
   std::vector<Block> out;
@@ -107,7 +104,7 @@ Catalogue core_catalogue(bool has_temperature) {
     const EffectEntry& entry = effect_entry(e);
     const bool of_temperature = effect_term(e, 0).of_imu() && effect_term(e, 0).a == static_cast<int>(Signal::warmth);
     if (of_temperature && !has_temperature) continue;
-    out.candidates.push_back({entry.name, {static_cast<int>(out.terms.size()), entry.n}, std::vector<double>(entry.n, entry.prior_sigma), 0});
+    out.candidates.push_back({entry.name, {static_cast<int>(out.terms.size()), entry.n}, std::vector<double>(entry.n, entry.prior_sigma)});
     for (int i = 0; i < entry.n; ++i) {
       const Term t = effect_term(e, i);
       out.terms.push_back({{static_cast<int>(t.kind), t.a, t.b, t.c}, entry.name, e,

@@ -10,9 +10,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kCountsAsNone = 2;  ///< sigmas
-constexpr double kUnexplained = 4;   ///< sigmas of chi2 over the floor
-
 /// Effects that are asked about, with the others free.
 struct Asked {
   std::vector<TermGroup> groups;
@@ -77,7 +74,7 @@ double unexplained_chi2(const Problem& problem, const std::vector<TermGroup>& gr
   const double own = 2 * floor.value * floor.value / dof, measured = floor.sigma * floor.sigma;
   const double sigma = std::sqrt(measured > 0 ? std::max(measured - own, 0.25 * measured) : own);
   const double excess = chi2 / dof - floor.value;
-  return excess > kUnexplained * sigma ? excess * dof : 0;
+  return excess > decision::kOverFloor * sigma ? excess * dof : 0;
 }
 
 Gap gap_of(const Problem& problem, const Asked& asked) {
@@ -91,20 +88,28 @@ Gap gap_of(const Problem& problem, const Asked& asked) {
     add_half(held_out, train, noise, &out);
   }
   out.before = std::max(0.0, out.before);
-  out.after = std::max(0.0, out.after_measured - kCountsAsNone * out.after_sigma);
+  out.after = std::max(0.0, out.after_measured - decision::kCountsAsNone * out.after_sigma);
   return out;
 }
 
 }  // namespace
 
 Gap held_out_gap(const Problem& problem, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted,
-                 const Floor& floor, double rest_statistic) {
+                 const Floor& floor, double rest_chi2) {
   const Asked asked = asked_of(candidates, accepted, -1);
   Gap out = gap_of(problem, asked);
   out.floor = floor.value;
-  out.rest = std::max(unexplained_chi2(problem, asked.groups, floor), rest_statistic);
+  out.rest = std::max(unexplained_chi2(problem, asked.groups, floor), rest_chi2);
   out.before += out.rest;
   out.after += out.rest;
+  return out;
+}
+
+Gap fold_gap(const Problem& training, const Problem& held_out, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted) {
+  const Asked asked = asked_of(candidates, accepted, -1);
+  Gap out;
+  if (asked.columns == 0) return out;
+  add_half(marginal(training, training.all, asked), marginal(held_out, held_out.all, asked), dispersion(training, asked.groups), &out);
   return out;
 }
 

@@ -13,8 +13,9 @@
 // statistic of s over both halves, `after` scatters by sqrt(2) (1 + 1) per half, 5.7 together: an excess below two such
 // sigmas counts as none.
 //
-// The rest is what no named effect explains: chi2 of the held-out halves over what noise leaves in them, or the statistic
-// of the most significant candidate that was not accepted, if that is more.
+// The rest is what no named effect explains: chi2 of the held-out halves over what noise leaves in them, or what
+// the cost falls by with the candidate that was not accepted and says most, if that is more. All of these are in chi2 of the
+// stated noise, not divided by the dispersion, so that they compare.
 #pragma once
 
 #include "diagnose/selection.h"
@@ -37,9 +38,12 @@ struct Floor {
   double value = 1, sigma = 0;
 };
 
-/// `rest_statistic`: of what was not accepted.
+/// `rest_chi2`: what the cost falls by where that which was not accepted is free.
 Gap held_out_gap(const Problem& problem, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted,
-                 const Floor& floor, double rest_statistic);
+                 const Floor& floor, double rest_chi2);
+
+/// Effects that were chosen and fitted on `training` against the rows of `held_out`, segments of the same recording.
+Gap fold_gap(const Problem& training, const Problem& held_out, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted);
 
 /// The same for one of the accepted effects, the others free.
 Gap held_out_gap_of(const Problem& problem, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted,

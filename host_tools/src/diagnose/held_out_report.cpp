@@ -8,18 +8,10 @@
 
 #include "diagnose/answer.h"
 #include "diagnose/catalogue.h"
+#include "diagnose/nested_gap.h"
 
 namespace host::diagnosis {
 namespace {
-
-/// Of the held-out excess that the accepted effects must remove together for a name. The best wrong effect removes a part: of
-/// a gyroscope's hysteresis, gyro_lag 83 %. A right one leaves what its own uncertainty leaves, 2 sigmas of which count as none.
-constexpr double kNamesFrom = 0.9;
-/// And of which no more may be left for something else, for a name of the catalogue; terms of the dictionary only describe.
-/// Beside the right effect, from the smallest to 5 ms or 0.05 m, no term of
-/// the dictionary was significant in 46 simulated recordings; beside gyro_lag in the place of a small hysteresis 1.5 to 3 %.
-/// In a real recording (euroc_mh01, stamps shifted by 3 ms) 0.3 % is left.
-constexpr double kMostRest = 0.01;
 
 /// In proportion to what the squares of each sensor's residuals fell by.
 void share_among_sensors(const ReplayResult& last, Diagnosis* out) {
@@ -50,10 +42,6 @@ std::set<Family> families_of(const std::string& effect, const CoreTerm& term) {
   return {term.kind < 3 ? Family::gyro : term.kind < 6 ? Family::accel : Family::lens};
 }
 
-/// log10 p, over all tests, of structure that takes a name back: one right name of a hundred is lost. What is left beside the
-/// right effect, as large as 5 ms or 2e-3 rad s/m, was above 0.1; beside gyro_lag in the place of a hysteresis 3e-3.
-constexpr double kStructureLeft = -2;
-
 /// Whose effects would make residuals follow this.
 std::set<Family> families_behind(const Structure& s) {
   const auto begins = [&s](const char* words) { return s.against.rfind(words, 0) == 0; };
@@ -63,11 +51,12 @@ std::set<Family> families_behind(const Structure& s) {
   return {};
 }
 
-std::string why_no_name(const Gap& gap, bool closes) {
-  char why[120];
+std::string why_no_name(const Gap& gap, const Leftover& leftover, bool closes) {
+  char why[200];
   const double closed = 100 * std::max(0.0, gap.closed()), rest = gap.before > 0 ? 100 * gap.rest / gap.before : 0;
   if (closes) {
-    std::snprintf(why, sizeof why, "the excess falls by %.1f %%, but %.1f %% clearly follow something else", closed, rest);
+    std::snprintf(why, sizeof why, "the excess falls by %.1f %%, but %.1f %% clearly follow something else%s%s", closed, rest,
+                  leftover.what.empty() ? "" : ", most ", leftover.what.c_str());
   } else {
     std::snprintf(why, sizeof why, "the excess falls by only %.0f %%, the rest is something else", closed);
   }
@@ -122,7 +111,7 @@ class Report {
   void take_back_name(const Accepted& a, DiagnosedEffect* effect) {
     for (Family f : families_of(effect->name, first_term(a))) {
       const auto other = nameless_.find(f);
-      if (other == nameless_.end() || a.test.statistic >= kNamesFrom * (a.test.statistic + other->second)) continue;
+      if (other == nameless_.end() || a.test.statistic >= decision::kNamesFrom * (a.test.statistic + other->second)) continue;
       out_->rejected.push_back({effect->name, "it is needed, but only beside a term without a name in the same sensor"});
       effect->words = "unlisted effect, of which " + effect->name + " is a part";
       effect->name = "unlisted";
@@ -148,16 +137,20 @@ class Report {
 
 void report_gap(const HeldOut& held_out, const ReplayResult& last, Diagnosis* out) {
   const Selection& s = held_out.selection;
-  const Gap gap = held_out_gap(s.problem, s.candidates, s.accepted, held_out.floor, s.leftover);
+  const Gap gap = held_out_gap(s.problem, s.candidates, s.accepted, held_out.floor, s.leftover.chi2);
   Report report(held_out, out);
   const double unit = gap.dof > 0 ? 1 / (gap.dof * gap.floor) : 0;
-  const bool closes = gap.before > 0 && gap.closed() >= kNamesFrom;
-  const bool names = closes && (gap.rest <= kMostRest * gap.before || !report.has_catalogue());
-  out->before.total = gap.before * unit;
-  out->after.total = (names ? gap.after : gap.before) * unit;
-  out->after_sigma = gap.after_sigma * unit;
+  const bool closes = gap.before > 0 && gap.closed() >= decision::kNamesFrom;
+  const bool names = closes && (gap.rest <= decision::kMostRest * gap.before || !report.has_catalogue());
+  const Gap nested = nested_gap(s);
+  const Gap& measured = nested.before > 0 ? nested : gap;
+  const double rest = nested.before > 0 ? gap.rest : 0;  // held_out_gap has it in its own
+  out->before.total = (measured.before + rest) * unit;
+  out->after.total = (measured.after + rest) * unit;
+  out->after_sigma = measured.after_sigma * unit;
+  out->open_excess = gap.before > 0 ? (names ? 1 - gap.closed() : 1) * out->before.total : 0;
   out->noise_floor.total = gap.floor;
-  for (std::size_t i = 0; i < s.accepted.size(); ++i) report.add(i, names ? "" : why_no_name(gap, closes));
+  for (std::size_t i = 0; i < s.accepted.size(); ++i) report.add(i, names ? "" : why_no_name(gap, s.leftover, closes));
   share_among_sensors(last, out);
   out->gap_closed = out->before.total > 0 ? std::clamp(1 - out->after.total / out->before.total, 0.0, 1.0) : 0;
 }
@@ -166,7 +159,7 @@ void refuse_where_structure_is_left(const std::vector<Structure>& left, Diagnosi
   double sum = 0;  // the gap is shared in proportion to what each effect takes off chi2 beside the others
   for (const DiagnosedEffect& e : out->effects) sum += e.statistic;
   for (const Structure& s : left) {
-    if (s.log10_p >= kStructureLeft) continue;
+    if (s.log10_p >= decision::kLog10StructureLeft) continue;
     const std::set<Family> behind = families_behind(s);
     const auto refused = [&behind, out](const DiagnosedEffect& e) {
       const auto term = std::find_if(out->model.begin(), out->model.end(), [&e](const ModelTerm& t) { return t.effect == e.name; });
@@ -181,24 +174,45 @@ void refuse_where_structure_is_left(const std::vector<Structure>& left, Diagnosi
       if (!refused(e)) continue;
       out->rejected.push_back({e.name, "with it " + s.sensor + " " + s.axis + " still follows " + s.against});
       out->after.total = std::min(out->before.total, out->after.total + e.statistic / sum * out->before.total);
+      out->open_excess = std::min(out->before.total, out->open_excess + e.statistic / sum * out->before.total);
       out->effects.erase(out->effects.begin() + static_cast<std::ptrdiff_t>(i));
       out->model.erase(std::remove_if(out->model.begin(), out->model.end(), [&e](const ModelTerm& t) { return t.effect == e.name; }),
                        out->model.end());
     }
   }
-  if (out->effects.empty()) out->after.total = out->before.total;
   out->gap_closed = out->before.total > 0 ? std::clamp(1 - out->after.total / out->before.total, 0.0, 1.0) : 0;
 }
 
-void add_noise_gap(const std::vector<DiagnosedEffect>& noise, Diagnosis* out) {
-  for (DiagnosedEffect e : noise) {
-    e.gap_closed = 1;
-    for (const DiagnosedParameter& p : e.parameters) {
-      const double excess = std::abs(p.value * p.value - 1);
-      (p.name[0] == 'p' ? out->before.camera : p.name[0] == 'g' ? out->before.gyro : out->before.accel) += excess;
-      out->before.total += excess;
-    }
-    out->effects.push_back(e);
+NoiseEffect noise_effect(const std::string& name, const std::vector<DiagnosedParameter>& factors,
+                         const std::vector<std::array<double, 2>>& halves) {
+  NoiseEffect out{named_noise(name, factors), {}, {}};
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    const double excess = std::abs(factors[i].value * factors[i].value - 1);
+    const bool known = halves[i][0] > 0 && halves[i][1] > 0;
+    const double left = known ? std::abs(halves[i][0] * halves[i][0] - halves[i][1] * halves[i][1]) : excess;
+    const char sensor = factors[i].name[0];
+    const auto add = [sensor](SensorShares* s, double value) {
+      (sensor == 'p' ? s->camera : sensor == 'g' ? s->gyro : s->accel) += value;
+      s->total += value;
+    };
+    add(&out.before, excess);
+    add(&out.after, left);
+  }
+  out.effect.gap_closed = out.before.total > 0 ? std::clamp(1 - out.after.total / out.before.total, 0.0, 1.0) : 0;
+  return out;
+}
+
+void add_noise_gap(const std::vector<NoiseEffect>& noise, Diagnosis* out) {
+  const auto add = [](SensorShares* sum, const SensorShares& s) {
+    sum->total += s.total;
+    sum->camera += s.camera;
+    sum->gyro += s.gyro;
+    sum->accel += s.accel;
+  };
+  for (const NoiseEffect& n : noise) {
+    add(&out->before, n.before);
+    add(&out->after, n.after);
+    out->effects.push_back(n.effect);
   }
   out->gap_closed = out->before.total > 0 ? std::clamp(1 - out->after.total / out->before.total, 0.0, 1.0) : 0;
 }

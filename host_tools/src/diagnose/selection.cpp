@@ -10,12 +10,6 @@
 namespace host::diagnosis {
 namespace {
 
-/// Share of its statistic by which an effect must lower the held-out cost.
-constexpr double kHelps = 0.25;
-/// A step of the calibration can fit whatever changes with time, also what another effect leaves: it must say more than this
-/// share of what the others do.
-constexpr double kStepShare = 0.05;
-
 std::string number(const char* format, double value) {
   char text[80];
   std::snprintf(text, sizeof text, format, value);
@@ -31,7 +25,7 @@ class Search {
   Selection run() {
     fit_again();
     judge_alone();
-    while (static_cast<int>(chosen_.size()) < options_.most && step_forward()) step_back();
+    while (static_cast<int>(chosen_.size()) < decision::kMostEffects && step_forward()) step_back();
     finish();
     return out_;
   }
@@ -41,11 +35,7 @@ class Search {
   void judge_alone() {
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       out_.alone.push_back(test_effect(out_.problem, candidates_[i], {}));
-      if (out_.alone.back().seen == 0) {
-        out_.cannot_tell.push_back(static_cast<int>(i));
-      } else {
-        tested_ += candidates_[i].handicap == 0 ? 1 : 0;
-      }
+      if (out_.alone.back().seen == 0) out_.cannot_tell.push_back(static_cast<int>(i));
     }
   }
 
@@ -61,11 +51,10 @@ class Search {
   /// Could be chosen now. The columns of a step that was dropped are no longer in the rows.
   bool open_to(int c) const { return out_.alone[c].seen > 0 && !is_chosen(c) && c < given_; }
 
-  double corrected(int c, const EffectTest& test) const {
-    return test.log10_p + std::log10(std::max(1, tested_)) + candidates_[c].handicap;
-  }
-  static double corrected(const Shift& step) { return step.test.log10_p + std::log10(step.trials); }
-  bool significant(int c, const EffectTest& test) const { return test.seen > 0 && corrected(c, test) < options_.log10_level; }
+  /// log10 p over the share of the level: what hypotheses of different shares are compared by.
+  double weighed(int c, const EffectTest& test) const { return test.log10_p - std::log10(candidates_[c].share); }
+  static double share_of(const Shift& step) { return decision::kStepsShare / std::max(1, step.trials); }
+  bool significant(int c, const EffectTest& test) const { return test.seen > 0 && called(test.log10_p, candidates_[c].share); }
 
   /// Candidates that are significant with the chosen ones free, the most significant first.
   std::vector<std::pair<double, int>> calls() {
@@ -74,32 +63,28 @@ class Search {
       const int c = static_cast<int>(i);
       if (!open_to(c)) continue;
       EffectTest test = test_effect(out_.problem, candidates_[i], groups_but(-1));
-      if (!significant(c, test)) continue;
-      calm(c, &test);
-      if (significant(c, test)) order.emplace_back(corrected(c, test), c);
+      if (!significant(c, test)) continue;  // F asks for more
+      test = judge_effect(out_.problem, candidates_[i], groups_but(-1));
+      if (significant(c, test)) {
+        order.emplace_back(weighed(c, test), c);
+      } else {
+        why_[c] = "its value is not the same throughout the recording";
+      }
     }
     std::sort(order.begin(), order.end());
     return order;
   }
 
-  /// An effect whose value differs from piece to piece by more than its noise is judged against that.
-  void calm(int c, EffectTest* test) {
-    const Scatter scatter = scatter_over_time(out_.problem, candidates_[c], groups_but(-1));
-    if (scatter.dof == 0) return;
-    test->log10_p = scatter.log10_p(test->statistic, test->seen);
-    test->statistic /= scatter.factor;
-    if (!significant(c, *test)) why_[c] = "its value is not the same throughout the recording";
-  }
-
   /// Accepts the most significant candidate that both halves tell of.
   bool step_forward() {
+    if (options_.fits && !options_.fits->allows()) return false;
     const std::vector<std::pair<double, int>> order = calls();
     const std::size_t before = chosen_.size();
     offer_shift(order);
     if (chosen_.size() > before) return true;
     for (const auto& [p, c] : order) {
       const HalvesTest halves = test_halves(out_.problem, candidates_[c], groups_but(-1));
-      if (halves.log10_p_disagree < options_.log10_disagree) {
+      if (halves.log10_p_disagree < decision::kLog10Disagree) {
         why_[c] = "the halves of the recording disagree about it (p = 1e" + number("%.0f", halves.log10_p_disagree) + ")";
       } else if (!helps(halves, test_effect(out_.problem, candidates_[c], groups_but(-1)))) {
         why_[c] = "its value from one half of the recording does not help the other";
@@ -129,8 +114,9 @@ class Search {
     if (out_.shifted || shift_refused_) return;
     const std::optional<Shift> step = best_shift(out_.problem, groups_but(-1));
     if (!step) return;
-    const double p = corrected(*step);
-    if (p >= options_.log10_level || (!others.empty() && others.front().first <= p)) return;
+    const double share = share_of(*step);
+    if (!called(step->test.log10_p, share)) return;
+    if (!others.empty() && others.front().first <= step->test.log10_p - std::log10(share)) return;
     if (is_little(step->test)) {
       shift_refused_ = step_was_little_ = true;
       return;
@@ -140,7 +126,7 @@ class Search {
     const Candidate candidate = shift_candidate(out_.problem, *step);
     const Scatter scatter = scatter_over_time(out_.problem, candidate, groups_but(-1));
     const HalvesTest halves = test_halves(out_.problem, candidate, groups_but(-1));
-    if (calmed(*step, scatter) >= options_.log10_level || halves.log10_p_disagree < options_.log10_disagree || !helps(halves, step->test)) {
+    if (!called(calmed(*step, scatter), share) || halves.log10_p_disagree < decision::kLog10Disagree || !helps(halves, step->test)) {
       out_.problem = without;
       shift_refused_ = true;
       return;
@@ -158,25 +144,28 @@ class Search {
     for (int c : chosen_) {
       if (c < given_) others += test_effect(out_.problem, candidates_[c], groups_but(c)).statistic;
     }
-    return step.statistic < kStepShare * others;
+    return step.statistic < decision::kStepOfOthers * others;
   }
 
-  /// The pieces that know a step's size are those after it, often few; the test of F would cost most steps. It is taken where
-  /// the scatter is more than chance gives in one of a hundred.
+  /// log10 p of a step: by F where it scatters.
   static double calmed(const Shift& step, const Scatter& scatter) {
-    const bool by_chance = log10_upper_tail(scatter.factor * scatter.dof, scatter.dof) > -2;
-    const double p = by_chance ? step.test.log10_p : scatter.log10_p(step.test.statistic, step.test.seen);
-    return p + std::log10(step.trials);
+    const bool by_chance = log10_upper_tail(scatter.factor * scatter.dof, scatter.dof) > decision::kLog10Scatters;
+    return by_chance ? step.test.log10_p : scatter.log10_p(step.test.statistic, step.test.seen);
   }
-  static bool helps(const HalvesTest& halves, const EffectTest& test) { return halves.gain > kHelps * test.statistic; }
+  static bool helps(const HalvesTest& halves, const EffectTest& test) { return halves.gain > decision::kHelps * test.statistic; }
   bool dropped_before(int c) const { return std::count(dropped_.begin(), dropped_.end(), c) > 0; }
+
+  /// The same test that it was taken by. A step has its own (offer_shift).
+  EffectTest tested(int c, const std::vector<TermGroup>& free) const {
+    return c < given_ ? judge_effect(out_.problem, candidates_[c], free) : test_effect(out_.problem, candidates_[c], free);
+  }
 
   /// Drops what the newer ones make superfluous.
   void step_back() {
     for (std::size_t i = 0; i + 1 < chosen_.size();) {
       const int c = chosen_[i];
       const bool known = std::count(options_.known.begin(), options_.known.end(), c) > 0;
-      const EffectTest beside = test_effect(out_.problem, candidates_[c], groups_but(c));
+      const EffectTest beside = tested(c, groups_but(c));
       if (known || (significant(c, beside) && !(c >= given_ && is_little(beside)))) {
         ++i;
         continue;
@@ -195,12 +184,13 @@ class Search {
 
   void finish() {
     out_.candidates = candidates_;
-    for (int c : chosen_) out_.accepted.push_back({c, test_effect(out_.problem, candidates_[c], groups_but(c))});
+    for (int c : chosen_) out_.accepted.push_back({c, tested(c, groups_but(c))});
     for (const Accepted& a : out_.accepted) find_rivals(a);
     if (const std::optional<Shift> step = step_was_little_ ? best_shift(out_.problem, groups_but(-1)) : std::nullopt) {
-      if (corrected(*step) < options_.log10_level) out_.leftover = step->test.statistic;
+      if (called(step->test.log10_p, share_of(*step))) out_.leftover.take(step->test.chi2, "calibration_shift of " + step->block.name);
     }
-    out_.leftover = std::max(out_.leftover, leftover_of(out_, options_));
+    const Leftover refused = leftover_of(out_);
+    out_.leftover.take(refused.chi2, refused.what);
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const int c = static_cast<int>(i);
       if (!is_chosen(c) && significant(c, out_.alone[i])) out_.rejected.push_back({c, reason(c)});
@@ -219,6 +209,7 @@ class Search {
   /// With the other accepted ones free: B alone explains as much as A, and A adds nothing to B.
   void find_rivals(const Accepted& a) {
     const std::vector<TermGroup> others = groups_but(a.candidate);
+    const EffectTest as_it_is = test_effect(out_.problem, candidates_[a.candidate], others);
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const int b = static_cast<int>(i);
       if (!open_to(b)) continue;
@@ -227,8 +218,8 @@ class Search {
       with_b.push_back(candidates_[i].columns);
       const EffectTest beside = test_effect(out_.problem, candidates_[a.candidate], with_b);
       // Two log likelihoods apart per degree of freedom is what chance gives between models that fit equally well.
-      const double apart = a.test.statistic - instead.statistic - 2 * (a.test.seen - instead.seen);
-      if (significant(b, instead) && candidates_[i].handicap == 0 && beside.log10_p > -2 && apart < 6) {
+      const double apart = as_it_is.statistic - instead.statistic - 2 * (as_it_is.seen - instead.seen);
+      if (significant(b, instead) && candidates_[i].name != "unlisted" && beside.log10_p > decision::kLog10AddsNothing && apart < decision::kFitsAlike) {
         out_.pairs.push_back({a.candidate, b});
       }
     }
@@ -240,34 +231,35 @@ class Search {
   const Refit& refit_;
   std::vector<std::string> why_;
   std::vector<int> chosen_, dropped_;
-  int tested_ = 0;
   bool shift_refused_ = false, step_was_little_ = false;
   Selection out_;
 };
 
 }  // namespace
 
-double leftover_of(const Selection& selection, const SelectionOptions& options) {
+void Leftover::take(double fall, const std::string& name) {
+  if (fall <= chi2) return;
+  chi2 = fall;
+  what = name;
+}
+
+Leftover leftover_of(const Selection& selection) {
   std::vector<TermGroup> free;
   std::vector<bool> asked;  // of a step that was dropped the columns are gone
-  int tested = 0;
   for (std::size_t i = 0; i < selection.alone.size(); ++i) {
     asked.push_back(selection.alone[i].seen > 0 && selection.candidates[i].name != "calibration_shift");
-    tested += asked.back() && selection.candidates[i].handicap == 0 ? 1 : 0;
   }
   for (const Accepted& a : selection.accepted) {
     free.push_back(selection.candidates[a.candidate].columns);
     if (static_cast<std::size_t>(a.candidate) < asked.size()) asked[a.candidate] = false;
   }
-  double most = 0;
+  Leftover out;
   for (std::size_t i = 0; i < asked.size(); ++i) {
     if (!asked[i]) continue;
-    const EffectTest test = test_effect(selection.problem, selection.candidates[i], free);
-    const double log10_p = scatter_over_time(selection.problem, selection.candidates[i], free).log10_p(test.statistic, test.seen);
-    const double corrected = log10_p + std::log10(std::max(1, tested)) + selection.candidates[i].handicap;
-    if (test.seen > 0 && corrected < options.log10_level) most = std::max(most, test.statistic);
+    const EffectTest test = judge_effect(selection.problem, selection.candidates[i], free);
+    if (test.seen > 0 && called(test.log10_p, selection.candidates[i].share)) out.take(test.chi2, selection.candidates[i].name);
   }
-  return most;
+  return out;
 }
 
 Selection select_effects(const std::vector<Candidate>& candidates, const SelectionOptions& options, const Refit& refit) {

@@ -5,16 +5,20 @@
 // units of the candidate's plausible sizes, R_ee diag(size) = U diag(g) V': a direction with gain g has been seen g times
 // better than the effect is large. Only directions with g >= kSeen count: s = sum (u_i' d)^2 over these, chi-square with as
 // many degrees of freedom. None: cannot tell. s is divided by the dispersion, chi2/dof of the model so far, where that is
-// above the known noise: errors that nobody has a name for must not look like an effect.
+// above the known noise: errors that nobody has a name for must not look like an effect. And it is judged against the scatter of
+// the effect's own value from segment to segment, when it is taken and each time that it is asked whether it stays
+// (judge_effect): with values c + w_k, w_k ~ N(0, W), the mean square of c over that of the scatter is Fisher's F.
 //
 // A name needs more than a large s:
-//  - log10 p, corrected for the number of candidates (Bonferroni), below the level;
+//  - log10 p below the recording's error level, shared out among all hypotheses beforehand (decision.h);
 //  - both halves of the recording tell the same value: |c_T - c_H|^2 in units of its covariance is chi-square;
 //  - the value from one half lowers the cost of the other half, in sum over both by a quarter of s at least.
 #pragma once
 
 #include <functional>
 
+#include "diagnose/budget.h"
+#include "diagnose/decision.h"
 #include "diagnose/rows.h"
 
 namespace host::diagnosis {
@@ -23,8 +27,11 @@ struct Candidate {
   std::string name;
   TermGroup columns;
   std::vector<double> size;      ///< plausible magnitude of each parameter
-  double handicap = 0;           ///< decades added to log10 p: how much less likely than the others it is beforehand
+  double share = decision::kCatalogueShare;  ///< of the recording's error level
 };
+
+/// Is p, of one look, below what a hypothesis of this share has of the recording's error level?
+bool called(double log10_p, double share);
 
 /// One segment by itself, over the same columns.
 struct Piece {
@@ -32,6 +39,9 @@ struct Piece {
   double start_s = 0, end_s = 0;
   bool held_out = false;
 };
+
+/// Both halves see the whole time: segments 0, 3, 4, 7, 8, ... against the rest.
+inline bool is_held_out(std::size_t segment) { return (segment + 1) / 2 % 2 == 1; }
 
 /// Entries of theta that a shock moves together.
 struct Block {
@@ -54,6 +64,7 @@ struct Problem {
 struct EffectTest {
   int seen = 0;                  ///< directions that would have shown
   double statistic = 0;          ///< over the dispersion
+  double chi2 = 0;               ///< the same not divided: what the cost falls by
   double log10_p = 0;            ///< not corrected
   Eigen::VectorXd value, sigma;  ///< sigma scaled by the dispersion's root
   double largest_gain = 0;       ///< plausible size over sigma in the direction seen best
@@ -79,14 +90,15 @@ struct Scatter {
 };
 Scatter scatter_over_time(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
 
+/// test_effect, judged against the scatter of the effect's own value: statistic and sigma in units of it, p by F.
+EffectTest judge_effect(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
+
 /// chi2/dof of the model with these effects free, at least the known noise.
 double dispersion(const Problem& problem, const std::vector<TermGroup>& free);
 
 struct SelectionOptions {
-  double log10_level = -2.7;     ///< of a false name in a recording: 2e-3
-  double log10_disagree = -3;    ///< halves that differ by more than this contradict each other
-  int most = 5;                  ///< effects
   std::vector<int> known = {};   ///< candidates that are in the model from the start and stay
+  Budget* fits = nullptr;        ///< of fits; null: as many as it takes
 };
 
 struct Accepted {
@@ -111,6 +123,13 @@ struct Pair {
   int accepted = -1, other = -1;
 };
 
+/// What is called for beside everything that was accepted, and was refused.
+struct Leftover {
+  double chi2 = 0;               ///< the largest fall of the cost
+  std::string what;              ///< name of that candidate
+  void take(double fall, const std::string& name);
+};
+
 struct Selection {
   Problem problem;               ///< at the last fit
   std::vector<Accepted> accepted;
@@ -118,14 +137,14 @@ struct Selection {
   std::vector<Pair> pairs;
   std::vector<int> cannot_tell;
   std::vector<Candidate> candidates;  ///< as given, and behind them calibration_shift where one was tried
-  double leftover = 0;           ///< largest statistic of a candidate that is significant at the end and was refused
+  Leftover leftover;             ///< of the candidates that are significant at the end and were refused
   bool shifted = false;
   Shift shift;                   ///< where `shifted`
   std::vector<EffectTest> alone; ///< each candidate by itself, at the first fit
 };
 
-/// Largest statistic of a catalogue's effect that is significant beside the accepted ones, judged against its own scatter.
-double leftover_of(const Selection& selection, const SelectionOptions& options);
+/// Of the catalogue's effects that are called for beside the accepted ones, judged against their own scatter.
+Leftover leftover_of(const Selection& selection);
 
 /// Fits with these candidates' effects free and linearises there.
 using Refit = std::function<Problem(const std::vector<int>& accepted)>;

@@ -9,11 +9,6 @@ namespace {
 
 using Eigen::MatrixXd;
 
-/// Sigmas of a piece's cost from which on it belongs neither before nor after a step.
-constexpr double kFitsNeither = 8;
-/// log10 p of a step from which on that is asked.
-constexpr double kWorthALook = -6;
-
 double middle(const Piece& p) { return 0.5 * (p.start_s + p.end_s); }
 
 /// Rows with `extra` columns before the rhs: copies of theta's block, or zeroes.
@@ -68,7 +63,7 @@ EffectTest trial(const Problem& problem, const Sums& sums, std::size_t k, const 
   one.prior = problem.prior;
   one.all = sum_of({&before, &after});
   one.noise = noise;
-  return test_effect(one, {"", {0, block.columns.count}, block.size, 0}, {});
+  return test_effect(one, {"", {0, block.columns.count}, block.size, decision::kStepsShare}, {});
 }
 
 /// |residual|^2 of the fit to these rows.
@@ -78,7 +73,7 @@ double least_cost(const Problem& problem, const std::vector<const Rows*>& sets) 
 
 /// Does a piece beside the step fit neither side? Its share of the cost is compared with its degrees of freedom.
 void look_inside(const Problem& problem, const std::vector<TermGroup>& free, Shift* shift) {
-  double worst = kFitsNeither;
+  double worst = decision::kFitsNeither;
   for (std::size_t j = 0; j < problem.pieces.size(); ++j) {
     if (std::abs(middle(problem.pieces[j]) - shift->time_s) > problem.pieces[j].end_s - problem.pieces[j].start_s) continue;
     std::vector<Rows> wide;
@@ -118,7 +113,7 @@ std::optional<Shift> best_shift(const Problem& problem, const std::vector<TermGr
   }
   if (!best) return {};
   best->trials = trials;
-  if (log10_upper_tail(best->test.statistic, best->test.seen) < kWorthALook) look_inside(problem, free, &*best);
+  if (log10_upper_tail(best->test.statistic, best->test.seen) < decision::kLog10LookInside) look_inside(problem, free, &*best);
   if (best->straddling >= 0) {
     const Piece& p = problem.pieces[best->straddling];
     best->time_s = middle(p);
@@ -144,7 +139,7 @@ Problem with_shift(const Problem& problem, const Shift& shift) {
 
 Candidate shift_candidate(const Problem& shifted, const Shift& shift) {
   const int first = shifted.all.columns() - shifted.n_theta - shift.block.columns.count;
-  return {"calibration_shift", {first, shift.block.columns.count}, shift.block.size, 0};
+  return {"calibration_shift", {first, shift.block.columns.count}, shift.block.size, decision::kStepsShare};
 }
 
 }  // namespace host::diagnosis
