@@ -15,4 +15,5 @@ set(SEGCAL_CORE_SOURCES
 # exceptions, RTTI or guards of statics.
 set(SEGCAL_CORE_C_OPTIONS -ffp-contract=off -fno-math-errno)
 set(SEGCAL_CORE_CXX_OPTIONS -fno-exceptions -fno-rtti -fno-threadsafe-statics)
-set(SEGCAL_CORE_DEFINITIONS EIGEN_DONT_VECTORIZE EIGEN_NO_MALLOC EIGEN_NO_IO EIGEN_DONT_PARALLELIZE)
+# Eigen's checks call assert(), which a library without libc's must not; with SEGCAL_ASSERT=1 they call the port's instead.
+set(SEGCAL_CORE_DEFINITIONS EIGEN_DONT_VECTORIZE EIGEN_NO_MALLOC EIGEN_NO_IO EIGEN_DONT_PARALLELIZE EIGEN_NO_DEBUG)

@@ -3,6 +3,10 @@
 
 #include "api/convert.h"
 
+#if defined(__FAST_MATH__)
+#error "segcal must not be compiled with -ffast-math: it reorders sums and drops checks for NaN, and no replay gives the same bits"
+#endif
+
 namespace SEGCAL_NS {
 
 extern template class Device<Real>;  // device.cpp
