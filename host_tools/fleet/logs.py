@@ -46,6 +46,8 @@ def find_logs(arguments):
         path = pathlib.Path(argument.removeprefix("@"))
         if not path.exists():
             raise InputError(f"{path}: no such file or folder")
+        if not path.is_file() and not path.is_dir():
+            raise InputError(f"{path}: expected a regular file or a folder, found a pipe or a device")
         listed = named_in(path) if argument.startswith("@") else [path]
         for entry in listed:
             found = below(entry) if entry.is_dir() else [entry] if entry.suffix == ".segcal" and entry.is_file() else []

@@ -17,6 +17,8 @@ MOUNTS = {
 
 
 def read_yaml(file):
+    if file.exists() and not file.is_file():
+        raise InputError(f"{file}: expected a regular file")
     try:
         content = yaml.safe_load(file.read_text())
     except FileNotFoundError:

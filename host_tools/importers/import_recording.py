@@ -29,6 +29,8 @@ def opened(paths):
     for path in paths:
         if not path.exists():
             raise InputError(f"{path}: no such file or folder")
+        if not path.is_file() and not path.is_dir():
+            raise InputError(f"{path}: expected a regular file or a folder, found a pipe or a device")
         if path.is_file() and path.stat().st_size == 0:
             raise InputError(f"{path}: the file is empty")
     for group in ([paths] if len(paths) > 1 else []):

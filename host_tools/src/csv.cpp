@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <fstream>
+#include <iostream>
 #include <iterator>
 #include <limits>
 
@@ -28,10 +29,16 @@ bool parse(std::string_view field, Number& value) {
 
 }  // namespace
 
-std::string read_file(const std::filesystem::path& file) {
+void expect_regular_file(const std::filesystem::path& file) {
   std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) throw InputError(file.string() + ": file is missing");
-  if (std::filesystem::is_directory(file, ignored)) throw InputError(file.string() + ": expected a file, found a folder");
+  const std::filesystem::file_status status = std::filesystem::status(file, ignored);
+  if (!std::filesystem::exists(status)) throw InputError(file.string() + ": file is missing");
+  if (std::filesystem::is_directory(status)) throw InputError(file.string() + ": expected a file, found a folder");
+  if (!std::filesystem::is_regular_file(status)) throw InputError(file.string() + ": expected a regular file, found a pipe or a device");
+}
+
+std::string read_file(const std::filesystem::path& file) {
+  expect_regular_file(file);
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw InputError(file.string() + ": file cannot be opened");
   std::string content{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
@@ -57,6 +64,7 @@ bool CsvReader::next_row() {
   } while (row_.empty() || row_.front() == '#');
 
   split();
+  if (is_cut()) return leave_out_cut_line();
   if (fields_.size() < min_columns_ || fields_.size() > max_columns_)
     fail(description_ + ", found " + std::to_string(fields_.size()) + " columns");
   // A file keeps the number of columns of its first row: a shorter row later is a torn line, not an optional column.
@@ -72,6 +80,15 @@ bool CsvReader::next_line() {
   position_ = end + 1;
   ++line_;
   return true;
+}
+
+/// A last line without an end: nothing tells a file that a killed writer cut inside a number from one that was written so.
+bool CsvReader::is_cut() const { return position_ > content_.size(); }
+
+bool CsvReader::leave_out_cut_line() {
+  if (rows_ == 0) fail("at least one whole row of " + description_ + ", found one that does not end");
+  std::cerr << "segcal: " << file_.string() << ":" << line_ << ": the last line does not end, so that it may be cut: it is left out" << std::endl;
+  return false;
 }
 
 void CsvReader::split() {

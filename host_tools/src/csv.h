@@ -19,7 +19,8 @@ class CsvReader {
   CsvReader(const std::filesystem::path& file, std::string columns, std::size_t min_columns, std::size_t max_columns);
 
   /// Moves to the next row of data; false at the end of the file. Throws InputError when the row has another number of
-  /// columns than promised or than the first row, or when the file ended and held no row at all.
+  /// columns than promised or than the first row, or when the file ended and held no row at all. A last line that does not end
+  /// with a newline is left out, whatever it holds, and a line on stderr says so: the writer may have been stopped within a number.
   bool next_row();
 
   std::size_t columns() const { return fields_.size(); }
@@ -40,6 +41,8 @@ class CsvReader {
  private:
   bool next_line();
   void split();
+  bool is_cut() const;
+  bool leave_out_cut_line();
   [[noreturn]] void fail_field(std::size_t column, const char* expected) const;
 
   std::filesystem::path file_;
@@ -52,6 +55,9 @@ class CsvReader {
   std::size_t line_ = 0;
   std::size_t rows_ = 0;
 };
+
+/// Throws InputError if the file is missing, or is a folder, a pipe or a device: reading these would wait for ever.
+void expect_regular_file(const std::filesystem::path& file);
 
 /// The whole file as text. Throws InputError if it is missing, a folder, unreadable or empty.
 std::string read_file(const std::filesystem::path& file);

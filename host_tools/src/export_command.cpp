@@ -3,6 +3,7 @@
 #include <string>
 
 #include "commands.h"
+#include "files/manifest.h"
 #include "python_script.h"
 #include "recording.h"
 
@@ -41,6 +42,7 @@ void add_export_command(CLI::App& app, int& exit_code) {
   sub->callback([options, &exit_code] {
     if (!fs::exists(fs::path(options->folder) / "camchain-imucam.yaml"))
       throw InputError((fs::path(options->folder) / "camchain-imucam.yaml").string() + ": file is missing; `segcal replay --out` writes it");
+    check_folder(options->folder);
     exit_code = run_python_script("exporters/export.py", {options->folder, options->to, options->out});
   });
 }

@@ -15,6 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+WriteListener* listener = nullptr;
+
 /// A name in the same folder (rename does not cross file systems); the process id keeps two runs apart.
 fs::path temporary_name(const fs::path& file) {
   return file.parent_path() / ("." + file.filename().string() + "." + std::to_string(::getpid()) + ".part");
@@ -34,8 +36,11 @@ void make_folder_of(const fs::path& file) {
 
 }  // namespace
 
+void listen_to_writes(WriteListener* new_listener) { listener = new_listener; }
+
 void write_file(const fs::path& file, std::string_view text) {
   make_folder_of(file);
+  if (listener) listener->before_write(file);
   const fs::path part = temporary_name(file);
   std::ofstream stream(part, std::ios::binary | std::ios::trunc);
   stream.write(text.data(), static_cast<std::streamsize>(text.size()));
@@ -52,6 +57,7 @@ void write_file(const fs::path& file, std::string_view text) {
     fs::remove(part, ignored);
     refuse(file, error.message());
   }
+  if (listener) listener->after_write(file, text);
 }
 
 void append_number(std::string& text, double value) {

@@ -12,6 +12,17 @@ namespace host {
 /// Throws InputError, naming the file, when the folder cannot be made or the disk refuses; nothing is left behind then.
 void write_file(const std::filesystem::path& file, std::string_view text);
 
+/// Hears of what write_file does: before a file changes, and when it has its new text.
+class WriteListener {
+ public:
+  virtual ~WriteListener() = default;
+  virtual void before_write(const std::filesystem::path& file) = 0;
+  virtual void after_write(const std::filesystem::path& file, std::string_view text) = 0;
+};
+
+/// One at a time, for the files of one run (files/output_run.h); null: none. Files are written by one thread.
+void listen_to_writes(WriteListener* listener);
+
 /// Appends the shortest decimal text that reads back to the same double ("nan" for NaN, whatever its sign).
 void append_number(std::string& text, double value);
 void append_number(std::string& text, std::int64_t value);

@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "python_script.h"
+#include "recording.h"
 
 namespace host {
 namespace {
@@ -23,6 +24,8 @@ void add_fleet_command(CLI::App& app, int& exit_code) {
   sub->set_help_flag();  // argparse explains the options: they are its own
   sub->prefix_command();
   sub->callback([sub, &exit_code] {
+    for (const std::string& argument : sub->remaining())
+      if (argument.empty()) throw InputError("fleet: expected values, found an empty text");
     setenv("SEGCAL_PROGRAM", std::filesystem::read_symlink("/proc/self/exe").c_str(), 1);
     setenv("SEGCAL_PROGRAM_VERSION", SEGCAL_PROGRAM_VERSION, 1);
     const int code = run_python_script("fleet/fleet.py", sub->remaining(), kNegative);

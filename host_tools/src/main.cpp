@@ -1,4 +1,9 @@
 // The `segcal` program: command line in, exit code out. The work is in one file per subcommand.
+#include <signal.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -39,6 +44,23 @@ int complain(const std::string& message) {
   return exit_bad_input;
 }
 
+/// An answer that did not arrive is no answer: a full disk, a closed pipe.
+int with_output_checked(int exit_code) {
+  errno = 0;
+  const bool written = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (written) return exit_code;
+  const int why = errno;
+  return complain(std::string("standard output: cannot be written") + (why != 0 ? std::string(": ") + std::strerror(why) : ""));
+}
+
+/// No file, folder or name is empty: an empty one is a shell variable that was not set, and would mean the current folder.
+void refuse_empty_texts(CLI::App& app) {
+  const CLI::Validator not_empty([](std::string& text) { return text.empty() ? "expected a value, found an empty text" : ""; }, "");
+  for (CLI::App* const sub : app.get_subcommands({}))
+    for (CLI::Option* const option : sub->get_options())
+      if (option->get_items_expected_max() > 0) option->check(not_empty);
+}
+
 int run(int argc, char** argv) {
   CLI::App app("segcal keeps a camera and IMU calibrated, from recordings or in firmware.", "segcal");
   app.set_version_flag("--version", "segcal " SEGCAL_PROGRAM_VERSION);
@@ -58,6 +80,7 @@ int run(int argc, char** argv) {
   host::add_diagnose_command(app, exit_code);
   host::add_experiments_command(app, exit_code);
   host::add_fleet_command(app, exit_code);
+  refuse_empty_texts(app);
   app.footer(walk_through);  // last: a subcommand would inherit it
 
   const std::string command = argc > 1 ? argv[1] : "";
@@ -76,8 +99,9 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error of the write, told like a full disk
   try {
-    return run(argc, argv);
+    return with_output_checked(run(argc, argv));
   } catch (const std::exception& error) {  // InputError, and what the libraries throw on files they cannot use
     return complain(error.what());
   }

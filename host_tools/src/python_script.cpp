@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -32,6 +33,7 @@ int run_program(const std::vector<std::string>& arguments) {
   const pid_t child = fork();
   if (child < 0) throw InputError(std::string("cannot start a process: ") + std::strerror(errno));
   if (child == 0) {
+    signal(SIGPIPE, SIG_DFL);
     execvp(raw[0], raw.data());
     _exit(exit_cannot_execute);
   }
@@ -48,7 +50,7 @@ int run_python_script(const std::string& script, const std::vector<std::string>&
   const fs::path file = fs::path(SEGCAL_SOURCE_DIR) / "host_tools" / script;
   if (!fs::exists(file)) throw InputError(file.string() + ": file is missing, this command needs the source tree");
   // -B: no compiled files beside the sources.
-  std::vector<std::string> command = {python, "-B", file.string()};
+  std::vector<std::string> command = {python, "-B", (file.parent_path().parent_path() / "run_script.py").string(), file.string()};
   command.insert(command.end(), arguments.begin(), arguments.end());
   const int code = run_program(command);
   if (code == exit_cannot_execute) throw InputError(python + ": expected a Python 3 program; run host_tools/setup.sh");

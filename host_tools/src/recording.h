@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace host {
@@ -98,8 +99,9 @@ struct Recording {
 /// empty (the caller decides whether that is an error: `segcal replay` says to run `segcal track` first).
 /// The IMU comes from imu0/data.csv or, where that is missing, from gyro.csv and accel.csv (stamps/imu_streams.h).
 /// `smooth`: stamps of IMU and tracks are those of callbacks and are smoothed (stamps/smooth_stamps.h).
-/// Throws InputError: missing or empty file, wrong column count, non-number, no overlap of IMU and camera in time.
-Recording read_recording(const std::filesystem::path& root, int n_cameras, bool smooth = false);
+/// `replacing`: the command that reads it to replace its own files in it (files/manifest.h).
+/// Throws InputError: files that do not belong together, missing or empty file, wrong column count, non-number, no overlap of IMU and camera in time.
+Recording read_recording(const std::filesystem::path& root, int n_cameras, bool smooth = false, std::string_view replacing = {});
 
 /// Writes imu0/{data.csv,sensor.yaml}, camN/{data.csv-less, tracks.csv}, state_groundtruth_estimate0/data.csv (if truth).
 void write_recording(const Recording& recording);

@@ -7,6 +7,7 @@
 #include <unordered_set>
 
 #include "csv.h"
+#include "files/manifest.h"
 #include "imu_data_file.h"
 #include "imu_noise_file.h"
 #include "recording.h"
@@ -157,9 +158,10 @@ void check_overlap(const Recording& recording) {
 
 }  // namespace
 
-Recording read_recording(const fs::path& root, int n_cameras, bool smooth) {
+Recording read_recording(const fs::path& root, int n_cameras, bool smooth, std::string_view replacing) {
   if (!fs::is_directory(root / "mav0"))
     throw InputError(root.string() + ": expected a recording, a folder that holds mav0/imu0 and mav0/cam0");
+  check_folder(root, replacing);
   Recording recording;
   recording.root = root;
   recording.imu = read_imu(root, smooth, &recording.notes);

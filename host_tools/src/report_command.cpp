@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "csv.h"
+#include "files/manifest.h"
 #include "python_script.h"
 #include "recording.h"
 
@@ -35,6 +36,7 @@ std::size_t line_of(const std::string& text, std::size_t byte) {
 void check_result(const fs::path& folder) {
   if (!fs::is_directory(folder))
     throw InputError(folder.string() + ": expected the folder that `segcal replay --out` or `segcal diagnose --out` wrote");
+  check_folder(folder);
   const bool diagnosed = fs::exists(folder / "diagnosis.json");
   const fs::path file = folder / (diagnosed ? "diagnosis.json" : "result.json");
   const std::string text = read_file(file);

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 import pathlib
+import warnings
 
 import numpy as np
 import yaml
 
 from . import _core
+from ._manifest import check_folder
 
 LENSES = {"fov": (0, 1), "radtan": (1, 4), "radial-tangential": (1, 4), "equidistant": (2, 4), "equi": (2, 4)}  # model, coefficients
 
@@ -33,10 +36,17 @@ class Recording:
 
 
 def load(file, columns):
+    """Rows of a table. A last line that does not end may be cut inside a number: it is left out, with a warning."""
     if not file.exists():
         raise FileNotFoundError(f"{file}: missing")
+    if not file.is_file():
+        raise ValueError(f"{file}: expected a regular file")
+    text = file.read_text(encoding="utf-8")
+    if not text.endswith("\n"):
+        warnings.warn(f"{file}: the last line does not end, so that it may be cut: it is left out", stacklevel=3)
+        text = text[:text.rfind("\n") + 1]
     try:
-        return np.atleast_1d(np.loadtxt(file, delimiter=",", comments="#", dtype=columns))
+        return np.atleast_1d(np.loadtxt(io.StringIO(text), delimiter=",", comments="#", dtype=columns))
     except ValueError as error:
         raise ValueError(f"{file}: {error}") from None
 
@@ -146,6 +156,7 @@ def read(path, cameras=1, calib=None):
     """A recording with tracks (`segcal track` makes them from images). `calib`: another camchain-imucam.yaml than its own. Raises
     FileNotFoundError, KeyError or ValueError with the file and what was expected there."""
     root = pathlib.Path(path)
+    check_folder(root)
     t_ns, gyro, accel, temperature = read_imu(root / "mav0" / "imu0" / "data.csv")
     frames = together([frames_of(root / "mav0" / f"cam{i}" / "tracks.csv", i) for i in range(cameras)])
     camchain = pathlib.Path(calib) if calib else root / "camchain-imucam.yaml"

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -130,14 +131,16 @@ class Tables(Case):
         for line, words in (("1,2,3", "gyro.csv:9: expected 4 columns"), (f"{self.stamps[7]},a,b,c", "gyro.csv:9: expected numbers")):
             (self.log / "gyro.csv").write_text("\n".join(text[:8] + [line] + text[9:]) + "\n")
             self.refused(words, self.log, "--out", self.rec)
-        (self.log / "gyro.csv").write_text("\n".join(text) + "\n17000000")  # the phone died while writing
-        self.converted(self.log)
+        for cut in ("17000000", text[-1][:-2]):  # the phone died while writing; a row cut inside its last number looks whole
+            (self.log / "gyro.csv").write_text("\n".join(text) + "\n" + cut)
+            self.assertIn(f"gyro.csv:{len(text) + 1}: the last line does not end", self.converted(self.log).stderr)
+            shutil.rmtree(self.rec)
+        (self.log / "gyro.csv").write_text("\n".join(text) + "\n")
         (self.log / "accel.csv").unlink()
         self.refused("no gyroscope and accelerometer", self.log, "--out", self.folder / "again")
 
 
 def segcal_again(case, *more):
-    import shutil
     shutil.rmtree(case.rec)
     return case.converted(case.log, *more)
 

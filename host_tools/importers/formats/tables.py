@@ -1,6 +1,7 @@
 """Text tables of phone applications: which column is the time, which are the axes of which sensor, and in which unit."""
 
 import re
+import sys
 from dataclasses import dataclass, field
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
@@ -9,6 +10,7 @@ import numpy as np
 
 from streams import InputError
 
+NOTED = set()
 NS_OF = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000}
 UNIT_WORDS = {"nanoseconds": "ns", "microseconds": "us", "milliseconds": "ms", "seconds": "s", "sec": "s", "µs": "us"}
 GYRO = re.compile(r"gyr|angular|rotation_?rate|omega|^w_?[xyz]\b|^rot")
@@ -161,7 +163,7 @@ def layout_of(file, head):
 
 
 def rows_of(file, layout):
-    """(line number, fields); a last line that was cut off is left out. Raises InputError."""
+    """(line number, fields); a last line that does not end may be cut inside a number: it is left out. Raises InputError."""
     try:
         text = Path(file).read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
@@ -171,9 +173,12 @@ def rows_of(file, layout):
     for number, line in enumerate(lines, 1):
         if number <= layout.first_row or not line.strip() or line.startswith("#"):
             continue
+        if number == len(lines) and not whole:
+            if file not in NOTED:  # files are read several times
+                NOTED.add(file)
+                print(f"note: {file}:{number}: the last line does not end, so that it may be cut: it is left out", file=sys.stderr)
+            return
         fields = split(line)
         if len(fields) != layout.columns:
-            if number == len(lines) and not whole:
-                return
             raise InputError(f"{file}:{number}: expected {layout.columns} columns, found {len(fields)}")
         yield number, fields

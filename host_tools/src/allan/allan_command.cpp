@@ -6,7 +6,7 @@
 
 #include "allan/allan.h"
 #include "commands.h"
-#include "file_output.h"
+#include "files/output_run.h"
 #include "imu_data_file.h"
 #include "python_script.h"
 #include "recording.h"
@@ -71,6 +71,8 @@ void print_sensor(const char* name, const SensorFit& fit, const char* unit, cons
 }
 
 int run(const fs::path& root, const fs::path& out, bool as_json) {
+  expect_output_folder(out, "allan");
+  check_folder(root);
   AllanResult result;
   try {
     result = allan_of(read_imu_samples(root / "mav0" / "imu0" / "data.csv").samples);
@@ -80,8 +82,10 @@ int run(const fs::path& root, const fs::path& out, bool as_json) {
   }
   const nlohmann::json json = {{"format", 1}, {"rate_hz", result.rate_hz}, {"start_s", result.start_s}, {"rest_s", result.rest_s},
                                {"gyro", json_of(result.gyro)}, {"accel", json_of(result.accel)}};
+  OutputRun files(out, "allan");
   write_file(out / "allan.json", json.dump(2) + "\n");
   write_file(out / "imu.yaml", yaml_of(result));
+  files.finish();
   if (as_json) {
     std::cout << json.dump(2) << '\n';
   } else {

@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "compare/compare.h"
 #include "file_output.h"
+#include "files/manifest.h"
 #include "recording.h"
 
 namespace host {
@@ -72,6 +73,7 @@ int run(Arguments a) {
   if (a.position_m >= 0) a.options.position_m = a.position_m;
   if (a.attitude_deg >= 0) a.options.attitude_rad = a.attitude_deg * degree;
   if (a.sigma_ratio >= 0) a.options.sigma_ratio = a.sigma_ratio;
+  for (const auto& folder : {a.options.a, a.options.b}) check_folder(folder);
   const Comparison c = compare(a.options);
   const std::string json = comparison_json(c, a.options).dump(1) + "\n";
   if (!a.out.empty()) write_file(a.out / "compare.json", json);

@@ -4,7 +4,7 @@
 #include "commands.h"
 #include "device_log/device_log.h"
 #include "device_log/write_log.h"
-#include "file_output.h"
+#include "files/output_run.h"
 #include "replay/sessions.h"
 
 namespace host {
@@ -28,9 +28,12 @@ int to_folders(const Arguments& a) {
   for (std::size_t i = 0; i < log.sessions.size(); ++i) {
     Recording& session = log.sessions[i];
     session.root = log.sessions.size() == 1 ? fs::path(a.out) : fs::path(a.out) / std::to_string(i);
+    expect_output_folder(session.root, "convert", true);
+    OutputRun run(session.root, "convert");
     write_recording(session);
     write_camchain(session.root / "camchain-imucam.yaml", log.calibration);
     write_imu_yaml(session.root / "imu.yaml", log.calibration, log.noise);
+    run.finish();
     std::cout << session.root.string() << ": " << session.imu.samples.size() << " IMU samples, " << session.cameras[0].frames.size()
               << " frames" << std::endl;
   }

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <fstream>
 
+#include "csv.h"
 #include "log/config_fields.h"
 
 namespace host {
@@ -12,6 +13,7 @@ namespace fs = std::filesystem;
 using namespace SEGCAL_NS;
 
 std::vector<std::uint8_t> bytes_of(const fs::path& file) {
+  expect_regular_file(file);
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError(file.string() + ": expected a device log, but the file cannot be read");
   return std::vector<std::uint8_t>((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());

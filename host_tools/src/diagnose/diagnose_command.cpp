@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "diagnose/diagnose.h"
+#include "files/output_run.h"
 #include "replay/model_file.h"
 #include "replay/sessions.h"
 
@@ -75,6 +76,7 @@ void print_next(const Arguments& a, const Diagnosis& d) {
 }
 
 int run(Arguments a) {
+  expect_output_folder(a.out, "diagnose");
   const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras, a.smooth_stamps);
   a.diagnose.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
   a.diagnose.core.noise = sessions.front().imu.noise;

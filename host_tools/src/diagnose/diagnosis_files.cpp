@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "diagnose/diagnosis_files.h"
-#include "file_output.h"
+#include "files/output_run.h"
 #include "replay/model_file.h"
 
 namespace host {
@@ -148,6 +148,7 @@ std::string diagnosis_data_json(const Diagnosis& d, const std::vector<Recording>
 }
 
 void write_diagnosis(const std::filesystem::path& folder, const Diagnosis& d, const std::vector<Recording>& sessions) {
+  OutputRun run(folder, "diagnose");
   const ReplayResult& last = d.fit_after.kept.empty() ? d.fit_before : d.fit_after;
   if (!last.calibration.cameras.empty()) {
     write_camchain(folder / "camchain-imucam.yaml", last.calibration);
@@ -156,7 +157,8 @@ void write_diagnosis(const std::filesystem::path& folder, const Diagnosis& d, co
   write_file(folder / "model.yaml", model_yaml(d.model.empty() ? d.fit_before : last));  // what got no name is not in it
   write_file(folder / "segcal_effects.h", effects_header(d));
   write_file(folder / "diagnosis_data.json", diagnosis_data_json(d, sessions));
-  write_file(folder / "diagnosis.json", diagnosis_json(d) + "\n");  // last: its presence says the rest is there
+  write_file(folder / "diagnosis.json", diagnosis_json(d) + "\n");
+  run.finish();
 }
 
 }  // namespace host

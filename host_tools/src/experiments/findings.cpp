@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "experiments/experiment.h"
-#include "file_output.h"
+#include "files/output_run.h"
 #include "python_script.h"
 #include "recording.h"
 
@@ -62,8 +62,10 @@ void write_findings(const Experiment& experiment, const Findings& findings, cons
   for (const Figure& figure : findings.figures) json["figures"].push_back(json_of(figure));
   json["values"] = findings.values;
   const std::string name = experiment.name;
+  OutputRun files(dir, "experiments " + name, FolderRole::guest);
   if (!findings.tables.empty()) write_file(dir / (name + ".csv"), csv_of(findings.tables.front()));
   write_file(dir / (name + ".json"), json.dump(1) + "\n");
+  files.finish();
   if (run_python_script("report/experiment.py", {(dir / (name + ".json")).string()}) != 0) {
     throw InputError((dir / "report.html").string() + ": not written; the tables are in " + name + ".json and " + name + ".csv");
   }

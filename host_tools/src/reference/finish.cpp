@@ -1,6 +1,6 @@
 #include "reference/finish.h"
 
-#include "file_output.h"
+#include "files/output_run.h"
 #include "replay/result_files.h"
 
 namespace host {
@@ -36,12 +36,14 @@ void write_reference_files(const std::filesystem::path& dir, const ReferenceResu
   as_replay.result = reference.result;
   as_replay.calibration = reference.calibration;
   as_replay.noise = reference.noise;
+  OutputRun run(dir, "reference");
   write_camchain(dir / "camchain-imucam.yaml", reference.calibration);
   write_imu_yaml(dir / "imu.yaml", reference.calibration, reference.noise);
   write_file(dir / "trajectory.tum", trajectory_tum(reference.trajectory));
   nlohmann::ordered_json json = result_json(as_replay);
   for (const char* name : {"segments", "timing", "memory", "faults", "noise"}) json.erase(name);
-  write_file(dir / "result.json", json.dump(1) + "\n");  // last: its presence says the rest is there
+  write_file(dir / "result.json", json.dump(1) + "\n");
+  run.finish();
 }
 
 }  // namespace host

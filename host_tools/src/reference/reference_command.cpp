@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "commands.h"
+#include "files/output_run.h"
 #include "reference/reference.h"
 #include "replay/sessions.h"
 
@@ -61,6 +62,8 @@ ReferenceResult batch(Arguments& a) {
 }
 
 int run(Arguments a) {
+  expect_output_folder(a.out, "reference");
+  if (!a.segments_from.empty()) check_folder(a.segments_from);
   a.options.progress = [](const std::string& line) { std::cerr << "reference: " << line << std::endl; };
   const ReferenceResult result = a.segments_from.empty() ? batch(a) : segments(a);
   write_reference_files(a.out, result);

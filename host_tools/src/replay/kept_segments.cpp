@@ -1,9 +1,9 @@
 #include "replay/kept_segments.h"
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "csv.h"
 #include "replay/words.h"
 
 namespace host {
@@ -201,10 +201,10 @@ std::string kept_segments_json(const KeptSegments& kept) {
 
 KeptSegments read_kept_segments(const std::filesystem::path& dir) {
   const std::filesystem::path file = dir / "kept_segments.json";
-  std::ifstream in(file);
-  if (!in) throw InputError(file.string() + ": missing; `segcal replay REC --out " + dir.string() + "` writes it");
+  if (!std::filesystem::exists(file)) throw InputError(file.string() + ": missing; `segcal replay REC --out " + dir.string() + "` writes it");
+  const std::string text = read_file(file);
   try {
-    return read(Json::parse(in));
+    return read(Json::parse(text));
   } catch (const std::exception& error) {
     throw InputError(file.string() + ": expected what `segcal replay` writes: " + error.what());
   }

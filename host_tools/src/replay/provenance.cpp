@@ -1,10 +1,9 @@
 #include "replay/provenance.h"
 
-#include <openssl/evp.h>
-
 #include <algorithm>
 
 #include "csv.h"
+#include "files/sha256.h"
 #include "yaml_file.h"
 
 namespace host {
@@ -36,19 +35,6 @@ Provenance device_of(const fs::path& recording) {
   const YamlFile yaml(file);
   out.device_id = text_or_empty(yaml, "device_id");
   out.device_model = text_or_empty(yaml, "device_model");
-  return out;
-}
-
-std::string sha256_of_text(std::string_view text) {
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned int size = 0;
-  EVP_Digest(text.data(), text.size(), digest, &size, EVP_sha256(), nullptr);
-  std::string out;
-  for (unsigned int i = 0; i < size; ++i) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    out += kDigits[digest[i] >> 4];
-    out += kDigits[digest[i] & 15];
-  }
   return out;
 }
 

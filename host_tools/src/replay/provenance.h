@@ -28,7 +28,6 @@ Provenance device_of(const std::filesystem::path& recording);
 std::string sha256_of_log(const std::filesystem::path& log, int n_cameras);
 /// Of all logs of a result: the digits of the one, or of the text of all digits, a line each.
 std::string sha256_of_logs(const std::vector<LogIdentity>& logs);
-std::string sha256_of_text(std::string_view text);
 
 std::optional<std::array<double, 2>> temperature_range(const std::vector<Recording>& sessions);
 

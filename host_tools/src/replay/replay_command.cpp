@@ -9,6 +9,8 @@
 #include "commands.h"
 #include "csv.h"
 #include "device_log/device_log.h"
+#include "files/output_run.h"
+#include "files/sha256.h"
 #include "replay/model_file.h"
 #include "replay/result_files.h"
 #include "replay/sessions.h"
@@ -187,6 +189,7 @@ void count_offset_from_recording(double offset, ReplayResult* result) {
 }
 
 int run(Arguments a) {
+  expect_output_folder(a.out, "replay");
   std::vector<Recording> sessions = sessions_of(&a);
   a.replay.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
   a.replay.core.noise = sessions.front().imu.noise;

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "file_output.h"
+#include "files/output_run.h"
 #include "replay/kept_segments.h"
 #include "replay/model_file.h"
 
@@ -23,6 +23,7 @@ std::string trajectory_tum(const std::vector<CoreState>& trajectory) {
 
 void write_result_files(const std::filesystem::path& dir, const ReplayResult& result, const Provenance& provenance,
                         const std::vector<TruthPose>& truth) {
+  OutputRun run(dir, "replay");
   write_camchain(dir / "camchain-imucam.yaml", result.calibration);
   write_imu_yaml(dir / "imu.yaml", result.calibration, result.noise);
   write_file(dir / "trajectory.tum", trajectory_tum(result.trajectory));
@@ -30,7 +31,8 @@ void write_result_files(const std::filesystem::path& dir, const ReplayResult& re
   write_file(dir / "report_data.json", report_data(result, truth).dump());
   write_file(dir / "kept_segments.json", kept_segments_json(kept_segments(result)));
   write_file(dir / "calibration.jsonl", calibration_lines(result, provenance));
-  write_file(dir / "result.json", result_json(result, provenance).dump(1) + "\n");  // last: its presence says the rest is there
+  write_file(dir / "result.json", result_json(result, provenance).dump(1) + "\n");
+  run.finish();
 }
 
 }  // namespace host

@@ -1,12 +1,13 @@
 // The subcommand `segcal simulate`.
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "../commands.h"
+#include "../csv.h"
+#include "../files/output_run.h"
 #include "../render/render_images.h"
 #include "effect_model.h"
 #include "effect_names.h"
@@ -102,13 +103,16 @@ void write_images(const Command& command, const SimulationResult& result) {
 
 void run(const Command& command) {
   check_output(command);
+  expect_output_folder(command.out, "simulate", true);
   if (command.options.images) render::read_photographs(command.images.photographs);  // complain before anything is written
   const SimulationResult result = simulate(command.options, [](double share) {
     std::cerr << "\rsimulating " << static_cast<int>(100 * share) << " %" << std::flush;
   });
   std::cerr << "\rsimulating 100 %\n";
+  OutputRun files(command.out, "simulate");
   write_simulation(result, command.out);
   if (command.options.images) write_images(command, result);
+  files.finish();
   report(command, result);
 }
 
@@ -142,8 +146,7 @@ void set_track_noise(const std::string& what, sim::TrackOptions* tracks) {
     tracks->walk_px_per_sqrt_s = 0.9;
     return;
   }
-  std::ifstream in(what);
-  const nlohmann::json result = nlohmann::json::parse(in, nullptr, false);
+  const nlohmann::json result = nlohmann::json::parse(read_file(what), nullptr, false);
   try {
     tracks->pixel_noise_px = result.at("noise").at("track_white_px").get<double>();
     tracks->walk_px_per_sqrt_s = result.at("noise").at("track_walk_px_per_sqrt_s").get<double>();

@@ -9,6 +9,8 @@
 
 #include "../calibration_file.h"
 #include "../commands.h"
+#include "../csv.h"
+#include "../files/output_run.h"
 #include "../recording.h"
 #include "feature_tracker.h"
 #include "recording_view.h"
@@ -19,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* command_name = "track";
 constexpr const char* description = "Finds corners in the images of a recording and follows them: REC/mav0/camN/tracks.csv";
 
 constexpr const char* details =
@@ -36,7 +39,7 @@ struct TrackSettings {
 };
 
 cv::Mat read_image(const fs::path& file, const CameraCalibration& camera) {
-  if (!fs::exists(file)) throw InputError(file.string() + ": image is missing");
+  expect_regular_file(file);
   const cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
   if (image.empty()) throw InputError(file.string() + ": expected an image, found something that cannot be decoded");
   if (image.cols != camera.width || image.rows != camera.height)
@@ -178,14 +181,16 @@ void report(const std::vector<std::vector<Frame>>& tracks, const TrackSettings& 
 }
 
 void finish(const std::vector<std::vector<Frame>>& tracks, const TrackSettings& settings) {
+  OutputRun files(settings.out, command_name, FolderRole::guest);
   for (std::size_t i = 0; i < tracks.size(); ++i) write_tracks(tracks_file(settings.out, static_cast<int>(i)), tracks[i]);
+  files.finish();
   report(tracks, settings);
 }
 
 void run(TrackSettings settings) {
   cv::setNumThreads(1);  // one image is too small a task to share out, and the result must not depend on the machine
   if (settings.n_cameras == 0) settings.n_cameras = cameras_present(settings);
-  const Recording recording = read_recording(settings.recording, settings.n_cameras);
+  const Recording recording = read_recording(settings.recording, settings.n_cameras, false, command_name);
   const bool in_place = settings.out.empty() || (fs::exists(settings.out) && fs::equivalent(settings.out, recording.root));
   if (in_place) {
     settings.out = settings.recording;
@@ -202,7 +207,7 @@ void run(TrackSettings settings) {
 
 void add_track_command(CLI::App& app, int& exit_code) {
   auto settings = std::make_shared<TrackSettings>();
-  CLI::App* const command = app.add_subcommand("track", description);
+  CLI::App* const command = app.add_subcommand(command_name, description);
   TrackerOptions& tracker = settings->tracker;
   command->add_option("REC", settings->recording, "recording with images, EuRoC's folder layout")->required();
   command->add_option("--calib", settings->calibration, "calibration in Kalibr's layout (camchain-imucam.yaml)");
