@@ -1,4 +1,4 @@
-# The core's sources, relative to lib/: the one list that every build uses (CMake, Zephyr, ESP-IDF; library.json for
+# The library's sources, relative to lib/: the one list that every build uses (CMake, Zephyr, ESP-IDF; library.json for
 # PlatformIO repeats it, and a test compares).
 set(SEGCAL_CORE_SOURCES
   src/api/capacities.cpp
@@ -10,6 +10,11 @@ set(SEGCAL_CORE_SOURCES
   src/api/results.cpp
   src/api/segcal.cpp
   src/log/writer.cpp)
+
+# A memory that outlives power (store.h): a library of its own, for who wants it.
+set(SEGCAL_STORE_SOURCES
+  src/store/ring_look.cpp
+  src/store/ring_save.cpp)
 
 # What the core is compiled with everywhere. Bits: no contraction, no reassociation, no vector kernels of Eigen's. No heap,
 # exceptions, RTTI or guards of statics.

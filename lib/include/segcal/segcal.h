@@ -49,6 +49,7 @@ enum {
   SEGCAL_TRACKING = 3,           /* the frame moved the filter */
   SEGCAL_LOST = 4,               /* tracking was lost; the filter starts again, the open segment is ended */
   SEGCAL_NO_RESULT = 5,          /* calibration ran, but nothing is released: see the result's status */
+  SEGCAL_EMPTY = 6,              /* nothing is stored (store.h) */
   SEGCAL_ERROR_NULL = -1,        /* a pointer is null */
   SEGCAL_ERROR_SIZE = -2,        /* storage smaller than segcal_storage_bytes(), or a count out of range */
   SEGCAL_ERROR_ALIGNMENT = -3,   /* storage not aligned to SEGCAL_STORAGE_ALIGNMENT */
@@ -59,7 +60,10 @@ enum {
   SEGCAL_ERROR_STATE = -8,       /* call not possible now (no segment, not created) */
   SEGCAL_ERROR_BUSY = -9,        /* a calibration is under way and moves what was asked for: again when segcal_background returns 0
                                     and the calibration has taken effect, or after segcal_flush */
-  SEGCAL_ERROR_CAPACITY = -10    /* header and library have other capacities (config.h): segcal_explain_capacities says which */
+  SEGCAL_ERROR_CAPACITY = -10,   /* header and library have other capacities (config.h): segcal_explain_capacities says which */
+  SEGCAL_ERROR_STORAGE = -11,    /* store.h: the medium failed */
+  SEGCAL_ERROR_FULL = -12,       /* store.h: too few good blocks */
+  SEGCAL_ERROR_VERSION = -13     /* store.h: stored by a newer major format */
 };
 
 /* ---- configuration: a struct of zeroes means all defaults, except for the camera itself ---- */
