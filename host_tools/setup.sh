@@ -10,6 +10,7 @@ packages=(
   libopencv-dev libceres-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev libssl-dev   # the host program
   libbenchmark-dev libopenblas0 liblapack3     # benchmarks, and LAPACK's QR beside the core's
   python3-venv python3-dev                     # plots, readers of logs, the fleet, evo for a test; the Python wheel
+  chromium chromium-driver                     # the report's test: pages drawn in a browser
   gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-dev qemu-system-arm   # firmware images, and where they run
   g++-aarch64-linux-gnu qemu-user pkg-config   # the same for 64-bit Arm; the installed library's test
 )

@@ -1,11 +1,11 @@
-"""Writes DIR/allan.html from the allan.json that `segcal allan --out DIR` left there. Usage: allan.py DIR."""
+"""The page of `segcal allan`: deviation against averaging time, and what was fitted to it."""
 
 import math
-import sys
-from html import escape
-from pathlib import Path
 
-from report import InputError, read_json, write_whole
+import figures
+import plotly.graph_objects as go
+from page import document, heading, note, section, table
+from page import figure as embedded
 
 SENSORS = (("gyro", "Gyroscope", "rad/s"), ("accel", "Accelerometer", "m/s²"))
 
@@ -15,9 +15,6 @@ def fitted(axis, tau):
 
 
 def figure(sensor, unit):
-    import figures
-    import plotly.graph_objects as go
-
     drawing = go.Figure()
     taus = [point[0] for point in sensor["points"]]
     for i, (name, colour) in enumerate(zip("xyz", ("#1f77b4", "#d95f02", "#2a9d4a"))):
@@ -35,28 +32,8 @@ def rows(sensor, unit):
 
 
 def render(name, data):
-    import page
-
-    parts = [page.note(f"Longest rest: {data['rest_s']:.1f} s from {data['start_s']:.1f} s on, {data['rate_hz']:.1f} Hz. Lines: N²/τ + B² 2 ln2/π + K² τ/3.")]
+    parts = [note(f"Longest rest: {data['rest_s']:.1f} s from {data['start_s']:.1f} s on, {data['rate_hz']:.1f} Hz. Lines: N²/τ + B² 2 ln2/π + K² τ/3.")]
+    header = ("axis", "noise density N", "bias instability B", "bias walk K")
     for key, title, unit in SENSORS:
-        parts.append(page.section(title, figure(data[key], unit).to_html(full_html=False, include_plotlyjs=False, config=page.FIGURE_CONFIG),
-                                  page.table(("axis", "noise density N", "bias instability B", "bias walk K"), [tuple(map(escape, r)) for r in rows(data[key], unit)])))
-    return page.document(name, "\n".join(parts))
-
-
-def main(arguments):
-    folder = Path(arguments[0])
-    data = read_json(folder / "allan.json", required=True)
-    try:
-        text = render(folder.resolve().name, data)
-    except ImportError as error:
-        raise InputError(f"the Python package '{error.name}' is missing; host_tools/setup.sh installs it") from None
-    write_whole(folder / "allan.html", text)
-
-
-if __name__ == "__main__":
-    try:
-        main(sys.argv[1:])
-    except InputError as error:
-        print(f"segcal: {error}", file=sys.stderr)
-        sys.exit(2)
+        parts.append(section(title, embedded(figure(data[key], unit)), table(header, rows(data[key], unit))))
+    return document(name, heading(f"segcal allan: {name}"), *parts)

@@ -4,7 +4,6 @@ Usage: experiment.py DIR/NAME.json. Exit code 0 when the page is written, 2 with
 """
 
 import sys
-from html import escape
 from pathlib import Path
 
 import report
@@ -12,13 +11,13 @@ import words
 
 
 def cell(value):
-    return escape(words.plain(value)) if value is not None else "–"
+    return words.plain(value) if value is not None else "–"
 
 
 def table(entry):
     import page
     rows = [tuple(map(cell, row)) for row in entry["rows"]]
-    long = "scroll tall" if len(rows) > 24 else "scroll"
+    long = "tall" if len(rows) > 24 else ""
     return page.section(entry["title"], page.note(entry["note"]) if entry["note"] else "", page.table(entry["columns"], rows, long))
 
 
@@ -26,7 +25,7 @@ def limits(entries):
     import page
     if not entries:
         return ""
-    rows = [(escape(e["what"]), cell(e["value"]), f"{'≥' if e['at_least'] else '≤'} {cell(e['limit'])}",
+    rows = [(e["what"], cell(e["value"]), f"{'≥' if e['at_least'] else '≤'} {cell(e['limit'])}",
              page.chip("met", "observed") if e["met"] else page.chip("missed", "weak")) for e in entries]
     return page.section("Limits", page.table(("what", "found", "limit", ""), rows))
 
@@ -54,23 +53,22 @@ def figure(entry):
     if entry["kind"] == "boxes":
         drawing.update_layout(boxmode="group")
     figures.styled(drawing, 420)
-    return page.section(entry["title"], drawing.to_html(full_html=False, include_plotlyjs=False, config=page.FIGURE_CONFIG))
+    return page.section(entry["title"], page.figure(drawing))
 
 
-def body(study):
+def render(study):
     import page
     missed = sum(not e["met"] for e in study["limits"])
     verdict = f"{len(study['limits']) - missed} of {len(study['limits'])} limits met." if study["limits"] else "No limits; figures only."
     command = f"segcal experiments {study['experiment']} --seed {study['seed']}{' --quick' if study['quick'] else ''}"
-    return "\n".join([
-        f"<h1>segcal: {escape(study['experiment'])}</h1>",
-        f"<p>{escape(study['description'])}</p>",
-        f'<p class="headline {"insufficient" if missed else "calibrated"}">{escape(verdict)}</p>',
+    return page.document(
+        study["experiment"], page.heading(f"segcal: {study['experiment']}"),
+        page.note(study["description"]),
+        page.headline("insufficient" if missed else "calibrated", verdict),
         page.note(command),
         limits(study["limits"]),
         *map(figure, study["figures"]),
-        *map(table, study["tables"]),
-    ])
+        *map(table, study["tables"]))
 
 
 def main(arguments):
@@ -79,12 +77,10 @@ def main(arguments):
     file = Path(arguments[0])
     study = report.read_json(file, required=True)
     try:
-        import page
+        html = render(study)
     except ImportError as error:
         raise report.InputError(f"the Python package '{error.name}' is missing; host_tools/setup.sh installs it") from None
-    try:
-        html = page.document(study["experiment"], body(study))
-    except (KeyError, TypeError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise report.InputError(f"{file}: expected the layout of `segcal experiments` ({error})") from None
     report.write_whole(file.with_name("report.html"), html)
 

@@ -15,7 +15,7 @@ LIMIT = "#c92a2a"
 LARGEST_NUMBER_OF_POINTS = 6000
 
 
-class Missing(Exception):
+class Missing(ValueError):
     """Why a figure is left out."""
 
 
@@ -127,6 +127,8 @@ def path_traces(data, columns, trace):
     if truth is not None:
         traces.append(line(truth, name="truth", line=dict(color=TRUTH, width=2, dash="dot")))
     traces.append(line(p, name="path", line=dict(color=PATH, width=2), hoverinfo="skip"))
+    traces.append(trace(dict(zip("xyz", ([p[0, c]] for c in columns))), mode="markers", name="start", hoverinfo="name",
+                        marker=dict(color="#212529", size=7 if len(columns) == 2 else 4)))
     for position, (segment, begin, end) in enumerate(runs):
         label = f"segment {segment}, {t[begin]:.1f} to {t[end - 1]:.1f} s"
         traces.append(line(p[begin:end], name="kept segments", legendgroup="kept", showlegend=position == 0,
@@ -145,7 +147,7 @@ def view_3d(data):
     figure = go.Figure(path_traces(data, (0, 1, 2), go.Scatter3d))
     figure.update_layout(scene=dict(
         aspectmode="data", xaxis_title="x [m]", yaxis_title="y [m]", zaxis_title="z [m]",
-        camera=dict(eye=dict(x=1.9, y=1.9, z=1.2))))
+        camera=dict(eye=dict(x=2.2, y=2.2, z=1.3))))
     styled(figure, 440)
     figure.update_layout(margin=dict(l=0, r=0, t=60, b=0), dragmode="orbit")
     return figure
@@ -154,15 +156,19 @@ def view_3d(data):
 METRICS = {"A": ("A: trace [-]", "log"), "D": ("D: log det [-]", "linear"), "E": ("E: largest eigenvalue [-]", "log")}
 
 
-def segment_bars(segments, metric, kept):
-    """One line per segment from its start to its end, at its metric; None between them breaks the line."""
-    t, value = [], []
-    for segment in segments:
-        if bool(segment.get("kept")) != kept or segment.get(metric) is None:
-            continue
-        t += [segment["start_s"], segment["end_s"], None]
-        value += [segment[metric], segment[metric], None]
-    return t, value
+def segment_axis(figure, segments, **where):
+    """One place per segment, labelled by its start: sessions may lie hours apart."""
+    step = max(1, -(-len(segments) // 8))
+    places = list(range(0, len(segments), step))
+    figure.update_xaxes(title="start of the segment [s]", tickvals=places, ticktext=[f"{segments[i]['start_s']:.0f}" for i in places],
+                        range=[-0.5, len(segments) - 0.5], **where)
+
+
+def log_ticks(values):
+    """1, 2 and 5 times powers of ten around the values, fewer where they span a lot."""
+    low, high = int(np.floor(np.log10(min(values)))), int(np.ceil(np.log10(max(values))))
+    digits = (1, 2, 5) if high - low <= 3 else (1,)
+    return [d * 10.0**k for k in range(low, high + 1) for d in digits]
 
 
 def metrics(data):
@@ -174,11 +180,15 @@ def metrics(data):
     for row, metric in enumerate(present, start=1):
         title, scale = METRICS[metric]
         for kept, color, name in ((False, PATH, "seen"), (True, KEPT, "kept")):
-            t, value = segment_bars(segments, metric, kept)
-            figure.add_scatter(x=t, y=value, mode="lines", line=dict(color=color, width=5), name=name,
-                               legendgroup=name, showlegend=row == 1, row=row, col=1)
-        figure.update_yaxes(title=title, type=scale, exponentformat="power", nticks=6, row=row, col=1)
-    figure.update_xaxes(title="time [s]", row=len(present), col=1)
+            mine = [(i, s[metric]) for i, s in enumerate(segments) if bool(s.get("kept")) == kept and s.get(metric) is not None]
+            figure.add_scatter(x=[i for i, _ in mine], y=[v for _, v in mine], mode="markers", name=name, legendgroup=name, showlegend=row == 1,
+                               marker=dict(color=color, size=9, symbol="square"), row=row, col=1)
+        positive = [s[metric] for s in segments if (s.get(metric) or 0) > 0]
+        ticks = log_ticks(positive) if scale == "log" and positive else None
+        figure.update_yaxes(title=title, type=scale, nticks=6, tickvals=ticks, ticktext=ticks and [f"{t:g}" for t in ticks], row=row, col=1)
+    segment_axis(figure, segments)
+    figure.update_xaxes(title=None)
+    figure.update_xaxes(title="start of the segment [s]", row=len(present), col=1)
     return styled(figure, 200 * len(present) + 90)
 
 
@@ -187,9 +197,14 @@ def add_limits(figure, row):
         figure.add_hline(y=limit, line=dict(color=LIMIT, width=1.5, dash="dash"), row=row, col=1)
 
 
+def camera_columns(data):
+    """t, u and v in sigmas as columns."""
+    camera = member(data, "residuals", "camera")
+    return np.column_stack([numbers(member(camera, name), 1, f"residuals.camera.{name}") for name in ("t", "u_sigma", "v_sigma")])
+
+
 def camera_residuals(data):
-    points = member(data, "residuals", "camera")
-    table = numbers([[p.get("t"), p.get("u_sigma"), p.get("v_sigma")] for p in points], 3, "residuals.camera")
+    table = camera_columns(data)
     shown = rounded(table[thinned(len(table))], 3)
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.05)
     for row, (axis, color) in enumerate((("u", AXES["x"]), ("v", AXES["y"])), start=1):
@@ -239,7 +254,7 @@ def outside_three_sigma(data):
     """Per sensor, the share of residuals beyond 3 sigma; a normal distribution has 0.27 %."""
     shares = {}
     residuals = data.get("residuals") or {}
-    camera = [v for p in residuals.get("camera") or [] for v in (p.get("u_sigma"), p.get("v_sigma"))]
+    camera = camera_columns(data)[:, 1:] if (residuals.get("camera") or {}).get("t") else []
     imu = residuals.get("imu") or {}
     groups = {"camera": camera, **{f"IMU {n}": imu.get(n) or [] for n in ("rotation", "velocity", "position")}}
     for name, values in groups.items():

@@ -1,10 +1,10 @@
 """The gap page: what `segcal diagnose` found, and how the disagreement of model and measurements shrinks."""
 
-from html import escape
-
 import figures
 import plotly.graph_objects as go
 import words
+from page import attempt, document, drawn, heading, joined, note, section, table
+from page import headline as box
 from plotly.subplots import make_subplots
 
 BEFORE, AFTER, FLOOR = "#d9480f", "#1864ab", "#adb5bd"
@@ -14,26 +14,28 @@ VERDICTS = {"consistent": ("calibrated", "Model and measurements agree"), "expla
 
 
 def headline(diagnosis):
+    """The verdict, then the faults of the data."""
     css, title = VERDICTS.get(diagnosis["verdict"], ("failed", diagnosis["verdict"]))
     if not diagnosis.get("judged", True):
         css, title = "insufficient", "Cannot tell"
-    return f'<p class="headline {css}">{escape(title)}: {escape(diagnosis.get("sentence", ""))}.</p>'
+    found = [f"{f['words']} ({f['sensor']}, {words.plain(f['count'])})." for f in diagnosis.get("faults") or []]
+    return box(css, f'{title}: {diagnosis.get("sentence", "")}.', *found)
 
 
-def effects(diagnosis, page):
+def effects(diagnosis):
     rows = []
     for e in diagnosis.get("effects") or []:
         for k, p in enumerate(e.get("parameters") or []):
             value = f'{words.with_digits_of(p["value"], p["sigma"])} ± {words.with_digits_of(p["sigma"], p["sigma"])}'
             last = (words.plain(e["statistic"]), f'{e["log10_p"]:.1f}', f'{100 * e["gap_closed"]:.1f} %') if k == 0 else ("", "", "")
-            rows.append((escape(p["name"]), value, escape(p["unit"]), *last))
+            rows.append((p["name"], value, p["unit"], *last))
         for other in e.get("or") or []:
-            rows.append((f'or {escape(other)}', escape("told apart by " + e.get("separated_by", "")), "", "", "", ""))
+            rows.append((f"or {other}", "told apart by " + e.get("separated_by", ""), "", "", "", ""))
     if not rows:
-        return page.section("Effects", page.note("None was named."))
+        return section("Effects", note("None was named."))
     header = ("parameter", "value ± sigma", "unit", "statistic", "log10 p", "gap closed")
-    return page.section("Effects", page.table(header, rows),
-                        page.note("Statistic: what chi² falls by, over its dispersion. Gap closed: on segments that the value was not fitted to."))
+    return section("Effects", table(header, rows),
+                        note("Statistic: what chi² falls by, over its dispersion. Gap closed: on segments that the value was not fitted to."))
 
 
 def gap_figure(diagnosis):
@@ -52,7 +54,7 @@ def gap_figure(diagnosis):
     return figures.styled(figure, 340)
 
 
-def gap_table(diagnosis, page):
+def gap_table(diagnosis):
     gap = diagnosis.get("gap") or {}
     floor = gap.get("noise_floor") or {}
     rows = []
@@ -62,7 +64,7 @@ def gap_table(diagnosis, page):
         rows.append((s, *(f"{base * (1 + v):.4f}" for v in cells), f"{base:.4f}", *(f"{v:.2g}" for v in cells)))
     header = ("sensor", "chi²/dof before", "after", "noise floor", "excess before", "after")
     closed = f'{100 * gap.get("closed", 0):.1f} % of the excess is gone; what lies within ± {2 * (gap.get("after_sigma") or 0):.2g} counts as none.'
-    return page.table(header, rows) + page.note(closed)
+    return joined(table(header, rows), note(closed))
 
 
 def worst_windows(data):
@@ -130,54 +132,45 @@ def cause_figure(before, after):
     return figures.styled(figure, 300)
 
 
-def causes(data, page):
+def causes(data):
     before, after = data.get("causes_before") or [], data.get("causes_after") or []
     if not before:
-        return page.section("Residual against its cause", page.note("No residual follows anything beyond what noise does."))
+        return section("Residual against its cause", note("No residual follows anything beyond what noise does."))
     parts = []
     for k, entry in enumerate(before[:4]):
         left = after[k] if k < len(after) else None
-        figure = cause_figure(entry, left)
-        parts.append(f'<p>{escape(entry["sensor"])} {escape(entry["axis"])} against {escape(entry["against"])}</p>')
-        parts.append(figure.to_html(full_html=False, include_plotlyjs=False, config=page.FIGURE_CONFIG))
-    return page.section("Residual against its cause", *parts, page.note("Means of eight bins of equal size, with their sigma."))
+        parts += [note(f"{entry['sensor']} {entry['axis']} against {entry['against']}"), attempt(cause_figure, entry, left)]
+    return section("Residual against its cause", *parts, note("Means of eight bins of equal size, with their sigma."))
 
 
-def listed(title, entries, page):
-    rows = [(escape(e["name"]), escape(e["why"])) for e in entries or []]
-    return page.section(title, page.table(("effect", "why"), rows)) if rows else ""
+def listed(title, entries):
+    rows = [(e["name"], e["why"]) for e in entries or []]
+    return section(title, table(("effect", "why"), rows)) if rows else ""
 
 
-def faults(diagnosis, page):
-    rows = [(escape(f["kind"]), escape(f["sensor"]), words.plain(f["count"]), escape(f["words"])) for f in diagnosis.get("faults") or []]
-    return page.section("Faults of the data", page.table(("fault", "sensor", "count", "what it is"), rows)) if rows else ""
+def faults(diagnosis):
+    rows = [(f["kind"], f["sensor"], words.plain(f["count"]), f["words"]) for f in diagnosis.get("faults") or []]
+    return section("Faults of the data", table(("fault", "sensor", "count", "what it is"), rows)) if rows else ""
 
 
-def scores(diagnosis, page):
-    rows = [(escape(s["name"]), words.plain(s["statistic"]) if s["dof"] else "cannot tell", words.plain(s["dof"]), f'{s["log10_p"]:.1f}')
+def scores(diagnosis):
+    rows = [(s["name"], words.plain(s["statistic"]) if s["dof"] else "cannot tell", words.plain(s["dof"]), f'{s["log10_p"]:.1f}')
             for s in diagnosis.get("scores") or []]
-    note = page.note("Each effect by itself, before any was added. A large value may be the likeness of another effect.")
-    return page.section("Score statistics", page.table(("effect", "statistic", "dof", "log10 p"), rows), note) if rows else ""
-
-
-def body(name, diagnosis, data):
-    import page
-    return "\n".join([
-        f"<h1>segcal diagnose: {escape(name)}</h1>",
-        headline(diagnosis),
-        faults(diagnosis, page),
-        effects(diagnosis, page),
-        page.drawn("The gap", gap_figure, diagnosis, gap_table(diagnosis, page)),
-        page.drawn("Worst windows: mean image residual, simulated minus measured", worst_windows, data),
-        page.drawn("Worst track, error ten times as large", track, data),
-        page.drawn("Worst window: whitened IMU residuals", imu_windows, data),
-        causes(data, page),
-        listed("Rejected", diagnosis.get("rejected"), page),
-        listed("Cannot tell from this motion", diagnosis.get("cannot_tell"), page),
-        scores(diagnosis, page),
-    ])
+    remark = note("Each effect by itself, before any was added. A large value may be the likeness of another effect.")
+    return section("Score statistics", table(("effect", "statistic", "dof", "log10 p"), rows), remark) if rows else ""
 
 
 def render(name, diagnosis, data):
-    import page
-    return page.document(name, body(name, diagnosis, data))
+    return document(
+        name, heading(f"segcal diagnose: {name}"),
+        headline(diagnosis),
+        faults(diagnosis),
+        effects(diagnosis),
+        drawn("The gap", gap_figure, diagnosis, gap_table(diagnosis)),
+        drawn("Worst windows: mean image residual, simulated minus measured", worst_windows, data),
+        drawn("Worst track, error ten times as large", track, data),
+        drawn("Worst window: whitened IMU residuals", imu_windows, data),
+        causes(data),
+        listed("Rejected", diagnosis.get("rejected")),
+        listed("Cannot tell from this motion", diagnosis.get("cannot_tell")),
+        scores(diagnosis))

@@ -1,4 +1,4 @@
-"""Writes DIR/report.html from the files that `segcal replay` or `segcal diagnose` left in DIR.
+"""Writes DIR/report.html from the files that `segcal replay`, `segcal diagnose` or `segcal allan` left in DIR.
 
 Usage: report.py DIR. Exit code 0 when the page is written, 2 with one line on stderr when the input cannot be used.
 """
@@ -51,24 +51,53 @@ def check_diagnosis(diagnosis, file):
         raise InputError(f"{file}: expected a member \"verdict\" with a text")
 
 
-def rendered(folder):
-    """The gap page where there is a diagnosis, else the page of a calibration."""
-    file = folder / "diagnosis.json"
-    if file.exists():
-        diagnosis = read_json(file, required=True)
-        check_diagnosis(diagnosis, file)
-        import gap
-        return gap.render(folder.resolve().name, diagnosis, read_json(folder / "diagnosis_data.json", required=False))
+def calibration_lines(file):
+    if not file.exists():
+        return []
+    import history
+    try:
+        return history.parse_lines(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        raise InputError(f"{file}: expected a JSON object on each line") from None
+
+
+def replay_page(folder, name):
+    import replay_page as page
     result = read_json(folder / "result.json", required=True)
     check_result(result, folder / "result.json")
     data = read_json(folder / "report_data.json", required=False)
-    import page
-    return page.render(folder.resolve().name, result, data)
+    return page.render(name, result, data, calibration_lines(folder / "calibration.jsonl"))
+
+
+def diagnosis_page(folder, name):
+    import gap
+    diagnosis = read_json(folder / "diagnosis.json", required=True)
+    check_diagnosis(diagnosis, folder / "diagnosis.json")
+    return gap.render(name, diagnosis, read_json(folder / "diagnosis_data.json", required=False))
+
+
+def allan_page(folder, name):
+    import allan
+    return allan.render(name, read_json(folder / "allan.json", required=True))
+
+
+# By the file that tells who wrote the folder; the first that is there.
+PAGES = {"diagnosis.json": diagnosis_page, "allan.json": allan_page, "result.json": replay_page}
+
+
+def rendered(folder):
+    file = next((name for name in PAGES if (folder / name).exists()), "result.json")
+    try:
+        return PAGES[file](folder, folder.resolve().name)
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
+        raise InputError(f"{folder / file}: not what `segcal` writes ({type(error).__name__}: {error})") from None
+    except ImportError as error:
+        raise InputError(f"the Python package '{error.name}' is missing; host_tools/setup.sh installs it") from None
 
 
 def write_whole(file, text):
     """The old file or the new one is there, never a part."""
-    temporary = file.with_name(file.name + ".tmp")
+    temporary = file.with_name(f".{file.name}.{os.getpid()}.part")
     try:
         temporary.write_text(text, encoding="utf-8")
         os.replace(temporary, file)
@@ -79,13 +108,9 @@ def write_whole(file, text):
 
 def main(arguments):
     if len(arguments) != 1:
-        raise InputError("expected one argument, the folder that `segcal replay` or `segcal diagnose` wrote")
+        raise InputError("expected one argument, the folder that `segcal replay`, `diagnose` or `allan` wrote")
     folder = Path(arguments[0])
-    try:
-        text = rendered(folder)
-    except ImportError as error:
-        raise InputError(f"the Python package '{error.name}' is missing; host_tools/setup.sh installs it") from None
-    write_whole(folder / "report.html", text)
+    write_whole(folder / "report.html", rendered(folder))
     print(f"wrote {folder / 'report.html'}", file=sys.stderr)
 
 
@@ -93,5 +118,5 @@ if __name__ == "__main__":
     try:
         main(sys.argv[1:])
     except InputError as error:
-        print(f"segcal: {error}", file=sys.stderr)
+        print("segcal: " + " ".join(str(error).split()), file=sys.stderr)
         sys.exit(2)

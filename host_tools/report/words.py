@@ -42,16 +42,13 @@ def chi2_per_dof(result):
 
 
 def headline(result):
-    """One sentence: the status, how much is observed, and how well the model fits."""
+    """One sentence: the status, and how much is observed."""
     status = STATUS_WORDS.get(result["status"], result["status"])
     parameters = result["parameters"]
     observed = sum(p.get("verdict") == "observed" for p in parameters)
     parts = [f"{status}: {observed} of {len(parameters)} parameters observed"]
-    ratio = chi2_per_dof(result)
-    if ratio is not None:
-        parts.append(f"chi²/dof {ratio:.3f}")
     rms = (result.get("fit") or {}).get("reprojection_rms_px")
-    if is_number(rms):
+    if is_number(rms) and rms > 0:
         parts.append(f"reprojection rms {rms:.2f} px")
     return ", ".join(parts) + "."
 

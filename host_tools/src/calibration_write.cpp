@@ -9,7 +9,7 @@ std::string list_of(const double* values, std::size_t count) {
   std::string text = "[";
   for (std::size_t i = 0; i < count; ++i) {
     if (i > 0) text += ", ";
-    append_number(text, values[i]);
+    append_yaml_number(text, values[i]);
   }
   return text + "]";
 }
@@ -44,7 +44,7 @@ void append_camera(std::string& text, std::size_t index, const CameraCalibration
   if (camera.width > 0) text += "  resolution: " + list_of(resolution, 2) + "\n";
   text += "  rostopic: /cam" + std::to_string(index) + "/image_raw\n";
   text += "  # t_imu = t_cam + timeshift_cam_imu, s\n  timeshift_cam_imu: ";
-  append_number(text, camera.timeshift_cam_imu);
+  append_yaml_number(text, camera.timeshift_cam_imu);
   text += '\n';
 }
 

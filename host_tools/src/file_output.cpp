@@ -83,10 +83,22 @@ void append_fixed(std::string& text, double value, int decimals) {
   text.append(digits, static_cast<std::size_t>(length));
 }
 
+std::string yaml_number(std::string digits) {
+  const std::size_t exponent = digits.find('e');
+  if (exponent != std::string::npos && digits.find('.') == std::string::npos) digits.insert(exponent, ".0");
+  return digits;
+}
+
+void append_yaml_number(std::string& text, double value) {
+  std::string digits;
+  append_number(digits, value);
+  text += yaml_number(digits);
+}
+
 void append_yaml_entry(std::string& text, std::string_view name, double value, std::string_view unit) {
   text += name;
   text += ": ";
-  append_number(text, value);
+  append_yaml_number(text, value);
   text += "  # ";
   text += unit;
   text += '\n';

@@ -16,15 +16,16 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* explanation =
-    "Writes DIR/report.html from what `segcal replay` or `segcal diagnose` left in DIR: one file that needs no network, readable on a phone.\n"
-    "Calibration table with verdicts, the path with the kept segments, metric over time, residuals, biases, timing.";
+    "Writes DIR/report.html from what `segcal replay`, `diagnose` or `allan` left in DIR: one file that needs no network, readable on a\n"
+    "phone and on paper. Of a replay: what happened and why, the calibration, its way there, the path, what each segment told, residuals\n"
+    "over the image and over time, how tracks drift, biases, timing.";
 
 constexpr const char* footer = R"(Example:
   segcal report out && xdg-open out/report.html
 
 A figure whose data are missing is left out, and the page says so. Python with plotly and numpy draws the page:
 $SEGCAL_PYTHON, else the virtual environment that host_tools/setup.sh made, else python3.
-Exit code 2: DIR or its result.json is missing or malformed.)";
+Exit code 2: DIR or a file of it is missing or malformed; one line says which and where.)";
 
 std::size_t line_of(const std::string& text, std::size_t byte) {
   std::size_t line = 1;
@@ -35,8 +36,9 @@ std::size_t line_of(const std::string& text, std::size_t byte) {
 /// Found here rather than in Python, so that a wrong path is told even where Python is missing.
 void check_result(const fs::path& folder) {
   if (!fs::is_directory(folder))
-    throw InputError(folder.string() + ": expected the folder that `segcal replay --out` or `segcal diagnose --out` wrote");
+    throw InputError(folder.string() + ": expected the folder that `segcal replay`, `diagnose` or `allan` wrote (--out)");
   check_folder(folder);
+  if (!fs::exists(folder / "diagnosis.json") && fs::exists(folder / "allan.json")) return;  // report.py looks into it
   const bool diagnosed = fs::exists(folder / "diagnosis.json");
   const fs::path file = folder / (diagnosed ? "diagnosis.json" : "result.json");
   const std::string text = read_file(file);
@@ -56,7 +58,7 @@ void add_report_command(CLI::App& app, int& exit_code) {
   CLI::App* const sub = app.add_subcommand("report", explanation);
   sub->footer(footer);
   const auto folder = std::make_shared<fs::path>();
-  sub->add_option("DIR", *folder, "folder with result.json and report_data.json")->required();
+  sub->add_option("DIR", *folder, "folder that `segcal replay`, `diagnose` or `allan` wrote")->required();
   sub->callback([folder, &exit_code] {
     check_result(*folder);
     exit_code = run_python_script("report/report.py", {folder->string()});

@@ -10,6 +10,7 @@ import sys
 
 import jsonschema
 import numpy as np
+import yaml
 
 SEGCAL, SCHEMA, FOLDER = sys.argv[1], json.loads(pathlib.Path(sys.argv[2]).read_text()), pathlib.Path(sys.argv[3])
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
@@ -67,6 +68,29 @@ def check_lines(out, result):
     assert last == {p["name"]: (p["value"], p["sigma"]) for p in result["parameters"]}
 
 
+def words_that_are_numbers(node, path=""):
+    """Scalars that PyYAML (YAML 1.1, and so Kalibr) reads as words although they are numbers, as it does with 2e-05."""
+    children = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    for key, child in children:
+        yield from words_that_are_numbers(child, f"{path}/{key}")
+    if isinstance(node, str):
+        try:
+            float(node)
+            yield path, node
+        except ValueError:
+            pass
+
+
+def check_yaml():
+    """All YAML files that simulate and replay wrote, among them figures that print as 2e-05: a bias walk, a line delay."""
+    files = sorted(FOLDER.rglob("*.yaml"))
+    assert {f.name for f in files} == {"camchain-imucam.yaml", "device.yaml", "imu.yaml", "model.yaml", "sensor.yaml"}, files
+    for file in files:
+        assert not list(words_that_are_numbers(yaml.safe_load(file.read_text()))), f"{file}: {list(words_that_are_numbers(yaml.safe_load(file.read_text())))}"
+    assert yaml.safe_load((FOLDER / "one" / "imu.yaml").read_text())["gyroscope_random_walk"] == 2e-5
+    assert list(words_that_are_numbers(yaml.safe_load("a: [1, 2e-05]"))) == [("/a/1", "2e-05")], "PyYAML reads it as a number now"
+
+
 def check_refusals(result):
     """The schema must be able to say no."""
     broken = [{**result, "format": 1}, {**result, "status": "fine"}, {**result, "log_sha256": "ab"},
@@ -96,6 +120,9 @@ def main():
     assert 25 <= low < 26 and 38 < high <= 40, (low, high)  # 12 s with a time constant of 5 s: 91 % of the way
     assert two["configuration"]["calib_sha256"] == digest((cold / "camchain-imucam.yaml").read_bytes())
     assert two["configuration"]["strategy"] == "multi" and two["configuration"]["segments"] == 3
+
+    replayed("effects", cold, "--enable", "time_offset", "--enable", "rolling_shutter")
+    check_yaml()
 
     still = replayed("none", cold, "--no-calibration")
     check_document(still)

@@ -54,7 +54,7 @@ class Allan(Case):
             self.assertGreater(found[sensor]["walk"], 0)
         self.assertLess(abs(text["gyroscope_noise_density"] / 1e-4 - 1), 0.05)
         self.assertEqual(text["update_rate"], RATE)
-        self.assertIn("Allan deviation", (self.folder / "noise/allan.html").read_text())
+        self.assertIn("Allan deviation", (self.folder / "noise/report.html").read_text())
 
     def test_walks(self):
         """1000 s. At 100 s of averaging ten values are left, so that one axis tells its walk to a third; the mean of six to 25 %."""

@@ -23,7 +23,7 @@ constexpr const char* footer = R"(Put the device on a table that nobody touches 
 bias walks. REC needs no images. The longest rest in it is used.
 
   segcal import rest.mcap --out rest       any log; without images too
-  segcal allan rest --out noise            noise/imu.yaml, noise/allan.html: deviation against averaging time
+  segcal allan rest --out noise            noise/imu.yaml, noise/report.html: deviation against averaging time
   segcal import run.mcap --out rec --imu-noise noise/imu.yaml
 
 Each axis is fitted by deviation^2 = N^2 / tau + B^2 2 ln2 / pi + K^2 tau / 3: white noise N, bias instability B, bias walk K.
@@ -95,7 +95,7 @@ int run(const fs::path& root, const fs::path& out, bool as_json) {
     std::printf("%s\n", (out / "imu.yaml").string().c_str());
   }
   std::fflush(stdout);
-  return run_python_script("report/allan.py", {out.string()});
+  return run_python_script("report/report.py", {out.string()});
 }
 
 }  // namespace
@@ -106,7 +106,7 @@ void add_allan_command(CLI::App& app, int& exit_code) {
   const auto root = std::make_shared<fs::path>(), out = std::make_shared<fs::path>();
   const auto as_json = std::make_shared<bool>(false);
   sub->add_option("REC", *root, "recording with a rest of a minute at least")->required();
-  sub->add_option("--out", *out, "folder for imu.yaml, allan.json and allan.html")->required();
+  sub->add_option("--out", *out, "folder for imu.yaml, allan.json and report.html")->required();
   sub->add_flag("--json", *as_json, "print allan.json");
   sub->callback([root, out, as_json, &exit_code] { exit_code = run(*root, *out, *as_json); });
 }

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "file_output.h"
 #include "replay/words.h"
 #include "sensors/effect_names.h"
 #include "yaml_file.h"
@@ -48,6 +49,12 @@ bool find_term(const std::string& name, Term* out) {
     }
   }
   return false;
+}
+
+std::string yaml_digits(const char* format, double value) {
+  char digits[40];
+  std::snprintf(digits, sizeof digits, format, value);
+  return yaml_number(digits);
 }
 
 }  // namespace
@@ -132,11 +139,8 @@ std::string model_yaml(const ReplayResult& result) {
     const std::string effect = listed ? all[i].name.substr(0, dot) : "term";
     if (effect != last) text += "  - name: " + effect + "\n    parameters:\n";
     last = effect;
-    char line[256];
-    std::snprintf(line, sizeof line, "      - {name: \"%s\", value: %.9g, sigma: %.4g, unit: \"%s\", verdict: %s}\n",
-                  listed ? all[i].name.substr(dot + 1).c_str() : all[i].name.c_str(), all[i].value, all[i].sigma,
-                  all[i].unit.c_str(), all[i].verdict.c_str());
-    text += line;
+    text += "      - {name: \"" + (listed ? all[i].name.substr(dot + 1) : all[i].name) + "\", value: " + yaml_digits("%.9g", all[i].value) +
+            ", sigma: " + yaml_digits("%.4g", all[i].sigma) + ", unit: \"" + all[i].unit + "\", verdict: " + all[i].verdict + "}\n";
   }
   return text;
 }

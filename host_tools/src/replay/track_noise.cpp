@@ -5,9 +5,9 @@
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
-#include <map>
 
 #include "camera_geometry.h"
+#include "replay/track_residuals.h"
 
 namespace host {
 namespace {
@@ -36,34 +36,19 @@ Eigen::Vector2d image(const CameraCalibration& camera, const CoreState& x, const
   return distort(camera, h.head<2>() / h.z());
 }
 
-/// From whitened residuals, in the order of the track, back to px.
-void to_px(const CoreModel& model, Track* track) {
-  double known = 0;
-  Eigen::RowVector2d walked(0, 0);
-  for (Eigen::Index i = 0; i < track->r.rows(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double before = i > 0 ? known + model.track_walk * model.track_walk * (track->t_s[k] - track->t_s[k - 1]) : 0;
-    const double variance = before + model.pixel_sigma * model.pixel_sigma;
-    const Eigen::RowVector2d innovation = std::sqrt(variance) * track->r.row(i);
-    track->r.row(i) = walked + innovation;
-    walked += before / variance * innovation;
-    known = before * model.pixel_sigma * model.pixel_sigma / variance;
-  }
-}
-
-Track track_of(const CoreKept& kept, const std::vector<std::pair<const CorePoint*, const CorePointResidual*>>& points,
-               const Calibration& calibration, const CoreModel& model) {
+Track track_of(const CoreKept& kept, const std::vector<TrackResidual>& points, const Calibration& calibration, const CoreModel& model) {
   Track out;
+  const std::vector<Eigen::Vector2d> r_px = residuals_px(points, model);
   const auto n = static_cast<Eigen::Index>(points.size());
   out.r.resize(n, 2);
   for (Eigen::MatrixXd& J : out.J) J.resize(n, 3);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const auto [z, residual] = points[static_cast<std::size_t>(i)];
+    const CorePoint* const z = points[static_cast<std::size_t>(i)].measured;
     const CoreState& x = kept.keyframes[static_cast<std::size_t>(z->keyframe)];
     const CoreLandmark& l = kept.landmarks[static_cast<std::size_t>(z->landmark)];
     const CameraCalibration& camera = calibration.cameras[static_cast<std::size_t>(z->camera)];
     out.t_s.push_back(1e-9 * static_cast<double>(x.t_ns - kept.keyframes.front().t_ns));
-    out.r.row(i) << residual->u_sigma, residual->v_sigma;
+    out.r.row(i) = r_px[static_cast<std::size_t>(i)].transpose();
     for (int c = 0; c < 3; ++c) {
       const Eigen::Vector3d d = 1e-5 * Eigen::Vector3d::Unit(c);
       const Eigen::Vector2d slope = (image(camera, x, l, d) - image(camera, x, l, -d)) / 2e-5;
@@ -72,23 +57,13 @@ Track track_of(const CoreKept& kept, const std::vector<std::pair<const CorePoint
   }
   const double sigma = kept.turned_only ? model.turned_inverse_depth_sigma : model.inverse_depth_sigma;
   out.depth_information = 1 / (sigma * sigma);
-  to_px(model, &out);
   return out;
 }
 
-/// The residuals come in the order of the points, without those that are rejected or have no image.
 std::vector<Track> tracks_of(const std::vector<CoreKept>& kept, const Calibration& calibration, const CoreModel& model) {
   std::vector<Track> out;
   for (const CoreKept& segment : kept) {
-    std::map<std::pair<int, int>, std::vector<std::pair<const CorePoint*, const CorePointResidual*>>> tracks;
-    auto residual = segment.points.begin();
-    for (const CorePoint& z : segment.measured) {
-      if (residual == segment.points.end()) break;
-      const bool same = segment.keyframes[static_cast<std::size_t>(z.keyframe)].t_ns == residual->t_ns && z.camera == residual->camera;
-      if (z.rejected || !same) continue;
-      tracks[{z.landmark, z.camera}].push_back({&z, &*residual++});
-    }
-    for (const auto& [key, points] : tracks) {
+    for (const auto& [key, points] : tracks_of_segment(segment)) {
       if (points.size() >= 3) out.push_back(track_of(segment, points, calibration, model));
     }
   }
