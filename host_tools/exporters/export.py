@@ -1,6 +1,6 @@
 """`segcal export`: a calibration in the files of other tools.
 
-Usage: export.py DIR kalibr|openvins|basalt|ros OUT. Exit code 0 when all files are written, 2 with one line on stderr."""
+Usage: export.py DIR kalibr|openvins|basalt|ros|mcap OUT [--rec=REC] [--no-images]. Exit code 0 when all files are written, 2 with one line on stderr."""
 
 import os
 import sys
@@ -24,10 +24,33 @@ def write_all(out, files):
         raise InputError(f"{error.filename or out}: cannot be written: {error.strerror}") from None
 
 
+def export_session(folder, out, options):
+    """One file, which may be as large as the recording: written beside its place, then renamed."""
+    import session_mcap
+    recording = next((Path(o.removeprefix("--rec=")) for o in options if o.startswith("--rec=")), None)
+    part, file = out / f".session.mcap.{os.getpid()}.part", out / "session.mcap"
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        session_mcap.write(part, folder, read_calibration(folder), recording, "--no-images" not in options)
+        os.replace(part, file)
+    except OSError as error:
+        raise InputError(f"{error.filename or out}: {error.strerror}") from None
+    except (LookupError, TypeError, ValueError) as error:
+        raise InputError(f"{folder}: not what `segcal replay` writes, or not its recording ({type(error).__name__}: {error})") from None
+    finally:
+        part.unlink(missing_ok=True)
+    print(f"wrote {file}")
+
+
 def main(arguments):
     folder, to, out = Path(arguments[0]), arguments[1], Path(arguments[2])
     if out.exists() and folder.resolve() == out.resolve():
         raise InputError(f"{out}: expected another folder than the calibration's: files of the same name would be replaced")
+    if to == "mcap":
+        try:
+            return export_session(folder, out, arguments[3:])
+        except ImportError as error:
+            raise InputError(f"the Python package '{error.name}' is missing; host_tools/setup.sh installs it") from None
     try:
         import basalt
         import kalibr

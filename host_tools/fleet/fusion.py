@@ -6,6 +6,7 @@ steps, block by block and between any two logs, the one that lowers the cost mos
 forward selection, as the core's own test for outdated segments divides by the noise that the logs show among themselves."""
 
 import dataclasses
+import functools
 import math
 
 import numpy as np
@@ -18,6 +19,7 @@ LEAST_TOLD = 1.0    # singular value against the prior: a direction that the log
 MOST_STEPS = 8      # of one device; more is a device that never holds still
 
 
+@functools.cache
 def block_of(name):
     """Parameters that change together when something is bent, moved or exchanged."""
     sensor, _, rest = name.partition(".")

@@ -27,6 +27,10 @@ class Run:
     def identity(self):
         return {"key": self.key, "device": self.device, "model": self.model, "place": self.place}
 
+    def told(self):
+        """Whether the log says anything of theta."""
+        return self.evidence is not None and len(self.evidence.z) > 0
+
     def chi2_per_dof(self):
         fit = (self.record["result"] or {}).get("fit", {})
         return fit["chi2"] / fit["dof"] if fit.get("dof", 0) > 0 else None
@@ -102,13 +106,17 @@ def change_rows(fused):
     return rows
 
 
+def outlier_limit(fused):
+    return population.limit_of(max(1, sum(len(d.fit.names) for d in fused)))
+
+
 def model_rows(fused):
     """Mean and spread per model and parameter; fills in the devices' distances."""
     rows = []
+    limit = outlier_limit(fused)
     for model in sorted({d.model for d in fused}):
         of_model = [d for d in fused if d.model == model and d.fit.names == next(f for f in fused if f.model == model).fit.names]
         names = of_model[0].fit.names
-        limit = population.limit_of(len(of_model) * len(names))
         for i, name in enumerate(names):
             x = np.array([d.fit.value[i] for d in of_model])
             sigma = np.array([np.sqrt(d.fit.covariance[i, i]) for d in of_model])
@@ -127,29 +135,50 @@ def found(kind, weight, device, log, sentence):
 
 
 def outliers(fused):
-    for model in sorted({d.model for d in fused}):
-        of_model = [d for d in fused if d.model == model]
-        limit = population.limit_of(len(of_model) * len(of_model[0].fit.names))
-        for d in of_model:
-            name, distance = max(((n, abs(v)) for n, v in d.distance.items() if v is not None), key=lambda x: x[1], default=("", 0))
-            if distance > limit:
-                yield found("outlier", distance, d.device, d.runs[-1].log, f"{name} is {d.distance[name]:+.1f} sigmas from the other devices of its model")
+    """Devices away from their model, but for those that a change explains: they are named for that."""
+    limit = outlier_limit(fused)
+    for d in fused:
+        changed = {step.block for step in d.fit.steps}
+        judged = ((n, abs(v)) for n, v in d.distance.items() if v is not None and fusion.block_of(n) not in changed)
+        name, distance = max(judged, key=lambda x: x[1], default=("", 0))
+        if distance > limit:
+            yield found("outlier", distance, d.device, d.runs[-1].log, f"{name} is {d.distance[name]:+.1f} sigmas from the other devices of its model")
 
 
 def badly_fitting(runs):
     """Devices whose logs fit the model worse than those of the other devices, whatever the fit was judged."""
+    tests = len({r.device for r in runs})
     for model, own in sorted(grouped(runs, "model").items()):
         devices = sorted(grouped([r for r in own if r.chi2_per_dof()], "device").items())
         ratios = [np.median([r.chi2_per_dof() for r in of_device]) for _, of_device in devices]
-        for i, excess in population.badly_fitting(ratios):
+        for i, excess in population.badly_fitting(ratios, tests):
             worst = max(devices[i][1], key=Run.chi2_per_dof)
             yield found("misfit", 10 * excess, devices[i][0], worst.log,
                         f"chi2/dof {ratios[i]:.2f}, {excess:.1f} times its model's: another lens, or an effect that the model lacks (segcal diagnose)")
 
 
+def silent(runs):
+    """Devices of which hardly a log gives a result, although others of the model do: odometry that does not even start, or fits that fail."""
+    tests = len({r.device for r in runs})
+    for model, own in sorted(grouped([r for r in runs if r.record["result"]], "model").items()):
+        devices = sorted(grouped(own, "device").items())
+        without = [[r for r in of_device if not r.told()] for _, of_device in devices]
+        for i in population.silent([len(of_device) for _, of_device in devices], [len(w) for w in without], tests):
+            device, of_device = devices[i]
+            causes = [r.record["result"].get("cause") or "the fit failed" for r in without[i]]
+            usual = max(sorted(set(causes)), key=causes.count)
+            yield found("misfit", 10 * len(without[i]) / len(of_device), device, without[i][0].log,
+                        f"{len(without[i])} of {len(of_device)} logs gave no result, unlike its model's other devices ({usual}): another lens or mounting?")
+
+
+def one_a_device(findings):
+    """The gravest of each device."""
+    return list({f["device"]: f for f in sorted(findings, key=lambda f: f["weight"])}.values())
+
+
 def attention(fused, runs):
     """What to look at, the gravest first: changes, outliers and misfits of devices, then logs that gave nothing."""
-    all_found = [*outliers(fused), *badly_fitting(runs)]
+    all_found = [*outliers(fused), *one_a_device([*badly_fitting(runs), *silent(runs)])]
     for d in fused:
         for step in d.fit.steps:
             log = d.runs[step.first].log

@@ -1,7 +1,9 @@
 """Records to tables, one Parquet file each. Rows are in the order of the logs and hold nothing of when or where the work was done, so
 that the same logs give the same files, byte for byte; times.parquet holds the rest."""
 
+import os
 import pathlib
+import platform
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -72,13 +74,22 @@ def table(name, rows):
     return pa.table(columns, schema=schema)
 
 
+def write_whole(fs, path, write):
+    """`write` gets an open file. The old file or the new one is there, never a part; two runs into one folder do not meet, the last
+    one stays."""
+    folder, _, name = path.rpartition("/")
+    temporary = f"{folder}/.{name}.{platform.node()}.{os.getpid()}.part"
+    with fs.open(temporary, "wb") as file:
+        write(file)
+    if "file" in fs.protocol:
+        os.replace(temporary, path)
+    else:
+        fs.mv(temporary, path)
+
+
 def write_tables(fs, root, rows):
     for name in SCHEMAS:
-        path = f"{root}/{name}.parquet"
-        temporary = path + ".part"
-        with fs.open(temporary, "wb") as file:
-            pq.write_table(table(name, rows.get(name, [])), file, compression="zstd")
-        fs.mv(temporary, path)
+        write_whole(fs, f"{root}/{name}.parquet", lambda file, name=name: pq.write_table(table(name, rows.get(name, [])), file, compression="zstd"))
 
 
 def read_table(fs, root, name):

@@ -1,6 +1,7 @@
 // The subcommand `segcal export`: a calibration in the files of other tools (host_tools/exporters).
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "commands.h"
 #include "files/manifest.h"
@@ -12,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* explanation = "Writes a calibration as Kalibr, OpenVINS, Basalt or ROS read it.";
+constexpr const char* explanation = "Writes a calibration as Kalibr, OpenVINS, Basalt or ROS read it, or a whole session as MCAP with the messages of Foxglove and Lichtblick.";
 
 constexpr const char* footer = R"(DIR is what `segcal replay --out DIR` wrote (or any folder with camchain-imucam.yaml and imu.yaml). Written to --out:
   kalibr     camchain-imucam.yaml, imu.yaml (model scale-misalignment: lower triangular M, body frame of the accelerometer)
@@ -20,14 +21,18 @@ constexpr const char* footer = R"(DIR is what `segcal replay --out DIR` wrote (o
   basalt     calibration.json
   ros        camN.yaml for camera_info_manager and camera_calibration_parsers, transforms.yaml
 
+  mcap       session.mcap: calibration, path, map, the recording with --rec (images, IMU, corner tracks), and the verdict as log messages
+
   segcal export out --to openvins --out openvins_config
+  segcal export out --to mcap --rec REC --out view         then open view/session.mcap
 
 Frames are carried over exactly: where another tool's IMU frame is the accelerometer's, the camera's pose is turned with it.
 A lens that the other tool lacks is replaced by the nearest it has, and how near that is on stderr. Biases are states of the
 device, not calibration; they are written as zero. Exit code 2: DIR has no calibration, or it cannot be read.)";
 
 struct ExportOptions {
-  std::string folder, to, out;
+  std::string folder, to, out, recording;
+  bool no_images = false;
 };
 
 }  // namespace
@@ -37,13 +42,21 @@ void add_export_command(CLI::App& app, int& exit_code) {
   sub->footer(footer);
   const auto options = std::make_shared<ExportOptions>();
   sub->add_option("DIR", options->folder, "folder with camchain-imucam.yaml and imu.yaml")->required();
-  sub->add_option("--to", options->to, "kalibr, openvins, basalt or ros")->required()->check(CLI::IsMember({"kalibr", "openvins", "basalt", "ros"}));
+  sub->add_option("--to", options->to, "kalibr, openvins, basalt, ros or mcap")
+      ->required()
+      ->check(CLI::IsMember({"kalibr", "openvins", "basalt", "ros", "mcap"}));
   sub->add_option("--out", options->out, "folder to write into")->required();
+  sub->add_option("--rec", options->recording, "mcap: the recording that DIR was made from");
+  sub->add_flag("--no-images", options->no_images, "mcap: leave the images of --rec out");
   sub->callback([options, &exit_code] {
     if (!fs::exists(fs::path(options->folder) / "camchain-imucam.yaml"))
       throw InputError((fs::path(options->folder) / "camchain-imucam.yaml").string() + ": file is missing; `segcal replay --out` writes it");
     check_folder(options->folder);
-    exit_code = run_python_script("exporters/export.py", {options->folder, options->to, options->out});
+    if (options->to != "mcap" && (!options->recording.empty() || options->no_images)) throw InputError("--rec and --no-images: for --to mcap only");
+    std::vector<std::string> arguments = {options->folder, options->to, options->out};
+    if (!options->recording.empty()) arguments.push_back("--rec=" + options->recording);
+    if (options->no_images) arguments.push_back("--no-images");
+    exit_code = run_python_script("exporters/export.py", arguments);
   });
 }
 

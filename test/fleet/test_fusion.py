@@ -115,13 +115,34 @@ def test_population(random):
     between("spread of equal devices", 0, same.spread, 0.5)  # sigmas of 0.5: spread^2 is uncertain by 0.5^2 sqrt(2/60), five times that
 
 
+def test_level(random):
+    """400 fleets of ten equal devices each: named in 1 % of them, and 8 at most by chance (binomial, 5 sigma is 14). As if the spread
+    of ten devices were known, it would be in 5 % of them."""
+    limit, named = population.limit_of(10), 0
+    for _ in range(400):
+        far = population.spread_of(random.normal(size=10), np.full(10, 0.01), np.ones(10, bool), limit)[1]
+        named += (np.abs(far) > limit).any()
+    between("fleets with a device named", 0, named, 14)
+
+
+def test_silent():
+    logs = [20] * 50
+    without = [0] * 50
+    for i in (5, 6, 7):
+        without[i] = 20
+    assert population.silent(logs, without, 50) == [5, 6, 7]
+    assert population.silent(logs, [1, 2, 0, 3, 1] * 10, 50) == []  # 7 % everywhere, by the motion
+    assert population.silent([20] * 4, [20, 0, 0, 0], 4) == []      # of four, none is the rule
+
+
 def test_misfits():
     ratios = [1.0, 1.02, 0.99, 1.01, 0.98, 1.03, 4.0, 1.3]
-    assert [i for i, _ in population.badly_fitting(ratios)] == [6]
-    assert population.badly_fitting([1, 9]) == []  # of two, neither is the rule
+    assert [i for i, _ in population.badly_fitting(ratios, len(ratios))] == [6]
+    assert population.badly_fitting([1, 9], 2) == []  # of two, neither is the rule
 
 
-for number, test in enumerate([test_fused_sigmas_are_honest, test_prior_counts_once, test_step_is_found_in_its_place, test_dispersion, test_population]):
+for number, test in enumerate([test_fused_sigmas_are_honest, test_prior_counts_once, test_step_is_found_in_its_place, test_dispersion, test_population, test_level]):
     test(np.random.default_rng([SEED, number]))
 test_misfits()
+test_silent()
 print("fusion: honest, changes in their place, spread as drawn")

@@ -7,6 +7,8 @@ import json
 
 import numpy as np
 import yaml
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
 
 from support import Case, main, segcal
 
@@ -156,6 +158,73 @@ class Export(Case):
         (self.dir / "imu.yaml").write_text("update_rate: [1, 2\n")
         done = segcal("export", self.dir, "--to", "kalibr", "--out", self.out)
         self.assertEqual((done.returncode, done.stderr.count("\n"), self.out.exists()), (2, 1, False), done.stderr)
+
+
+class Session(Case):
+    """`--to mcap`, read back by MCAP's and protobuf's own libraries: what went in comes out, number by number."""
+
+    def setUp(self):
+        super().setUp()
+        self.out = self.folder / "out"
+        for arguments in (("simulate", "--out", self.rec, "--scenario", "rich", "--seconds", 8, "--seed", 1),
+                          ("replay", self.rec, "--segments", 2, "--segment-seconds", 3, "--out", self.out)):
+            done = segcal(*arguments)
+            self.assertIn(done.returncode, (0, 1), done.stderr)
+        camera = self.rec / "mav0/cam0"
+        (camera / "data").mkdir()
+        self.stamp = int((camera / "tracks.csv").read_text().splitlines()[1].split(",")[0])
+        self.picture = RNG.bytes(500)  # carried as it is: an MCAP writer does not look into it
+        (camera / "data/a.png").write_bytes(self.picture)
+        (camera / "data.csv").write_text(f"#timestamp [ns],filename\n{self.stamp},a.png\n")
+
+    def exported(self, *more):
+        done = segcal("export", self.out, "--to", "mcap", "--out", self.folder / "view", *more)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        topics = {}
+        with open(self.folder / "view/session.mcap", "rb") as stream:
+            for _, channel, message, content in make_reader(stream, decoder_factories=[DecoderFactory(), Json()]).iter_decoded_messages():
+                topics.setdefault(channel.topic, []).append((message.log_time, content))
+        return topics
+
+    def test_session(self):
+        topics = self.exported("--rec", self.rec)
+        table = np.loadtxt(self.rec / "mav0/imu0/data.csv", delimiter=",")
+        imu = [[*(v["gyro_rad_per_s"][a] for a in "xyz"), *(v["accel_m_per_s2"][a] for a in "xyz")] for _, v in topics["/imu"]]
+        np.testing.assert_array_equal(imu, table[:, 1:7])
+        self.assertEqual([(t, m.data, m.format) for t, m in topics["/cam0/image"]], [(self.stamp, self.picture, "png")])
+        tracks = np.loadtxt(self.rec / "mav0/cam0/tracks.csv", delimiter=",", dtype=str, skiprows=1)
+        points = [(t, p.x, p.y) for t, m in topics["/cam0/tracks"] for p in m.points[0].points]
+        self.assertEqual(points, [(int(t), float(u), float(v)) for t, _, u, v in tracks])
+        poses = np.loadtxt(self.out / "trajectory.tum")
+        moved = [m.translation for _, m in topics["/tf"] if m.child_frame_id == "imu"]
+        np.testing.assert_array_equal([[p.x, p.y, p.z] for p in moved], poses[:, 1:4])
+        self.assertEqual(len(topics["/path"][0][1].poses), len(poses))
+        camera = yaml.safe_load((self.out / "camchain-imucam.yaml").read_text())["cam0"]
+        mount = next(m for _, m in topics["/tf"] if m.child_frame_id == "cam0")
+        np.testing.assert_allclose([mount.translation.x, mount.translation.y, mount.translation.z], np.array(camera["T_imu_cam"])[:3, 3], atol=1e-12)
+        self.assertEqual(list(topics["/cam0/calibration"][0][1].K)[2::3][:2], camera["intrinsics"][2:])
+        result = json.loads((self.out / "result.json").read_text())
+        self.assertIn("parameters observed", topics["/log"][0][1].message)
+        self.assertEqual(len(topics["/map"]), sum(s["kept"] for s in result["segments"]))
+        self.assertGreater(len(topics["/map"][0][1].data), 12 * 20)
+
+    def test_without_recording_and_images(self):
+        self.assertEqual(set(self.exported()), {"/tf", "/path", "/map", "/log", "/cam0/calibration"})
+        self.assertNotIn("/cam0/image", self.exported("--rec", self.rec, "--no-images"))
+
+    def test_refusals(self):
+        for more, words in ((("--rec", self.folder / "none"), "none"), (("--to", "ros", "--no-images"), "for --to mcap only")):
+            to = () if "--to" in more else ("--to", "mcap")
+            done = segcal("export", self.out, *to, "--out", self.folder / "view", *more)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+            self.assertIn(words, done.stderr)
+            self.assertFalse((self.folder / "view/session.mcap").exists())
+        self.assertEqual(list(self.folder.glob("view/.*")), [])
+
+
+class Json:
+    def decoder_for(self, encoding, _):
+        return json.loads if encoding == "json" else None
 
 
 if __name__ == "__main__":
