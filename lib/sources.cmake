@@ -13,8 +13,10 @@ set(SEGCAL_CORE_SOURCES
 
 # A memory that outlives power (store.h): a library of its own, for who wants it.
 set(SEGCAL_STORE_SOURCES
+  src/store/device_records.cpp
   src/store/ring_look.cpp
-  src/store/ring_save.cpp)
+  src/store/ring_save.cpp
+  src/store/store.cpp)
 
 # What the core is compiled with everywhere. Bits: no contraction, no reassociation, no vector kernels of Eigen's. No heap,
 # exceptions, RTTI or guards of statics.

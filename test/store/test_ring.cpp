@@ -1,6 +1,8 @@
 // The ring of states on flash that ages and fails: bad blocks, stuck bits, misread and flipped bits, a newer format, other
 // geometries; how evenly it wears; how much one step does.
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <memory>
 
 #include "../support/cases.h"
@@ -288,6 +290,23 @@ void test_newer_format_is_refused() {
   TEST_ASSERT_TRUE(cells == flash.cells);
 }
 
+/// A store that format 1.0 wrote, with three states in it: read for ever, and written the same until the format changes.
+void test_format_1_0_is_read() {
+  std::ifstream in(SEGCAL_FIXTURES "/store/format_1_0.bin", std::ios::binary);
+  const std::vector<char> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  FakeFlash flash({16, 512, 16});
+  TEST_ASSERT_EQUAL_UINT64(flash.cells.size(), bytes.size());
+  std::copy(bytes.begin(), bytes.end(), flash.cells.begin());
+  check_stored(&flash, 3, Id().add("check", "format_1_0"), 900);
+  if (SEGCAL_STORE_MAJOR != 1 || SEGCAL_STORE_MINOR != 0 || SEGCAL_VERSION != 0x00010000u) return;
+  FakeFlash now({16, 512, 16});
+  std::fill(now.cells.begin(), now.cells.end(), 0xFF);
+  Ring ring;
+  open(&ring, &now);
+  for (std::uint32_t seed = 1; seed <= 3; ++seed) save(&ring, seed, 900);
+  TEST_ASSERT_TRUE(now.cells == flash.cells);
+}
+
 /// Who saves changes it meanwhile: that save ends, the state before stays, the next one is taken.
 void test_a_source_that_changes() {
   FakeFlash flash(kFlash);
@@ -324,6 +343,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_blocks_of_another_state_do_not_count);
   RUN_TEST(test_a_stretch_that_is_too_short);
   RUN_TEST(test_newer_format_is_refused);
+  RUN_TEST(test_format_1_0_is_read);
   RUN_TEST(test_a_source_that_changes);
   return UNITY_END();
 }

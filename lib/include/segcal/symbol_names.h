@@ -74,5 +74,12 @@
 #define segcal_segment_t SEGCAL_NAME(segment_t)
 #define segcal_state_t SEGCAL_NAME(state_t)
 #define segcal_t SEGCAL_NAME(t)
+#define segcal_restore SEGCAL_NAME(restore)
+#define segcal_save SEGCAL_NAME(save)
+#define segcal_store_blocks SEGCAL_NAME(store_blocks)
+#define segcal_store_difference SEGCAL_NAME(store_difference)
+#define segcal_store_get_info SEGCAL_NAME(store_get_info)
+#define segcal_store_open SEGCAL_NAME(store_open)
+#define segcal_store_work SEGCAL_NAME(store_work)
 
 #endif

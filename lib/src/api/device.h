@@ -24,7 +24,12 @@ constexpr int kFewestTracks = 8;
 constexpr int kCalibrationWindow = 4;
 
 template <class S>
+struct StoredFields;   // store/stored_fields.h
+
+template <class S>
 class Device {
+  friend struct StoredFields<S>;
+
  public:
   void create(const DeviceOptions<S>& options);
 
@@ -90,6 +95,7 @@ class Device {
   void keep_near_origin();
   void break_stream();
   void restart_filter();
+  void begin_session();
   void start_clock(std::int64_t t_ns);
   void use_odometry(bool own);
   VioOptions<S> vio_options() const;

@@ -280,7 +280,7 @@ void Device<S>::flush() {
   while (frame_ready()) process_frame();
   finish_score();
   finish_calibration();
-  end_segment(false);
+  if (has_next_keyframe_) end_segment(false);   // a keyframe has come since the last time
   finish_score();
   finish_calibration();
   has_next_keyframe_ = false;
@@ -290,9 +290,16 @@ void Device<S>::flush() {
 template <class S>
 void Device<S>::new_session() {
   flush();
+  begin_session();
+}
+
+/// Nothing of the stream's last session is known any more, not even how lively its motion was: the same as after a restart.
+template <class S>
+void Device<S>::begin_session() {
   ++session_;
   ++frame_;
   knew_enough_ = false;
+  liveliness_.reset();
   d_.database.begin_session();
   restart_filter();
 }

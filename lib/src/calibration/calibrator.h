@@ -36,7 +36,12 @@ struct CalibrationFit {
 };
 
 template <class S>
+struct StoredFields;   // store/stored_fields.h
+
+template <class S>
 class Calibrator {
+  friend struct StoredFields<S>;
+
  public:
   /// Sets up a problem over `segments` (pointers, in time order within each session; count <= kMaxSegments). Their
   /// states are moved by run(). The prior must stay where it is.

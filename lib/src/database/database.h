@@ -25,7 +25,12 @@ inline std::uint64_t next_random(std::uint64_t* state) {
 }
 
 template <class S>
+struct StoredFields;   // store/stored_fields.h
+
+template <class S>
 class Database {
+  friend struct StoredFields<S>;
+
  public:
   static constexpr int kSlots = SEGCAL_MAX_SEGMENTS + 1;
 

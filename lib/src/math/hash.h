@@ -10,6 +10,9 @@ namespace SEGCAL_NS {
 
 class Hash {
  public:
+  Hash() = default;
+  /// Goes on from a value().
+  explicit Hash(std::uint64_t value) : value_(value) {}
   std::uint64_t value() const { return value_; }
 
   void add(std::uint32_t word) {

@@ -21,7 +21,12 @@ struct BuilderCounts {
 };
 
 template <class S>
+struct StoredFields;   // store/stored_fields.h
+
+template <class S>
 class SegmentBuilder {
+  friend struct StoredFields<S>;
+
  public:
   /// Starts an empty segment in `slot`. `continues`: its first keyframe follows the last one of the segment before
   /// without a break, and the samples in between are kept.

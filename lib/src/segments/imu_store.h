@@ -24,7 +24,12 @@ std::int16_t pack_value(S value, S step) {
 }
 
 template <class S>
+struct StoredFields;   // store/stored_fields.h
+
+template <class S>
 class ImuStore {
+  friend struct StoredFields<S>;
+
  public:
   /// Empties the store; ranges in rad/s and m/s^2.
   void clear(S gyro_range = S(35), S accel_range = S(157)) {

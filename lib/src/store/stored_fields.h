@@ -1,0 +1,293 @@
+// What of a device outlives power, field by field (docs/storage.md, "Records").
+#pragma once
+
+#include "api/capacities.h"
+#include "api/device.h"
+#include "store/fields.h"
+
+namespace SEGCAL_NS {
+
+/// The small numbers. A save takes them at its beginning, since the device may be fed while it goes on.
+template <class S>
+struct StoredNumbers {
+  FaultCounts faults;
+  BuilderCounts left_out;
+  std::uint64_t trajectory, random, offered;
+  std::int64_t frame_period;
+  double builder_origin[3];
+  std::uint32_t session, serial, frame;
+  std::int32_t building;
+  S warmth;
+  bool knew_enough, own_odometry, calibrated;
+  bool session_open;   ///< the session had samples or frames
+};
+
+template <class S>
+struct StoredFields {
+  static_assert(sizeof(State<S>) == 21 * sizeof(S) && sizeof(Landmark<S>) == 7 * sizeof(S), "stored as arrays of numbers");
+  static_assert(sizeof(FaultCounts) % 4 == 0 && sizeof(BuilderCounts) % 4 == 0, "stored as arrays of numbers");
+  static_assert(kMaxKeyframes * kMaxCameras <= 64, "one bit for each image of a segment");
+
+  /// What must be the same for stored numbers to mean the same.
+  static void identity(Fields* f, DeviceOptions<S>* o) {
+    std::uint32_t capacities[SEGCAL_N_CAPACITIES];
+    for (int i = 0; i < SEGCAL_N_CAPACITIES; ++i) capacities[i] = kCapacities[i];
+    f->name("capacities", SEGCAL_ERROR_CAPACITY);
+    f->array(capacities, SEGCAL_N_CAPACITIES);
+    std::uint32_t layout[] = {sizeof(S), sizeof(Observation), sizeof(FaultCounts), sizeof(BuilderCounts), sizeof(MeasurementModel<S>)};
+    f->name("layout of the library's numbers", SEGCAL_ERROR_CAPACITY);
+    f->array(layout, 5);
+    cameras(f, &o->prior.mean);
+    const int n = o->prior.mean.columns();
+    f->name("prior_sigma");
+    f->array(o->prior.sigma, n);
+    f->name("sigma_ref");
+    f->array(o->sigma_ref, n);
+    f->name("trigger_sigma");
+    f->array(o->target_sigma, n);
+    model(f, &o->model);
+    f->name("imu_rate_hz");
+    f->number(&o->imu_rate_hz);
+    f->number(&o->imu_group);
+    f->name("gyro_range");
+    f->number(&o->gyro_range);
+    f->name("accel_range");
+    f->number(&o->accel_range);
+    policy(f, o);
+  }
+
+  /// The numbers of a calibration; what cameras and terms it has is the configuration's.
+  static void calibration(Fields* f, Calibration<S>* theta) {
+    for (int c = 0; c < theta->n_cameras; ++c) {
+      f->matrix(&theta->camera[c].R_CI);
+      f->matrix(&theta->camera[c].p_CI);
+      f->matrix(&theta->camera[c].intrinsics);
+      f->matrix(&theta->camera[c].distortion);
+    }
+    ImuCalibration<S>& imu = theta->imu;
+    for (Vec3<S>* v : {&imu.gyro_scale, &imu.gyro_misalignment, &imu.accel_scale, &imu.accel_misalignment}) f->matrix(v);
+    f->matrix(&imu.R_AI);
+    f->array(theta->effects.value, theta->effects.count());
+  }
+
+  static void numbers(Fields* f, StoredNumbers<S>* n) {
+    f->records(&n->faults, 1, sizeof n->faults);
+    f->records(&n->left_out, 1, sizeof n->left_out);
+    for (std::uint64_t* v : {&n->trajectory, &n->random, &n->offered}) f->number(v);
+    f->number(&n->frame_period);
+    f->array(n->builder_origin, 3);
+    for (std::uint32_t* v : {&n->session, &n->serial, &n->frame}) f->number(v);
+    f->count(&n->building, Database<S>::kSlots - 1);
+    f->number(&n->warmth);
+    for (bool* v : {&n->knew_enough, &n->own_odometry, &n->calibrated, &n->session_open}) f->flag(v);
+  }
+
+  /// theta and the last report; before the first calibration the report is that of create().
+  static void results(Fields* f, Device<S>* d) {
+    calibration(f, &d->theta_);
+    f->number(&d->theta_.effects.time_zero_ns);
+    const int n = d->prior().mean.columns();
+    Release<S>& r = d->report_.release;
+    CalibrationReport<S>& report = d->report_;
+    f->choice(&r.status, 3);
+    calibration(f, &r.theta);
+    f->array(r.sigma, n);
+    f->array(r.printed_sigma, n);
+    for (int i = 0; i < n; ++i) f->choice(&r.verdict[i], 3);
+    f->number(&r.noise_scale);
+    calibration(f, &report.theta);
+    CalibrationFit<S>& fit = report.fit;
+    f->flag(&fit.converged);
+    for (std::int32_t* v : {&fit.iterations, &fit.image_points, &report.segments, &report.partitions}) f->number(v);
+    for (S* v : {&fit.start_cost, &fit.cost, &fit.chi2, &fit.dof, &report.reprojection.rms, &report.reprojection.median}) f->number(v);
+    f->count(&report.directions.n, n);
+    f->array(report.directions.s, report.directions.n);
+    f->array(report.directions.V, report.directions.n * report.directions.n);
+  }
+
+  static void segment(Fields* f, Segment<S>* s) {
+    f->number(&s->t0_ns);
+    f->array(s->origin, 3);
+    for (std::uint32_t* v : {&s->serial, &s->session, &s->frame}) f->number(v);
+    f->count(&s->n_keyframes, kMaxKeyframes);
+    f->count(&s->n_landmarks, kMaxLandmarks);
+    f->count(&s->n_observations, kMaxObservations);
+    f->number(&s->lead_us);
+    f->number(&s->stamp_shift_ns);
+    f->flag(&s->turned_only);
+    f->flag(&s->wide_depth_prior);
+    ImuStore<S>& imu = s->imu;
+    f->count(&imu.count_, SEGCAL_MAX_IMU_SAMPLES);
+    f->number(&imu.newest_us_);
+    f->number(&imu.gyro_step_);
+    f->number(&imu.accel_step_);
+    f->count(&s->information.n_theta, kMaxTheta);
+    f->number(&s->information.dof);
+    for (S* v : {&s->metrics.A, &s->metrics.D, &s->metrics.E, &s->metrics.gain}) f->number(v);
+    f->number(&s->metrics.rank);
+    f->array(s->t_us, s->n_keyframes);
+    f->array(s->warmth, s->n_keyframes);
+    f->array(s->track_id, s->n_landmarks);
+    f->records(s->states.x, s->n_keyframes, sizeof(State<S>));
+    f->records(s->states.landmark, s->n_landmarks, sizeof(Landmark<S>));
+    f->array(s->information.data, packed_size(s->information.n_theta + 1));
+    f->array(imu.anchor_us_, (imu.count_ + kStampsPerAnchor - 1) / kStampsPerAnchor);
+    f->records(s->observation, s->n_observations, sizeof(Observation));
+    f->array(s->first_observation, s->n_landmarks + 1);
+    f->array(imu.delta_us_, imu.count_);
+    f->array(&imu.value_[0][0], 6 * imu.count_);
+  }
+  /// Whether all that others use as an index is one. What the CRC lets through was written by this library, unless by intent.
+  static bool sound(const Segment<S>& s, const Calibration<S>& theta) {
+    if (s.n_keyframes < 2 || s.information.n_theta != theta.columns() || s.first_observation[0] != 0) return false;
+    if (s.first_observation[s.n_landmarks] != s.n_observations || s.imu.count_ < 2) return false;
+    for (int k = 1; k < s.n_keyframes; ++k) {
+      if (s.t_us[k] <= s.t_us[k - 1]) return false;
+    }
+    for (int j = 0; j < s.n_landmarks; ++j) {
+      if (s.first_observation[j + 1] < s.first_observation[j] || s.first_observation[j + 1] > s.n_observations) return false;
+      std::uint64_t images = 0;
+      for (int o = s.first_observation[j]; o < s.first_observation[j + 1]; ++o) {
+        const Observation& z = s.observation[o];
+        if (z.landmark != static_cast<unsigned>(j) || z.keyframe >= s.n_keyframes || z.camera >= theta.n_cameras) return false;
+        const std::uint64_t image = std::uint64_t(1) << (z.keyframe * kMaxCameras + z.camera);
+        if ((images & image) != 0) return false;
+        images |= image;
+      }
+    }
+    return true;
+  }
+
+  // What the fields above do not reach: where they come from, and where they go.
+  static bool at_rest(const Device<S>& d) { return d.finished_ && !d.pending(); }
+  static bool untouched(const Device<S>& d) {
+    return d.d_.faults.imu_samples == 0 && d.d_.faults.frames == 0 && d.session_ == 0 && d.d_.database.size() == 0;
+  }
+  static DeviceOptions<S>* options(Device<S>* d) { return &d->d_.options; }
+  static Segment<S>* slot(Device<S>* d, int i) { return &d->d_.database.slot_[i]; }
+  static void keep(Device<S>* d, int i) { d->d_.database.kept_[i] = true; }
+
+  /// Changes when anything is done that moves what a save reads.
+  static std::uint64_t revision(const Device<S>& d) {
+    return std::uint64_t(d.session_) << 40 ^ std::uint64_t(d.d_.faults.segments_closed) << 20 ^ d.d_.faults.calibrations;
+  }
+
+  static StoredNumbers<S> take_numbers(const Device<S>& d) {
+    StoredNumbers<S> n{};
+    n.faults = d.d_.faults;
+    n.left_out = d.d_.builder.counts_;
+    n.trajectory = d.trajectory_.value();
+    n.random = d.d_.database.random_;
+    n.offered = d.d_.database.offered_;
+    n.frame_period = d.frame_period_;
+    for (int i = 0; i < 3; ++i) n.builder_origin[i] = d.d_.builder.origin_[i];
+    n.session = d.session_;
+    n.serial = d.serial_;
+    n.frame = d.frame_;
+    n.building = d.d_.database.building_;
+    n.warmth = d.imu_.warmth();
+    n.knew_enough = d.knew_enough_;
+    n.own_odometry = d.own_odometry_;
+    n.calibrated = d.calibrated_;
+    n.session_open = d.has_imu_ || d.has_frame_;
+    return n;
+  }
+
+  /// Before fields are taken: the device as created, whose results have the cameras and terms of the configuration.
+  static void begin(Device<S>* d) {
+    d->create(d->d_.options);
+    d->report_ = CalibrationReport<S>{};
+    d->report_.theta = d->report_.release.theta = d->theta_;
+    for (Verdict& v : d->report_.release.verdict) v = Verdict::fixed;
+    d->report_.directions.n = 0;
+  }
+
+  /// Puts all that was taken in force, as segcal_new_session does at its end.
+  static bool install(const StoredNumbers<S>& n, Device<S>* d) {
+    Database<S>& database = d->d_.database;
+    if (database.kept_[n.building] || database.size() > database.capacity_) return false;
+    d->d_.faults = n.faults;
+    d->d_.builder.counts_ = n.left_out;
+    d->trajectory_ = Hash(n.trajectory);
+    database.random_ = n.random;
+    database.offered_ = n.offered;
+    database.building_ = n.building;
+    d->frame_period_ = n.frame_period;
+    for (int i = 0; i < 3; ++i) d->d_.builder.origin_[i] = n.builder_origin[i];
+    d->session_ = n.session;
+    d->serial_ = n.serial;
+    d->frame_ = n.frame;
+    d->imu_.set_warmth(n.warmth);
+    d->knew_enough_ = n.knew_enough;
+    d->own_odometry_ = n.own_odometry;
+    d->calibrated_ = n.calibrated;
+    const std::int64_t zero = d->theta_.effects.time_zero_ns;
+    d->d_.options.prior.mean.effects.time_zero_ns = d->report_.theta.effects.time_zero_ns = zero;
+    d->report_.release.theta.effects.time_zero_ns = zero;
+    d->d_.calibrator.theta_ = d->report_.theta;   // what residuals are asked at
+    d->stamp_shift_ns_ = Device<S>::stamp_shift(d->theta_);
+    d->d_.monitor.reset(d->prior(), d->theta_);
+    if (n.session_open) {
+      d->begin_session();
+    } else {
+      if (!n.own_odometry) --d->frame_;   // counted already when the session began
+      d->restart_filter();
+    }
+    return true;
+  }
+
+ private:
+  static void cameras(Fields* f, Calibration<S>* mean) {
+    f->name("n_cameras");
+    f->number(&mean->n_cameras);
+    f->name("camera");
+    for (int c = 0; c < mean->n_cameras; ++c) {
+      f->choice(&mean->camera[c].model, 3);
+      f->number(&mean->camera[c].middle_row);
+    }
+    f->name("term");
+    f->number(&mean->effects.n);
+    f->records(mean->effects.term, mean->effects.count(), sizeof(Term));
+    f->name("starting calibration");
+    calibration(f, mean);
+  }
+  static void model(Fields* f, MeasurementModel<S>* m) {
+    f->name("noise of the IMU");
+    for (S* v : {&m->imu.gyro, &m->imu.gyro_walk, &m->imu.accel, &m->imu.accel_walk}) f->number(v);
+    f->name("pixel_sigma");
+    f->number(&m->pixel_sigma);
+    f->name("track_walk");
+    f->number(&m->track_walk);
+    f->name("gravity");
+    f->matrix(&m->g);
+    f->name("measurement model");
+    for (S* v : {&m->bias_a_sigma, &m->bias_g_sigma, &m->velocity_sigma, &m->inverse_depth_sigma, &m->turned_inverse_depth_sigma,
+                 &m->huber}) {
+      f->number(v);
+    }
+  }
+  static void policy(Fields* f, DeviceOptions<S>* o) {
+    f->name("frame_interval_s");
+    f->number(&o->frame_interval_s);
+    f->name("segment_s");
+    for (S* v : {&o->segment_s, &o->least_segment_s, &o->most_segment_s}) f->number(v);
+    f->name("filter_share");
+    f->number(&o->filter_share);
+    f->name("keep_segments");
+    f->number(&o->keep_segments);
+    f->name("metric");
+    f->choice(&o->metric, 5);
+    f->name("strategy");
+    f->choice(&o->strategy, 2);
+    f->name("least_gain_nats");
+    f->number(&o->least_gain);
+    f->name("seed");
+    f->number(&o->seed);
+    f->name("outdated_level");
+    f->number(&o->outdated_level);
+    f->name("has_temperature");
+    f->flag(&o->has_temperature);
+  }
+};
+
+}  // namespace SEGCAL_NS
