@@ -24,6 +24,8 @@ const std::vector<Experiment>& experiments() {
        hidden_gather},
       {"hidden_real", "hidden effects put into the tracked recording REC (euroc_mh01)", false, hidden_real_cells,
        hidden_real_run, hidden_real_gather},
+      {"measured", "rendered images and the real tracker, real IMUs along real paths, euroc_mh01: is any answer wrong?", false,
+       measured_cells, measured_run, measured_gather},
   };
   return all;
 }

@@ -45,4 +45,8 @@ std::vector<Cell> hidden_real_cells(const StudyOptions& options);
 Json hidden_real_run(const Json& parameters);
 Findings hidden_real_gather(const std::vector<CellResult>& cells);
 
+std::vector<Cell> measured_cells(const StudyOptions& options);
+Json measured_run(const Json& parameters);
+Findings measured_gather(const std::vector<CellResult>& cells);
+
 }  // namespace host::experiments
