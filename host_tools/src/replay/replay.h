@@ -56,7 +56,7 @@ struct Suspect {
 struct Health {
   std::uint32_t frames = 0, frames_used = 0, filter_restarts = 0;
   std::uint32_t frames_offered = 0;  ///< at the odometry's rate: a camera of 30 Hz offers every third image
-  double segment_scatter = 1;        ///< variance of what the segments say, over the model's; 1: not more than noise
+  double segment_scatter = 1;        ///< variance of what the segments say, over what stated noise leaves; 1: as stated
   double step_chi2 = 0;              ///< of the step from the start by the prior's sigmas
   int step_dof = 0;
   std::vector<Suspect> suspects;     ///< faults, then effects, the largest statistic first

@@ -75,8 +75,9 @@ class Review {
 
   void widen_sigmas() {
     const diagnosis::Problem problem = linearised(core_, out_, {});
-    const SegmentScatter scatter = scatter_of_segments(problem, printed_by_columns(out_.result.parameters), out_.result.chi2 / out_.result.dof);
-    health_.segment_scatter = scatter.pooled;
+    const double dispersion = out_.result.noise_scale * out_.result.noise_scale;
+    const SegmentScatter scatter = scatter_of_segments(problem, printed_by_columns(out_.result.parameters), dispersion);
+    health_.segment_scatter = scatter.pooled * dispersion;
     for (std::size_t i = 0; i < out_.result.parameters.size(); ++i) {
       CoreParameter& p = out_.result.parameters[i];
       if (p.verdict == "fixed") continue;

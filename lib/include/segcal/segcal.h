@@ -244,7 +244,8 @@ typedef struct {
   int32_t n_directions;            /* directions that the kept segments do not excite */
   int32_t iterations, converged, segments, partitions, image_points;
   double chi2, dof;
-  double noise_scale;              /* sigmas are multiplied by this: sqrt(chi2/dof), at least 1 */
+  double noise_scale;              /* sigmas are multiplied by this: square root of the largest of
+                                      1, chi2/dof, and how far segments disagree about the calibration */
   double reprojection_rms_px, reprojection_median_px;
 } segcal_result_t;
 

@@ -4,6 +4,7 @@
 
 #include "api/parts.h"
 #include "api/report.h"
+#include "calibration/scatter.h"
 
 namespace SEGCAL_NS {
 
@@ -50,7 +51,9 @@ class CalibrateJob {
   enum class Stage : std::int32_t { idle, working, done };
   bool calibrate_step(DeviceParts<S>* d);
   bool fit_step(DeviceParts<S>* d);
+  bool score_alone_step(DeviceParts<S>* d);
   bool drop_outdated_step(DeviceParts<S>* d);
+  bool measure_scatter_step(DeviceParts<S>* d);
   bool drop_misfits_step(DeviceParts<S>* d);
   bool measure_residuals_step(DeviceParts<S>* d);
   void add_residuals(DeviceParts<S>* d, const Segment<S>& s);
@@ -63,6 +66,7 @@ class CalibrateJob {
   std::int32_t n_ = 0, i_ = 0, round_ = 0;
   bool dropped_ = false, dropped_any_ = false;
   Agreement<S> agreement_;
+  SegmentScatter<S> scatter_;
   ReprojectionFigures<S> reprojection_;
   double squares_ = 0;
   std::int32_t points_ = 0, left_out_ = 0;
@@ -73,6 +77,7 @@ bool CalibrateJob<S>::calibrate_step(DeviceParts<S>* d) {
   SEGCAL_SLICES(place_) {
     for (round_ = 0;; ++round_) {
       SEGCAL_AWAIT(place_, fit_step(d));
+      SEGCAL_AWAIT(place_, score_alone_step(d));
       if (round_ == kOutdatedRounds) break;
       // Without the outdated ones theta is another, and there may be more that do not agree with that.
       SEGCAL_AWAIT(place_, drop_outdated_step(d));
@@ -80,11 +85,12 @@ bool CalibrateJob<S>::calibrate_step(DeviceParts<S>* d) {
       n_ = d->database.in_order(segment_);
     }
     SEGCAL_PAUSE(place_);
+    SEGCAL_AWAIT(place_, measure_scatter_step(d));
     SEGCAL_AWAIT(place_, measure_residuals_step(d));
     begin_analysis_with_prior(d->calibrator.theta_triangle(), d->prior().sigma, d->work.new_analysis());
     SEGCAL_AWAIT(place_, analyse_with_prior_step(theta_.columns(), d->work.analysis_under_way()));
     SEGCAL_PAUSE(place_);
-    judge(&d->calibrator, d->prior(), ReleaseRules<S>{}, d->work.release());
+    judge(&d->calibrator, d->prior(), ReleaseRules<S>{}, scatter_.variance(), d->work.release());
     if (d->work.release()->status == Status::failed) SEGCAL_AWAIT(place_, drop_misfits_step(d));
   }
   SEGCAL_SLICES_END(place_);
@@ -110,19 +116,26 @@ bool CalibrateJob<S>::fit_step(DeviceParts<S>* d) {
   SEGCAL_SLICES_END(inner_);
 }
 
-/// Drops segments that newer ones contradict (calibration/agreement.h); dropped_ says whether there were any. All are scored
-/// again at the calibrated theta, each alone: what a segment says must not come from its neighbours.
+/// All segments' information at the calibrated theta, each alone: what a segment says must not come from its neighbours.
+template <class S>
+bool CalibrateJob<S>::score_alone_step(DeviceParts<S>* d) {
+  SegmentEliminator<S>& eliminator = d->work.eliminator();
+  SEGCAL_SLICES(inner_) {
+    for (i_ = 0; d->calibrator.fit().converged && i_ < n_; ++i_) {
+      SEGCAL_AWAIT(inner_, eliminator.eliminate_step(*segment_[i_], GuestLink<S>{}, d->calibrator.theta(), d->options.model, S(0)));
+      eliminator.extract(&segment_[i_]->information);
+      SEGCAL_PAUSE(inner_);
+    }
+  }
+  SEGCAL_SLICES_END(inner_);
+}
+
+/// Drops segments that newer ones contradict (calibration/agreement.h); dropped_ says whether there were any.
 template <class S>
 bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
-  SegmentEliminator<S>& eliminator = d->work.eliminator();
   SEGCAL_SLICES(inner_) {
     dropped_ = false;
     if (n_ >= 3 && d->calibrator.fit().converged && d->options.outdated_level > S(0)) {
-      for (i_ = 0; i_ < n_; ++i_) {
-        SEGCAL_AWAIT(inner_, eliminator.eliminate_step(*segment_[i_], GuestLink<S>{}, d->calibrator.theta(), d->options.model, S(0)));
-        eliminator.extract(&segment_[i_]->information);
-        SEGCAL_PAUSE(inner_);
-      }
       begin_agreement(d);
       for (i_ = n_ - 1; i_ >= 0; --i_) {
         SEGCAL_AWAIT(inner_, agreement_.take_step(segment_[i_]->information));
@@ -131,6 +144,18 @@ bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
         ++d->faults.segments_outdated;
         dropped_ = dropped_any_ = true;
       }
+    }
+  }
+  SEGCAL_SLICES_END(inner_);
+}
+
+/// Do the segments that took part agree as far as noise lets them (calibration/scatter.h)? One alone cannot say.
+template <class S>
+bool CalibrateJob<S>::measure_scatter_step(DeviceParts<S>* d) {
+  SEGCAL_SLICES(inner_) {
+    scatter_ = SegmentScatter<S>(d->calibrator.theta_triangle(), theta_.columns(), d->work.scatter_scratch());
+    for (i_ = 0; d->calibrator.fit().converged && n_ >= 2 && i_ < n_; ++i_) {
+      SEGCAL_AWAIT(inner_, scatter_.take_step(segment_[i_]->information));
     }
   }
   SEGCAL_SLICES_END(inner_);

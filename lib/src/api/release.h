@@ -194,14 +194,16 @@ int judge_parameters(const PackedTriangle<S>& R, const Calibration<S>& theta, co
   return observed;
 }
 
-/// Verdicts, sigmas and status from the finished fit.
+/// Verdicts, sigmas and status from the finished fit. `scatter`: variance of what segments say, in units of stated noise; 0 if
+/// not known. Sigmas are for the largest of that, of what residuals show, and of the stated noise.
 template <class S>
-void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseRules<S>& rules, Release<S>* out) {
+void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseRules<S>& rules, S scatter, Release<S>* out) {
   PackedTriangle<S> R = calibrator->theta_triangle();
   const CalibrationFit<S>& fit = calibrator->fit();
   const int n = calibrator->theta().columns();
   const S ratio = fit.dof > S(0) ? fit.chi2 / fit.dof : S(0);
-  out->noise_scale = ratio > S(1) ? square_root(ratio) : S(1);
+  const S variance = scatter > ratio ? scatter : ratio;
+  out->noise_scale = variance > S(1) ? square_root(variance) : S(1);
   const int observed = judge_parameters(R, calibrator->theta(), prior, rules, out);
   const bool plausible = ratio > rules.least_chi2_per_dof && ratio < rules.most_chi2_per_dof;
   const bool fell = fit.cost <= fit.start_cost * S(1.0001) && is_finite(fit.cost);  // a fit that begins at its minimum may round up

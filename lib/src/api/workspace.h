@@ -3,7 +3,7 @@
 //   block     one landmark's rows or the chain's, while a segment is eliminated
 //             | after it: W and the directions of the analysis under way, and what a calibration releases, until it takes effect
 //   triangle  of the reduced system, while a segment is eliminated and until its rows are taken
-//             | after it: sums of information, or the comparison of segments
+//             | after it: sums of information, the comparison of segments or their scatter
 //
 // Two jobs cannot hold it together: a device works on one job at a time (Device::step), and a calibration that is done holds it
 // until it takes effect, while the database is closed and nothing is scored. Builds with SEGCAL_ASSERT check that.
@@ -14,6 +14,7 @@
 #include "api/release.h"
 #include "api/trigger.h"
 #include "calibration/agreement.h"
+#include "calibration/scatter.h"
 #include "information/joint_information.h"
 #include "information/metrics.h"
 #include "segments/elimination.h"
@@ -73,6 +74,11 @@ class Workspace {
   /// For the comparison of segments.
   S* agreement_scratch() {
     static_assert(Agreement<S>::kScratch <= ReducedSystem<S>::kScratch, "the triangle is too small to compare segments");
+    return eliminator_.reduced().scratch();
+  }
+  /// For their scatter.
+  S* scatter_scratch() {
+    static_assert(SegmentScatter<S>::kScratch <= ReducedSystem<S>::kScratch, "the triangle is too small for the scatter of segments");
     return eliminator_.reduced().scratch();
   }
   LengthHistogram* histogram() {
