@@ -6,6 +6,7 @@ set(SEGCAL_CORE_SOURCES
   src/api/device.cpp
   src/api/effects.cpp
   src/api/kept.cpp
+  src/api/health.cpp
   src/api/posterior.cpp
   src/api/results.cpp
   src/api/segcal.cpp

@@ -163,6 +163,8 @@ class Core {
   virtual CoreRows linearise(const std::vector<std::uint32_t>& serials, const std::vector<CoreTerm>& candidates) = 0;
   /// Serial numbers of what the last calibration dropped as outdated.
   virtual std::vector<std::uint32_t> outdated() const = 0;
+  /// What keeps the odometry from running, in words; empty where it runs or only begins (segcal_get_health).
+  virtual std::string trouble() const = 0;
   /// Data faults and other counters, by name.
   virtual std::vector<std::pair<std::string, std::uint32_t>> counters() const = 0;
   virtual CoreMemory memory() const = 0;

@@ -152,6 +152,8 @@ class Review {
       const auto observed = std::count_if(r.parameters.begin(), r.parameters.end(), [](const CoreParameter& p) { return p.verdict == "observed"; });
       what = text("the motion tells %d of %zu parameters, half are needed: move and turn about all axes", static_cast<int>(observed), r.parameters.size());
     }
+    const std::string trouble = core_.trouble();
+    if (!trouble.empty() && !odometry_stayed()) return clock.empty() ? what + ": " + trouble : what + ": " + clock;
     if (faults_ > 0) return what + ": " + health_.suspects.front().words;
     if (!clock.empty()) return what + ": " + clock;
     if (!health_.suspects.empty()) return what + ": " + health_.suspects.front().words;

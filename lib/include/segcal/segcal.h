@@ -276,6 +276,22 @@ typedef struct {
   uint32_t calibrations_published; /* taken effect: segcal_get_result shows the last of them */
 } segcal_counters_t;
 
+/* Causes, the first that applies. */
+enum {
+  SEGCAL_HEALTH_RUNNING = 0,
+  SEGCAL_HEALTH_NO_IMU = 1,
+  SEGCAL_HEALTH_IMU_REFUSED = 2,      /* more samples were refused than taken */
+  SEGCAL_HEALTH_NO_FRAMES = 3,
+  SEGCAL_HEALTH_CLOCKS_APART = 4,     /* most frames' stamps are more than 2 s from the IMU's */
+  SEGCAL_HEALTH_FRAMES_REFUSED = 5,   /* most frames' stamps do not grow */
+  SEGCAL_HEALTH_FEW_TRACKS = 6,       /* most frames have too few points that go on */
+  SEGCAL_HEALTH_STARTING = 7,         /* nothing is wrong yet: the filter collects frames */
+  SEGCAL_HEALTH_FRAMES_TOO_FAR = 8,   /* too far apart for the IMU samples that the profile keeps: no start was tried */
+  SEGCAL_HEALTH_NO_START = 9,         /* several starts were tried and none fits the motion */
+  SEGCAL_HEALTH_LOST_OFTEN = 10,      /* the filter starts, and is lost again within ten seconds on average */
+  SEGCAL_HEALTH_SATURATED = 11        /* runs, but more than one IMU sample in a hundred is at full scale */
+};
+
 /* A whitened residual of the last calibration. */
 typedef struct {
   int64_t t_ns;
@@ -398,6 +414,9 @@ int segcal_get_segment_directions(const segcal_t *device, segcal_direction_t *ou
    their number. What sigma_ref is measured from. */
 int segcal_get_segment_sigmas(const segcal_t *device, double *sigma, int32_t capacity);
 int segcal_get_counters(const segcal_t *device, segcal_counters_t *counters);
+/* What keeps the odometry from running, by what has been counted: SEGCAL_HEALTH_* (segcal/health.h has a sentence for each), or an
+   error code. Work of a few dozen instructions: may be asked after every image. */
+int segcal_get_health(const segcal_t *device);
 /* Residuals of kept slot `index` after calibration; fill up to `capacity`, return their number. */
 int segcal_get_point_residuals(const segcal_t *device, int32_t index, segcal_point_residual_t *out, int32_t capacity);
 int segcal_get_imu_residuals(const segcal_t *device, int32_t index, segcal_imu_residual_t *out, int32_t capacity);

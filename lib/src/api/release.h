@@ -14,11 +14,13 @@ enum class Verdict : std::int32_t { fixed = 0, weak = 1, observed = 2 };
 enum class Status : std::int32_t { insufficient = 0, calibrated = 1, failed = 2 };
 
 /// Thresholds on sigma / prior sigma, and on chi2/dof. Below half the prior's sigma three quarters of what is known come
-/// from the data: the same line that decides which directions count as excited (information/metrics.h).
+/// from the data: the same line that decides which directions count as excited (information/metrics.h). Residuals below the stated
+/// noise do no harm, since sigmas never count on less than what is stated: a good tracker has 0.1 px where 0.5 px are stated. A
+/// fiftieth of it is no noise of a sensor any more: repeated images, or units that are wrong.
 template <class S>
 struct ReleaseRules {
   S observed = S(0.3), weak = S(0.5);
-  S least_chi2_per_dof = S(0.2), most_chi2_per_dof = S(6);
+  S least_chi2_per_dof = S(0.02), most_chi2_per_dof = S(6);
 };
 
 template <class S>

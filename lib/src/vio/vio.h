@@ -201,6 +201,7 @@ VioStatus Vio<S>::try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu) {
   }
   if (window_.n_poses < kStartFrames) return VioStatus::initialising;
   motion_.begin(window_, imu);
+  ++statistics_.starts_tried;
   starting_ = true;
   start_due_ = t_ns + std::int64_t(SEGCAL_START_DELAY_MS) * 1000000;
   if (start_due_ > t_ns && motion_.keeps_samples(imu, samples_until_next_frame(imu, window_))) return VioStatus::initialising;

@@ -3,6 +3,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include <segcal/health.h>
+
 #include "replay/profile/config_of_profile.h"
 #include "replay/profile/read_device.h"
 
@@ -144,6 +146,10 @@ class ProfileCore final : public Core {
     return out;
   }
 
+  std::string trouble() const override {
+    const int health = segcal_get_health(device_);
+    return health <= SEGCAL_HEALTH_RUNNING || health == SEGCAL_HEALTH_STARTING ? "" : segcal_health_words(health);
+  }
   std::vector<std::pair<std::string, std::uint32_t>> counters() const override {
     segcal_counters_t c;
     segcal_get_counters(device_, &c);

@@ -1,0 +1,41 @@
+/* A sentence for each SEGCAL_HEALTH_* of segcal_get_health(): what is wrong and what to do. Inline, so that firmware that does not
+   print it does not carry it. */
+#ifndef SEGCAL_HEALTH_H
+#define SEGCAL_HEALTH_H
+
+#include "segcal/segcal.h"
+
+static inline const char *segcal_health_words(int health) {
+  switch (health) {
+    case SEGCAL_HEALTH_RUNNING:
+      return "the odometry runs";
+    case SEGCAL_HEALTH_NO_IMU:
+      return "no IMU sample has come";
+    case SEGCAL_HEALTH_IMU_REFUSED:
+      return "most IMU samples are refused: check that stamps are in ns and grow, and that values are finite";
+    case SEGCAL_HEALTH_NO_FRAMES:
+      return "no frame has come";
+    case SEGCAL_HEALTH_CLOCKS_APART:
+      return "most frames are stamped more than 2 s away from the IMU samples: give both the same clock";
+    case SEGCAL_HEALTH_FRAMES_REFUSED:
+      return "most frames are refused because their stamps do not grow";
+    case SEGCAL_HEALTH_FEW_TRACKS:
+      return "most frames have too few points that were seen before: check the tracker, its ids and the light";
+    case SEGCAL_HEALTH_STARTING:
+      return "the odometry collects frames for its start";
+    case SEGCAL_HEALTH_FRAMES_TOO_FAR:
+      return "frames are too far apart for the IMU samples that this build keeps: more frames per second, fewer IMU samples per second, "
+             "or a larger SEGCAL_IMU_HISTORY";
+    case SEGCAL_HEALTH_NO_START:
+      return "the odometry finds no motion that fits images and IMU: check the clocks' offset, R_CI, the axes and units of the IMU, and "
+             "the focal length";
+    case SEGCAL_HEALTH_LOST_OFTEN:
+      return "the odometry is lost within seconds of each start: check the clocks' offset, R_CI and the lens";
+    case SEGCAL_HEALTH_SATURATED:
+      return "more than one IMU sample in a hundred is at full scale: choose a larger range";
+    default:
+      return "unknown";
+  }
+}
+
+#endif
