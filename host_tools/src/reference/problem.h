@@ -50,6 +50,7 @@ struct Problem {
   CoreModel model;
   Calibration prior_mean;
   std::vector<double> prior_sigma; ///< per parameter, in the order of parameter_names()
+  double scatter = 1;              ///< variance for the sigmas, from how far segments disagree: told, not found here
   Calibration theta;               ///< the estimate
   std::vector<State> states;
   std::vector<std::vector<ImuSample>> samples;

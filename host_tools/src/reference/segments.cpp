@@ -80,6 +80,7 @@ Problem problem_of(const KeptSegments& kept) {
   Problem problem = Builder(kept).problem;
   problem.prior_mean = kept.start;
   problem.prior_sigma = kept.prior_sigma;
+  problem.scatter = kept.scatter;
   problem.theta = kept.start;
   return problem;
 }

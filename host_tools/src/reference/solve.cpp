@@ -211,10 +211,10 @@ std::vector<double> reprojection_lengths(const Problem& problem) {
 }
 
 CoreResult judged(Problem* problem, const Fit& fit, const SolveOptions& options) {
-  static constexpr double kObserved = 0.3, kWeak = 0.8, kLeastRatio = 0.2, kMostRatio = 6;
+  static constexpr double kObserved = 0.3, kWeak = 0.5, kLeastRatio = 0.02, kMostRatio = 6;  // as in lib/src/api/release.h
   CoreResult out;
   const double ratio = fit.dof > 0 ? fit.chi2 / fit.dof : 0;
-  out.noise_scale = std::sqrt(std::max(1.0, ratio));
+  out.noise_scale = std::sqrt(std::max({1.0, ratio, problem->scatter}));
   const Eigen::VectorXd prior = Eigen::Map<const Eigen::VectorXd>(problem->prior_sigma.data(), static_cast<Eigen::Index>(problem->prior_sigma.size()));
   const Eigen::VectorXd sigma = (out.noise_scale * fit.covariance.diagonal().cwiseSqrt()).cwiseMin(prior);
   const Eigen::VectorXd printed = out.noise_scale * printed_sigmas(problem->theta, fit.covariance);

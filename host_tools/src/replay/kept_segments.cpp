@@ -164,6 +164,7 @@ KeptSegments read(const Json& json) {
   out.noise.accel_random_walk = out.model.accel_random_walk;
   if (out.prior_sigma.size() != parameter_names(out.start).size()) throw InputError("prior.sigma: expected one per parameter");
   out.effects = json.value("effects", std::vector<std::string>());
+  out.scatter = json.value("segment_scatter", 1.0);
   for (const Json& s : json.at("segments")) out.segments.push_back(read_segment(s, out.start.cameras.size()));
   if (!out.segments.empty() && out.segments.front().join != "none") throw InputError("the first segment hangs on none");
   return out;
@@ -176,6 +177,9 @@ KeptSegments kept_segments(const ReplayResult& result) {
   out.model = result.model;
   out.start = result.start;
   out.noise = result.noise;
+  const CoreResult& r = result.result;
+  const double noise = r.noise_scale * r.noise_scale;
+  if (r.dof > 0 && noise > 1.0001 * std::max(1.0, r.chi2 / r.dof)) out.scatter = noise;  // the core's floats round
   for (const CoreParameter& p : result.result.parameters) out.prior_sigma.push_back(p.prior_sigma);
   const std::size_t n_theta = std::min(out.prior_sigma.size(), parameter_names(result.start).size());
   for (std::size_t i = n_theta; i < result.result.parameters.size(); ++i) out.effects.push_back(result.result.parameters[i].name);
@@ -194,6 +198,7 @@ std::string kept_segments_json(const KeptSegments& kept) {
   json["imu_rate_hz"] = kept.noise.rate_hz;
   json["prior"] = {{"mean", calibration_json(kept.start)}, {"names", parameter_names(kept.start)}, {"sigma", kept.prior_sigma}};
   json["effects"] = kept.effects;
+  json["segment_scatter"] = kept.scatter;
   json["segments"] = Json::array();
   for (const CoreKept& k : kept.segments) json["segments"].push_back(segment_json(k));
   return json.dump() + "\n";

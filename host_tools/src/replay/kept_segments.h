@@ -15,6 +15,7 @@ struct KeptSegments {
   Calibration start;                  ///< mean of the prior
   std::vector<double> prior_sigma;    ///< per parameter, in the order of parameter_names()
   ImuNoise noise;
+  double scatter = 1;                 ///< variance that the segments' disagreement put into the sigmas; 1: no more than their residuals did
   std::vector<std::string> effects;   ///< parameters of effects that the calibration estimated as well; none is in `start`
   std::vector<CoreKept> segments;     ///< in the order of the calibration
 };
