@@ -125,8 +125,8 @@ LinkResidual::LinkResidual(const Problem& problem, const Link& link)
   weigh(problem.model, inputs);
 }
 
-/// Of the integral and the biases, by the same Runge-Kutta method, beside the integral itself.
-LinkResidual::Matrix15 LinkResidual::covariance(const CoreModel& model, const double* inputs) const {
+/// The covariance of the integral and the biases by the same Runge-Kutta method, beside the integral itself.
+void LinkResidual::weigh(const CoreModel& model, const double* inputs) {
   const Sensor<double> sensor(inputs, R_AI0_);
   const ErrorModel errors(model, inputs, R_AI0_);
   Integral<double> x;
@@ -144,32 +144,8 @@ LinkResidual::Matrix15 LinkResidual::covariance(const CoreModel& model, const do
     const Matrix15 k3 = errors.slope(P + 0.5 * h * k2, R1, w(1), f(1)), k4 = errors.slope(P + h * k3, R2, w(2), f(2));
     P += (h / 6) * (k1 + 2 * (k2 + k3) + k4);
   }
-  return P;
-}
-
-/// With P = L L', dL = L Phi(L^-1 dP L^-T), Phi the lower triangle with half of the diagonal; so dL^-1 = -Phi L^-1.
-void LinkResidual::weigh(const CoreModel& model, const double* inputs) {
-  const Eigen::LLT<Matrix15> llt(covariance(model, inputs));
+  const Eigen::LLT<Matrix15> llt(P);
   weight_ = llt.matrixL().solve(Matrix15::Identity());
-  for (int k = 0; k < 3; ++k) {
-    constexpr double step = 1e-4;  // P falls with 1/s^2: central differences are right to step^2
-    double up[kIntegralInputs], down[kIntegralInputs];
-    std::copy_n(inputs, kIntegralInputs, up);
-    std::copy_n(inputs, kIntegralInputs, down);
-    scale0_[k] = inputs[12 + k];
-    up[12 + k] += step;
-    down[12 + k] -= step;
-    Matrix15 phi = weight_ * ((covariance(model, up) - covariance(model, down)) / (2 * step)) * weight_.transpose();
-    phi.diagonal() *= 0.5;
-    weight_by_scale_[k] = phi.triangularView<Eigen::Lower>();
-  }
-}
-
-/// First order in the scales: they move by some 1e-3 in a round, after which the weights are taken anew.
-LinkResidual::Matrix15 LinkResidual::weight_at(const double* accel_scale) const {
-  Matrix15 change = Matrix15::Identity();
-  for (int k = 0; k < 3; ++k) change -= (accel_scale[k] - scale0_[k]) * weight_by_scale_[k];
-  return change * weight_;
 }
 
 template <class T>
@@ -198,7 +174,7 @@ bool LinkResidual::Evaluate(double const* const* parameters, double* residuals, 
     for (const Step& step : steps_) integrate(step, sensor, &x);
     Vector15 r;
     residual(x, parameters[0], parameters[1], parameters[2], parameters[3], r.data());
-    Eigen::Map<Vector15>{residuals} = weight_at(inputs + 12) * r;
+    Eigen::Map<Vector15>{residuals} = weight_ * r;
     return true;
   }
   // The integral by its 21 inputs first; these are then put where the link's 45 unknowns have them.
@@ -232,10 +208,8 @@ bool LinkResidual::Evaluate(double const* const* parameters, double* residuals, 
     value(i) = r[i].a;
     J.row(i) = r[i].v.transpose();
   }
-  const Matrix15 weight = weight_at(inputs + 12);
-  Eigen::Map<Vector15>{residuals} = weight * value;
-  Eigen::Matrix<double, kLinkRows, kAll> whitened = weight * J;
-  for (int k = 0; k < 3; ++k) whitened.col(36 + k) -= weight_by_scale_[k] * (weight_ * value);
+  Eigen::Map<Vector15>{residuals} = weight_ * value;
+  const Eigen::Matrix<double, kLinkRows, kAll> whitened = weight_ * J;
   const auto put = [&](int block, int at, auto width) {
     constexpr int n = decltype(width)::value;
     if (!jacobians[block]) return;

@@ -84,8 +84,7 @@ void integrate(const Step& step, const Sensor<T>& sensor, Integral<T>* x) {
   x->q.normalize();
 }
 
-/// One IMU link: [rotation | velocity | position | b_a | b_g], whitened. The weights are fixed but for the accelerometer's scales,
-/// which the noise of f = (m - n) / s has in it: without them the scales would take in noise (lib/src/sensors/imu_link.h).
+/// One IMU link, with fixed weights: [rotation | velocity | position | b_a | b_g], whitened.
 class LinkResidual final : public ceres::SizedCostFunction<kLinkRows, kPoseSize, kMotionSize, kPoseSize, kMotionSize, kImuSize> {
  public:
   /// The weights are those at `from` and at the IMU's calibration.
@@ -95,18 +94,13 @@ class LinkResidual final : public ceres::SizedCostFunction<kLinkRows, kPoseSize,
  private:
   template <class T>
   void residual(const Integral<T>& integral, const T* pose0, const T* motion0, const T* pose1, const T* motion1, T* out) const;
-  using Matrix15 = Eigen::Matrix<double, kLinkRows, kLinkRows>;
-  Matrix15 covariance(const CoreModel& model, const double* inputs) const;
   void weigh(const CoreModel& model, const double* inputs);
-  Matrix15 weight_at(const double* accel_scale) const;
 
   const State &from_, &to_;
   const Eigen::Matrix3d& R_AI0_;
   double dt_, gravity_;
   std::vector<Step> steps_;
-  Matrix15 weight_;              ///< whitened = weight residual
-  double scale0_[3];             ///< accelerometer's, where the weights were taken
-  Matrix15 weight_by_scale_[3];  ///< relative: weight changes by -weight_by_scale weight
+  Eigen::Matrix<double, kLinkRows, kLinkRows> weight_;  ///< whitened = weight residual
 };
 
 /// The IMU's block of a calibration, its turn zero.

@@ -31,13 +31,6 @@ Mat3<S> inverse_scale_misalignment(const Vec3<S>& s, const Vec3<S>& m) {
 constexpr int kInputBg = 0, kInputGyroScale = 3, kInputGyroMisalignment = 6, kGyroInputs = 9;
 constexpr int kInputBa = 9, kInputAccelScale = 12, kInputAccelMisalignment = 15, kInputRai = 18, kInputs = 21;
 
-/// Minus half the derivative by an accelerometer axis' scale of the covariance of (velocity, position): what the axis' white noise
-/// adds to it, over the scale. Symmetric blocks: xx, xy, xz, yy, yz, zz.
-template <class S>
-struct ScaleNoise {
-  S vv[6], vp[6], pp[6];
-};
-
 /// The integral over a link and all that is needed to linearise it.
 template <class S>
 struct ImuIntegral {
@@ -48,7 +41,6 @@ struct ImuIntegral {
   Mat<S, 3, kInputs> J_v, J_p;
   Mat<S, 9, 9> P;             ///< covariance of (rotation, velocity, position)
   Mat<S, 9, 6> P_b;           ///< covariance of (truth minus integral) with the bias walk (b_a, b_g) over the link
-  ScaleNoise<S> accel_scale[3];
 };
 
 /// Columns of d w_I or d f_A by (bias, scale, misalignment): -M [I | diag(x) | mixed(x)], x the corrected reading.
@@ -126,7 +118,6 @@ class ImuIntegrator {
                const Mat<S, 3, kGyroInputs>& J_phi);
   void propagate_noise(const Mat3<S>& Et, const Mat3<S>& Jr, const Mat3<S>& V0, const Mat3<S>& V1, const Mat3<S>& RB, S dt);
   void add_walk(const Mat3<S>& Jr, const Mat3<S>& RB, S dt);
-  void add_scale_noise(const Mat3<S>& RB, S dt);
   Block3<S> P(int i, int j) { return {I_.P.data() + 27 * j + 3 * i, 1, 9}; }
   Block3<S> P_b(int i, int j) { return {I_.P_b.data() + 27 * j + 3 * i, 1, 9}; }
   const ImuIntegral<S>& complete();
@@ -173,7 +164,6 @@ void ImuIntegrator<S>::begin(const ImuCalibration<S>& imu, const Vec3<S>& b_a, c
   I_.J_p.setZero();
   I_.P.setZero();
   I_.P_b.setZero();
-  for (ScaleNoise<S>& axis : I_.accel_scale) axis = ScaleNoise<S>{};
 }
 
 template <class S>
@@ -302,9 +292,7 @@ void ImuIntegrator<S>::step(const InertialReading<S>& reading, S dt) {
     frames.w1 = next.w_I;
     step_columns(frames, dt);
   }
-  const Mat3<S> RB = dR0 * B_;
-  propagate_noise(Et, Jr, dR0 * skew(first.f_I), I_.dR * skew(next.f_I), RB, dt);
-  add_scale_noise(RB, dt);
+  propagate_noise(Et, Jr, dR0 * skew(first.f_I), I_.dR * skew(next.f_I), dR0 * B_, dt);
   I_.dt += dt;
 }
 
@@ -379,25 +367,6 @@ void ImuIntegrator<S>::add_walk(const Mat3<S>& Jr, const Mat3<S>& RB, S dt) {
   P_b(0, 1).add_scaled(vg, G_R);
   P_b(1, 0).add_scaled(va, G_v);
   P_b(2, 0).add_scaled(va * half, G_v);
-}
-
-/// White noise of axis k moves the velocity along u, column k of R B, as add_walk() has it for all axes together. Misalignments,
-/// some 1e-2, are left out of the derivative.
-template <class S>
-void ImuIntegrator<S>::add_scale_noise(const Mat3<S>& RB, S dt) {
-  const S half = dt / S(2), third = dt * dt / S(3);
-  for (int k = 0; k < 3; ++k) {
-    ScaleNoise<S>& axis = I_.accel_scale[k];
-    const S q = noise_.accel * noise_.accel * dt * T_a_inv_(k, k);
-    for (int i = 0, n = 0; i < 3; ++i) {
-      for (int j = i; j < 3; ++j, ++n) {
-        const S uu = q * RB(i, k) * RB(j, k);
-        axis.pp[n] += S(2) * dt * axis.vp[n] + dt * dt * axis.vv[n] + third * uu;
-        axis.vp[n] += dt * axis.vv[n] + half * uu;
-        axis.vv[n] += uu;
-      }
-    }
-  }
 }
 
 /// The blocks below the diagonal, once for the link.

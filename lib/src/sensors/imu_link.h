@@ -122,23 +122,16 @@ bool link_whitening(const ImuIntegral<S>& I, const ImuNoise<S>& noise, LinkWhite
   return cholesky_in_place<S, 15>(&Q);
 }
 
-/// x <- L^-1 (scale x).
-template <class S>
-void whiten(const LinkWhitening<S>& w, Vec<S, 15>* x) {
-  for (int i = 0; i < 15; ++i) {
-    S sum = (*x)(i) * w.scale(i);
-    for (int k = 0; k < i; ++k) sum -= w.L(i, k) * (*x)(k);
-    (*x)(i) = sum / w.L(i, i);
-  }
-}
-
 /// Whitens the residual alone.
 template <class S>
 bool whiten_residual(const ImuIntegral<S>& I, const ImuNoise<S>& noise, const Vec<S, 15>& r, Vec<S, 15>* out) {
   LinkWhitening<S> w;
   if (!link_whitening(I, noise, &w)) return false;
-  *out = r;
-  whiten(w, out);
+  for (int i = 0; i < 15; ++i) {
+    S sum = r(i) * w.scale(i);
+    for (int k = 0; k < i; ++k) sum -= w.L(i, k) * (*out)(k);
+    (*out)(i) = sum / w.L(i, i);
+  }
   return true;
 }
 
@@ -154,47 +147,11 @@ void whiten_terms(const LinkWhitening<S>& w, ImuTermColumns<S>* columns) {
   }
 }
 
-/// A a + B b of symmetric blocks.
-template <class S>
-Vec3<S> symmetric_products(const S* A, const Vec3<S>& a, const S* B, const Vec3<S>& b) {
-  constexpr int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-  Vec3<S> out;
-  for (int i = 0; i < 3; ++i) {
-    out(i) = S(0);
-    for (int j = 0; j < 3; ++j) out(i) += A[at[i][j]] * a(j) + B[at[i][j]] * b(j);
-  }
-  return out;
-}
-
-/// Errors in variables: the derivative of a link by an accelerometer's scale s is the integral of the measured force, whose noise is the
-/// residual's own. E[J'P^-1 r] is then not zero but minus what the axis' noise has in P, however large it is, and scales come out
-/// too large where motion is weak against the noise. The readings' likelihood (m = T_a f + n, n of a covariance without s) is
-/// r'P(s)^-1 r: log|P(s)| and the determinant of r by m cancel. Its gradient has J - dP/ds P^-1 r / 2 in place of J. The gyroscope's
-/// scales are left as they are: turns are a thousand times its noise.
-template <class S>
-void take_noise_off_scales(const ImuIntegral<S>& I, const LinkWhitening<S>& w, ImuRows<S>* rows) {
-  Vec<S, 15> x = rows->r;
-  whiten(w, &x);
-  for (int i = 14; i >= 0; --i) {
-    for (int k = i + 1; k < 15; ++k) x(i) -= w.L(k, i) * x(k);
-    x(i) /= w.L(i, i);
-  }
-  for (int i = 0; i < 15; ++i) x(i) *= w.scale(i);
-  const Vec3<S> v = x.template segment<3>(3), p = x.template segment<3>(6);
-  constexpr int scale = 2 * kStateColumns + 6;
-  for (int k = 0; k < 3; ++k) {
-    const ScaleNoise<S>& axis = I.accel_scale[k];
-    rows->J.template block<3, 1>(3, scale + k) += symmetric_products(axis.vv, v, axis.vp, p);
-    rows->J.template block<3, 1>(6, scale + k) += symmetric_products(axis.vp, v, axis.pp, p);
-  }
-}
-
 /// Whitens residual and Jacobian rows in place, and the columns of terms, if there are any.
 template <class S>
 bool whiten(const ImuIntegral<S>& I, const ImuNoise<S>& noise, ImuRows<S>* rows, ImuTermColumns<S>* columns = nullptr) {
   LinkWhitening<S> w;
   if (!link_whitening(I, noise, &w)) return false;
-  take_noise_off_scales(I, w, rows);
   if (columns) whiten_terms(w, columns);
   for (int i = 0; i < 15; ++i) {
     S r = rows->r(i) * w.scale(i);
