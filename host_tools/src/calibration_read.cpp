@@ -12,6 +12,8 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Isometry3d;
 
+constexpr double most_pixels = 65535;
+
 /// Image size, intrinsics and distortion have the same names in both layouts.
 CameraCalibration read_projection(const YamlFile& yaml, const YAML::Node& node) {
   CameraCalibration camera;
@@ -24,9 +26,10 @@ CameraCalibration read_projection(const YamlFile& yaml, const YAML::Node& node) 
   }
   if (node["resolution"].IsDefined()) {  // a device log does not know it
     const auto resolution = yaml.numbers(node, "resolution", 2);
+    for (const double size : resolution)
+      if (!(size >= 1 && size <= most_pixels)) yaml.fail(node["resolution"], "resolution: [width, height] in pixels, 1 to 65535");
     camera.width = static_cast<int>(resolution[0]);
     camera.height = static_cast<int>(resolution[1]);
-    if (camera.width < 1 || camera.height < 1) yaml.fail(node["resolution"], "resolution: [width, height] in pixels");
   }
 
   const auto intrinsics = yaml.numbers(node, "intrinsics", 4);
@@ -63,19 +66,21 @@ Isometry3d read_kalibr_extrinsics(const YamlFile& yaml, const YAML::Node& node, 
 }
 
 CameraCalibration read_euroc_camera(const fs::path& file, const Isometry3d& T_BI) {
-  const YamlFile yaml(file);
-  CameraCalibration camera = read_projection(yaml, yaml.root());
-  const Isometry3d T_BC(yaml.transform(yaml.root(), "T_BS"));
-  set_extrinsics(camera, T_BC.inverse() * T_BI);
-  return camera;
+  return read_yaml(file, [&T_BI](const YamlFile& yaml) {
+    CameraCalibration camera = read_projection(yaml, yaml.root());
+    const Isometry3d T_BC(yaml.transform(yaml.root(), "T_BS"));
+    set_extrinsics(camera, T_BC.inverse() * T_BI);
+    return camera;
+  });
 }
 
 /// EuRoC's body frame is the IMU's, but the file may say otherwise.
 Isometry3d read_euroc_imu_pose(const fs::path& file) {
   if (!fs::exists(file)) return Isometry3d::Identity();
-  const YamlFile yaml(file);
-  if (!yaml.root()["T_BS"].IsDefined()) return Isometry3d::Identity();
-  return Isometry3d(yaml.transform(yaml.root(), "T_BS"));
+  return read_yaml(file, [](const YamlFile& yaml) {
+    if (!yaml.root()["T_BS"].IsDefined()) return Isometry3d::Identity();
+    return Isometry3d(yaml.transform(yaml.root(), "T_BS"));
+  });
 }
 
 Calibration read_euroc_sensors(const fs::path& root, int n_cameras) {
@@ -101,8 +106,9 @@ fs::path find_camchain(const fs::path& root, const fs::path& override_file) {
 
 }  // namespace
 
-Calibration read_calibration(const fs::path& camchain) {
-  const YamlFile yaml(camchain);
+namespace {
+
+Calibration read_cameras(const YamlFile& yaml) {
   Calibration calibration;
   for (int i = 0;; ++i) {
     const YAML::Node node = yaml.root()["cam" + std::to_string(i)];
@@ -113,7 +119,13 @@ Calibration read_calibration(const fs::path& camchain) {
     calibration.cameras.push_back(camera);
   }
   if (calibration.cameras.empty()) yaml.fail(yaml.root(), "an entry 'cam0' here");
+  return calibration;
+}
 
+}  // namespace
+
+Calibration read_calibration(const fs::path& camchain) {
+  Calibration calibration = read_yaml(camchain, read_cameras);
   const fs::path imu_file = camchain.parent_path() / "imu.yaml";
   if (fs::exists(imu_file)) read_imu_model(imu_file, calibration);
   return calibration;

@@ -111,6 +111,13 @@ std::int64_t CsvReader::integer(std::size_t column) const {
   return value;
 }
 
+std::int64_t CsvReader::stamp(std::size_t column) const {
+  constexpr std::int64_t most = std::int64_t{1} << 62;
+  const std::int64_t value = integer(column);
+  if (value < -most || value > most) fail_field(column, "a stamp within 146 years of zero");
+  return value;
+}
+
 std::uint32_t CsvReader::identifier(std::size_t column) const {
   const std::int64_t value = integer(column);
   if (value < 0 || value > std::numeric_limits<std::uint32_t>::max()) fail_field(column, "0 to 4294967295");

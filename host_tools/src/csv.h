@@ -32,6 +32,8 @@ class CsvReader {
   double number(std::size_t column) const;
   /// A whole number that fits int64.
   std::int64_t integer(std::size_t column) const;
+  /// A stamp, ns: a whole number within +-2^62 (146 years), so that the difference of any two is one too.
+  std::int64_t stamp(std::size_t column) const;
   /// A whole number from 0 to 2^32 - 1.
   std::uint32_t identifier(std::size_t column) const;
 

@@ -14,7 +14,7 @@ ImuData read_imu_samples(const std::filesystem::path& file) {
   CsvReader csv(file, imu_columns, 7, 8);
   while (csv.next_row()) {
     ImuSample sample;
-    sample.t_ns = csv.integer(0);
+    sample.t_ns = csv.stamp(0);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       sample.gyro[axis] = csv.number(1 + axis);
       sample.accel[axis] = csv.number(4 + axis);

@@ -46,20 +46,21 @@ ScaleAndRotation split_scale_and_rotation(const Eigen::Matrix3d& A) {
 }
 
 void read_imu_model(const std::filesystem::path& file, Calibration& calibration) {
-  const YamlFile yaml(file);
-  const YAML::Node imu = yaml.root()["imu0"].IsDefined() ? yaml.root()["imu0"] : yaml.root();
-  const ScaleAndRotation gyro = in_segcal_form(read_triad(yaml, imu, "gyroscopes", "C_gyro_i"));
-  Triad accel = read_triad(yaml, imu, "accelerometers", "C_accel_i");
+  read_yaml(file, [&calibration](const YamlFile& yaml) {
+    const YAML::Node imu = yaml.root()["imu0"].IsDefined() ? yaml.root()["imu0"] : yaml.root();
+    const ScaleAndRotation gyro = in_segcal_form(read_triad(yaml, imu, "gyroscopes", "C_gyro_i"));
+    Triad accel = read_triad(yaml, imu, "accelerometers", "C_accel_i");
 
-  // gyro.R turns Kalibr's body frame into the gyroscope's, which is I: everything else is expressed in I now.
-  if (!gyro.R.isIdentity(0)) {
-    accel.C = accel.C * gyro.R.transpose();
-    for (CameraCalibration& camera : calibration.cameras) camera.R_CI = camera.R_CI * gyro.R.transpose();
-  }
-  const ScaleAndRotation accelerometer = in_segcal_form(accel);
-  calibration.imu.T_g = gyro.T;
-  calibration.imu.T_a = accelerometer.T;
-  calibration.imu.R_AI = accelerometer.R;
+    // gyro.R turns Kalibr's body frame into the gyroscope's, which is I: everything else is expressed in I now.
+    if (!gyro.R.isIdentity(0)) {
+      accel.C = accel.C * gyro.R.transpose();
+      for (CameraCalibration& camera : calibration.cameras) camera.R_CI = camera.R_CI * gyro.R.transpose();
+    }
+    const ScaleAndRotation accelerometer = in_segcal_form(accel);
+    calibration.imu.T_g = gyro.T;
+    calibration.imu.T_a = accelerometer.T;
+    calibration.imu.R_AI = accelerometer.R;
+  });
 }
 
 }  // namespace host

@@ -20,16 +20,17 @@ double positive(const YamlFile& yaml, const YAML::Node& node, const char* euroc_
 }  // namespace
 
 ImuNoise read_noise_file(const fs::path& file) {
-  const YamlFile yaml(file);
-  // Kalibr's results put everything under `imu0:`, its input files do not.
-  const YAML::Node node = yaml.root()["imu0"].IsDefined() ? yaml.root()["imu0"] : yaml.root();
-  ImuNoise noise;
-  noise.rate_hz = positive(yaml, node, "rate_hz", "update_rate");
-  noise.gyro_noise_density = positive(yaml, node, "gyroscope_noise_density", "gyroscope_noise_density");
-  noise.gyro_random_walk = positive(yaml, node, "gyroscope_random_walk", "gyroscope_random_walk");
-  noise.accel_noise_density = positive(yaml, node, "accelerometer_noise_density", "accelerometer_noise_density");
-  noise.accel_random_walk = positive(yaml, node, "accelerometer_random_walk", "accelerometer_random_walk");
-  return noise;
+  return read_yaml(file, [](const YamlFile& yaml) {
+    // Kalibr's results put everything under `imu0:`, its input files do not.
+    const YAML::Node node = yaml.root()["imu0"].IsDefined() ? yaml.root()["imu0"] : yaml.root();
+    ImuNoise noise;
+    noise.rate_hz = positive(yaml, node, "rate_hz", "update_rate");
+    noise.gyro_noise_density = positive(yaml, node, "gyroscope_noise_density", "gyroscope_noise_density");
+    noise.gyro_random_walk = positive(yaml, node, "gyroscope_random_walk", "gyroscope_random_walk");
+    noise.accel_noise_density = positive(yaml, node, "accelerometer_noise_density", "accelerometer_noise_density");
+    noise.accel_random_walk = positive(yaml, node, "accelerometer_random_walk", "accelerometer_random_walk");
+    return noise;
+  });
 }
 
 ImuNoise read_recording_noise(const fs::path& root) {

@@ -68,7 +68,7 @@ std::vector<ImageEntry> read_images(const fs::path& folder, bool must_exist) {
   CsvReader csv(folder / "data.csv", "timestamp [ns], filename", 2, 2);
   while (csv.next_row()) {
     if (csv.text(1).empty()) csv.fail("timestamp [ns], filename, found an empty filename");
-    images.push_back({csv.integer(0), folder / "data" / std::string(csv.text(1))});
+    images.push_back({csv.stamp(0), folder / "data" / std::string(csv.text(1))});
     const fs::path& image = images.back().file;
     if (must_exist && !fs::exists(image)) csv.fail("an image that exists, but " + image.string() + " is missing");
   }
@@ -82,7 +82,7 @@ std::vector<Frame> read_frames(const fs::path& file) {
   std::unordered_set<std::uint32_t> seen;
   CsvReader csv(file, "timestamp [ns], track_id, u [px], v [px]", 4, 4);
   while (csv.next_row()) {
-    const std::int64_t t_ns = csv.integer(0);
+    const std::int64_t t_ns = csv.stamp(0);
     const TrackPoint point{csv.identifier(1), csv.number(2), csv.number(3)};
     if (frames.empty() || frames.back().t_ns != t_ns || seen.count(point.track_id) != 0) {
       frames.push_back({t_ns, {}});
@@ -114,7 +114,7 @@ std::vector<TruthPose> read_truth(const fs::path& mav0) {
   CsvReader csv(file, truth_columns, 8, 64);
   while (csv.next_row()) {
     TruthPose pose;
-    pose.t_ns = csv.integer(0);
+    pose.t_ns = csv.stamp(0);
     for (std::size_t i = 0; i < 3; ++i) pose.p_GI[i] = csv.number(1 + i);
     for (std::size_t i = 0; i < 4; ++i) pose.q_GI_wxyz[i] = csv.number(4 + i);
     truth.push_back(pose);

@@ -47,6 +47,8 @@ void check_result(const fs::path& folder) {
     if (diagnosed && result.is_object() && result.contains("verdict")) return;
     if (!result.is_object() || !result.contains("status") || !result.contains("parameters"))
       throw InputError(file.string() + ":1: expected an object with " + (diagnosed ? "verdict" : "status and parameters"));
+  } catch (const nlohmann::json::out_of_range& error) {
+    throw InputError(file.string() + ": expected JSON with numbers that fit a double: " + error.what());
   } catch (const nlohmann::json::parse_error& error) {
     throw InputError(file.string() + ":" + std::to_string(line_of(text, error.byte)) + ": expected JSON");
   }

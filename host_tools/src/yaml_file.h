@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "recording.h"
+
 namespace host {
 
 /// One parsed YAML file. All members throw InputError "FILE:LINE: expected ..." on a fault.
@@ -42,6 +44,18 @@ class YamlFile {
   std::filesystem::path file_;
   YAML::Node root_;
 };
+
+/// Calls `reader` with the parsed file. What yaml-cpp throws on a node of another kind than the reader takes it for is told as an
+/// InputError with file and line.
+template <class Reader>
+auto read_yaml(const std::filesystem::path& file, const Reader& reader) {
+  const YamlFile yaml(file);
+  try {
+    return reader(yaml);
+  } catch (const YAML::Exception& error) {
+    throw InputError(file.string() + ":" + std::to_string(error.mark.line < 0 ? 1 : error.mark.line + 1) + ": expected another kind of entry here: " + error.msg);
+  }
+}
 
 /// The rotation nearest to `matrix` in the Frobenius norm.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);

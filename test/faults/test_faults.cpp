@@ -151,6 +151,23 @@ void other_faults_of_the_log_are_found() {
   recording = clean.recording;
   host::disturb::scale(recording, host::disturb::Sensor::accel, Eigen::Vector3d::Constant(0.5));
   only(id.add("case", "half"), host::find_faults(recording, clean.nominal), "gravity_norm", "accel");
+  recording = clean.recording;
+  for (std::size_t k = 1000; k < 1500; ++k) recording.imu.samples[k].gyro[2] = recording.imu.samples[1000].gyro[2];  // one channel of three
+  const auto dead = only(id.add("case", "channel"), host::find_faults(recording, clean.nominal), "frozen", "gyro.z");
+  TEST_ASSERT_EQUAL_size_t(500, dead.count);
+}
+
+/// Images of half the calibrated size, and of twice.
+void other_image_sizes_are_found() {
+  const auto clean = simulated("rich", 62, {}, 30);
+  for (const double factor : {0.5, 2.0}) {
+    auto recording = clean.recording;
+    for (auto& frame : recording.cameras[0].frames)
+      for (auto& p : frame.points) p.u *= factor, p.v *= factor;
+    bool found = false;
+    for (const auto& f : host::find_faults(recording, clean.nominal)) found = found || (f.kind == "image_size" && f.sensor == "cam0");
+    TEST_ASSERT_TRUE_MESSAGE(found, factor < 1 ? "half" : "twice");
+  }
 }
 
 /// Whatever is missing or too short is passed over, not crashed on.
@@ -176,6 +193,7 @@ int main(int argc, char** argv) {
   RUN_TEST(each_fault_is_found_alone);
   RUN_TEST(counts_and_places_are_right);
   RUN_TEST(other_faults_of_the_log_are_found);
+  RUN_TEST(other_image_sizes_are_found);
   RUN_TEST(little_data_is_no_trouble);
   return UNITY_END();
 }

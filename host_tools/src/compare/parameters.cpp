@@ -22,9 +22,11 @@ Json parsed(const fs::path& file) {
   try {
     Json json = Json::parse(text);
     // result.json is of format 1 or 2, truth.json of format 1: what is read here is the same in both.
-    const int format = json.is_object() ? json.value("format", 1) : 0;
-    if (format != 1 && format != 2) throw InputError(file.string() + ":1: expected an object of format 1 or 2");
+    const bool known = json.is_object() && (!json.contains("format") || json["format"] == 1 || json["format"] == 2);
+    if (!known) throw InputError(file.string() + ":1: expected an object of format 1 or 2");
     return json;
+  } catch (const Json::out_of_range& error) {
+    throw InputError(file.string() + ": expected JSON with numbers that fit a double: " + error.what());
   } catch (const Json::parse_error& error) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
     throw InputError(file.string() + ":" + std::to_string(1 + std::count(text.begin(), end, '\n')) + ": expected JSON");

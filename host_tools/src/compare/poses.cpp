@@ -9,6 +9,7 @@
 namespace host {
 namespace {
 
+constexpr std::int64_t most_seconds = 4600000000;  // as of CsvReader::stamp
 constexpr const char* asl_columns = "timestamp [ns], p_x, p_y, p_z [m], q_w, q_x, q_y, q_z (, more)";
 constexpr const char* tum_columns = "timestamp [s] x y z [m] qx qy qz qw";
 
@@ -33,12 +34,13 @@ bool stamp_from_seconds(std::string_view text, std::int64_t* t_ns) {
   if (text.find_first_of("eE") != std::string_view::npos) {
     double seconds = 0;
     const auto r = std::from_chars(text.data(), text.data() + text.size(), seconds);
+    if (r.ec != std::errc() || r.ptr != text.data() + text.size() || !(std::abs(seconds) < static_cast<double>(most_seconds))) return false;
     *t_ns = std::llround(seconds * 1e9);
-    return r.ec == std::errc() && r.ptr == text.data() + text.size() && std::abs(seconds) < 9e9;
+    return true;
   }
   std::int64_t seconds = 0, ns = 0;
   const auto r = std::from_chars(whole.data(), whole.data() + whole.size(), seconds);
-  if (r.ec != std::errc() || r.ptr != whole.data() + whole.size() || std::abs(seconds) > 9000000000) return false;
+  if (r.ec != std::errc() || r.ptr != whole.data() + whole.size() || seconds < -most_seconds || seconds > most_seconds) return false;
   std::string digits(dot == std::string_view::npos ? "" : text.substr(dot + 1));
   if (digits.find_first_not_of("0123456789") != std::string::npos) return false;
   digits.resize(9, '0');
@@ -76,7 +78,7 @@ Poses read_asl(const std::filesystem::path& file) {
   CsvReader csv(file, asl_columns, 8, 64);
   while (csv.next_row()) {
     Pose pose;
-    pose.t_ns = csv.integer(0);
+    pose.t_ns = csv.stamp(0);
     pose.p_GI = {csv.number(1), csv.number(2), csv.number(3)};
     pose.q_GI = Eigen::Quaterniond(csv.number(4), csv.number(5), csv.number(6), csv.number(7));
     append(poses, pose, file, csv.line());

@@ -11,7 +11,7 @@
 namespace host {
 
 /// One finding. `kind` is one of: saturation, dropped_samples, stamp_jitter, stamps_back, not_finite, frozen, unit, axes,
-/// gravity_norm, rate, no_overlap, clock_offset, clock_drift.
+/// gravity_norm, rate, no_overlap, clock_offset, clock_drift, image_size.
 struct Fault {
   std::string kind;
   std::string sensor;          ///< gyro, accel, imu, cam0, ...; with an axis: gyro.x
@@ -32,6 +32,7 @@ std::vector<Fault> find_faults(const Recording& recording, const Calibration& st
 std::vector<Fault> stamp_faults(const Recording& recording);                            ///< order, gaps, jitter, rate, overlap
 std::vector<Fault> value_faults(const Recording& recording);                            ///< saturation, repeats, not a number
 std::vector<Fault> magnitude_faults(const Recording& recording);                        ///< gravity norm, g, deg/s
+std::vector<Fault> image_faults(const Recording& recording, const Calibration& start);     ///< corners that the image cannot have
 std::vector<Fault> rotation_faults(const Recording& recording, const Calibration& start);  ///< axes, deg/s, clocks: gyroscope and image
 
 }  // namespace host

@@ -17,6 +17,7 @@ constexpr double pile_ratio = 3;
 constexpr double pile_width = 0.001;           // of the range
 constexpr double pile_digits = 5.5;            // last digits
 constexpr double least_frozen_s = 0.1;         // all three axes to the last bit
+constexpr double least_axis_frozen_s = 1;      // one axis while the others go on
 constexpr double most_repeats = 0.05;          // share of samples that repeat the one before
 
 using Values = std::array<double, 3> ImuSample::*;
@@ -144,6 +145,34 @@ void check_frozen(const std::vector<ImuSample>& samples, const Sensor& sensor, d
   if (fault.count) out.push_back(fault);
 }
 
+/// One axis that keeps its value to the last bit while the others go on: a channel of the sensor or of the driver is dead.
+void check_frozen_axis(const std::vector<ImuSample>& samples, const Sensor& sensor, std::size_t axis, double rate_hz, std::vector<Fault>& out) {
+  Fault fault{"frozen", std::string(sensor.name) + "." + "xyz"[axis], 0, 0, 0, 0, least_axis_frozen_s, "s", ""};
+  std::size_t begin = 0;
+  for (std::size_t k = 1; k <= samples.size(); ++k) {
+    if (k < samples.size() && (samples[k].*sensor.values)[axis] == (samples[begin].*sensor.values)[axis]) continue;
+    const double seconds = static_cast<double>(k - begin) / rate_hz;
+    if (seconds >= least_axis_frozen_s) {
+      if (!fault.count) fault.first_ns = samples[begin].t_ns;
+      fault.last_ns = samples[k - 1].t_ns;
+      fault.count += k - begin;
+      fault.value = std::max(fault.value, seconds);
+    }
+    begin = k;
+  }
+  if (!fault.count) return;
+  fault.words = std::string(sensor.word) + " " + "xyz"[axis] + text(": %.0f samples repeat the same reading, up to %.2f s long, while the other axes go on. ",
+                static_cast<double>(fault.count), fault.value) + "This channel is dead: restart the sensor and record again.";
+  out.push_back(fault);
+}
+
+/// All axes together, or else each alone.
+void check_repeats(const std::vector<ImuSample>& samples, const Sensor& sensor, double rate_hz, std::vector<Fault>& out) {
+  const std::size_t before = out.size();
+  check_frozen(samples, sensor, rate_hz, out);
+  for (std::size_t axis = 0; axis < 3 && out.size() == before; ++axis) check_frozen_axis(samples, sensor, axis, rate_hz, out);
+}
+
 }  // namespace
 
 std::vector<Fault> value_faults(const Recording& recording) {
@@ -157,7 +186,7 @@ std::vector<Fault> value_faults(const Recording& recording) {
     for (std::size_t axis = 0; axis < 3; ++axis) saturates = check_extremes(samples, sensor, axis, out) || saturates;
     const double density = sensor.values == &ImuSample::gyro ? noise.gyro_noise_density : noise.accel_noise_density;
     // Three axes at their extremes repeat as well, and have been reported.
-    if (!saturates && !is_coarse(samples, sensor, density * std::sqrt(noise.rate_hz))) check_frozen(samples, sensor, noise.rate_hz, out);
+    if (!saturates && !is_coarse(samples, sensor, density * std::sqrt(noise.rate_hz))) check_repeats(samples, sensor, noise.rate_hz, out);
   }
   return out;
 }

@@ -24,6 +24,7 @@ std::vector<Fault> find_faults(const Recording& recording, const Calibration& st
   add(stamp_faults(recording));
   add(value_faults(recording));
   add(magnitude_faults(recording));
+  add(image_faults(recording, start));
   // Where stamps or values cannot be used at all there is nothing to compare the images with.
   if (!holds(all, "no_overlap") && !holds(all, "not_finite")) add(rotation_faults(recording, start));
   return all;

@@ -14,6 +14,7 @@ using Json = nlohmann::ordered_json;
 
 struct StudyOptions {
   std::uint64_t seed = 1;
+  int seeds = 0;                                   ///< of each kind of cell; 0: as many as the study has
   bool quick = false;                              ///< fewer and shorter sessions: minutes instead of an hour
   std::vector<std::filesystem::path> recordings;   ///< for studies of real recordings
   std::filesystem::path calibration;               ///< where these start; empty: their own

@@ -26,6 +26,8 @@ const std::vector<Experiment>& experiments() {
        hidden_real_run, hidden_real_gather},
       {"measured", "rendered images and the real tracker, real IMUs along real paths, euroc_mh01: is any answer wrong?", false,
        measured_cells, measured_run, measured_gather},
+      {"faults", "faults of sensors, stamps, trackers and loggers: is each named, and nothing wrong called calibrated?", false, faults_cells,
+       faults_run, faults_gather},
   };
   return all;
 }

@@ -4,6 +4,7 @@
 
 #include "csv.h"
 #include "files/sha256.h"
+#include "json_numbers.h"
 #include "recording.h"
 
 namespace host {
@@ -28,7 +29,7 @@ ManifestRun run_of(const Json& json) {
   ManifestRun run{json.at("run").get<std::string>(), json.at("program").get<std::string>(), json.at("command").get<std::string>(),
                   json.at("arguments").get<std::vector<std::string>>(), {}};
   for (const Json& f : json.at("files"))
-    run.files.push_back({inside(f.at("name").get<std::string>()), f.at("bytes").get<std::uintmax_t>(), f.at("sha256").get<std::string>()});
+    run.files.push_back({inside(f.at("name").get<std::string>()), whole_number<std::uintmax_t>(f.at("bytes")), f.at("sha256").get<std::string>()});
   return run;
 }
 
@@ -50,7 +51,7 @@ Manifest read_manifest(const fs::path& folder) {
     const Json json = Json::parse(text);
     out.foreign = !json.is_object() || json.value("kind", Json()) != kind;
     if (out.foreign) return out;
-    if (json.at("format").get<int>() != format) throw InputError("expected format " + std::to_string(format));
+    if (whole_number<int>(json.at("format")) != format) throw InputError("expected format " + std::to_string(format));
     for (const Json& run : json.at("runs")) out.runs.push_back(run_of(run));
     if (!json.contains("writing")) return out;
     out.writing.command = json["writing"].at("command").get<std::string>();

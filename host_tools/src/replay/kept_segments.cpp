@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "csv.h"
+#include "json_numbers.h"
 #include "replay/words.h"
 
 namespace host {
@@ -58,8 +59,8 @@ Calibration read_calibration_json(const Json& json) {
   for (const Json& c : json.at("cameras")) {
     CameraCalibration camera;
     camera.model = distortion_from_name(c.at("model").get<std::string>());
-    camera.width = c.at("width").get<int>();
-    camera.height = c.at("height").get<int>();
+    camera.width = whole_number<int>(c.at("width"));
+    camera.height = whole_number<int>(c.at("height"));
     read_array(c.at("intrinsics"), &camera.intrinsics);
     read_array(c.at("distortion"), &camera.distortion);
     read_array(c.at("R_CI"), &camera.R_CI);
@@ -95,7 +96,7 @@ Json segment_json(const CoreKept& k) {
 
 CoreState read_keyframe(const Json& json) {
   CoreState x;
-  x.t_ns = json.at("t_ns").get<std::int64_t>();
+  x.t_ns = whole_number<std::int64_t>(json.at("t_ns"));
   read_array(json.at("q_GI_wxyz"), &x.q_GI_wxyz);
   read_array(json.at("p_GI"), &x.p_GI);
   read_array(json.at("v_GI"), &x.v_GI);
@@ -106,8 +107,8 @@ CoreState read_keyframe(const Json& json) {
 
 CoreLandmark read_landmark(const Json& json) {
   CoreLandmark l;
-  l.track_id = json.at("track_id").get<std::uint32_t>();
-  l.tie = json.at("tie").get<int>();
+  l.track_id = whole_number<std::uint32_t>(json.at("track_id"));
+  l.tie = whole_number<int>(json.at("tie"));
   read_array(json.at("anchor"), &l.anchor);
   read_array(json.at("direction"), &l.direction);
   l.inverse_distance = json.at("inverse_distance").get<double>();
@@ -115,8 +116,8 @@ CoreLandmark read_landmark(const Json& json) {
 }
 
 CorePoint read_point(const Json& json, const CoreKept& k, std::size_t n_cameras) {
-  const CorePoint z{json.at(0).get<int>(), json.at(1).get<int>(), json.at(2).get<int>(), json.at(3).get<double>(),
-                    json.at(4).get<double>(), json.at(5).get<int>() != 0};
+  const CorePoint z{whole_number<int>(json.at(0)), whole_number<int>(json.at(1)), whole_number<int>(json.at(2)), json.at(3).get<double>(),
+                    json.at(4).get<double>(), whole_number<int>(json.at(5)) != 0};
   const auto below = [](int i, std::size_t n) { return i >= 0 && static_cast<std::size_t>(i) < n; };
   if (!below(z.landmark, k.landmarks.size()) || !below(z.keyframe, k.keyframes.size()) || !below(z.camera, n_cameras)) {
     throw InputError("a point of a landmark, keyframe or camera that is not there");
@@ -126,11 +127,11 @@ CorePoint read_point(const Json& json, const CoreKept& k, std::size_t n_cameras)
 
 CoreKept read_segment(const Json& json, std::size_t n_cameras) {
   CoreKept k;
-  k.segment.session = json.at("session").get<std::uint32_t>();
-  k.segment.serial = json.at("serial").get<std::uint32_t>();
+  k.segment.session = whole_number<std::uint32_t>(json.at("session"));
+  k.segment.serial = whole_number<std::uint32_t>(json.at("serial"));
   k.join = json.at("join").get<std::string>();
   k.gap_s = json.at("gap_s").get<double>();
-  k.lead_ns = json.at("lead_ns").get<std::int64_t>();
+  k.lead_ns = whole_number<std::int64_t>(json.at("lead_ns"));
   k.turned_only = json.at("turned_only").get<bool>();
   if (k.join != "none" && k.join != "imu" && k.join != "bias") throw InputError("join: expected none, imu or bias");
   for (const Json& x : json.at("keyframes")) k.keyframes.push_back(read_keyframe(x));
@@ -138,7 +139,7 @@ CoreKept read_segment(const Json& json, std::size_t n_cameras) {
   for (const Json& z : json.at("points")) k.measured.push_back(read_point(z, k, n_cameras));
   for (const Json& s : json.at("samples")) {
     ImuSample sample;
-    sample.t_ns = s.at(0).get<std::int64_t>();
+    sample.t_ns = whole_number<std::int64_t>(s.at(0));
     for (std::size_t i = 0; i < 3; ++i) {
       sample.gyro[i] = s.at(1 + i).get<double>();
       sample.accel[i] = s.at(4 + i).get<double>();
@@ -150,7 +151,7 @@ CoreKept read_segment(const Json& json, std::size_t n_cameras) {
 }
 
 KeptSegments read(const Json& json) {
-  if (json.at("format").get<int>() != kFormat) throw InputError("format: expected " + std::to_string(kFormat));
+  if (whole_number<int>(json.at("format")) != kFormat) throw InputError("format: expected " + std::to_string(kFormat));
   KeptSegments out;
   Json model = json.at("model");
   if (!model.contains("track_walk")) model["track_walk"] = 0.0;  // of a version without

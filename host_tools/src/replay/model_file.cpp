@@ -106,26 +106,27 @@ void EffectChoice::apply(CoreOptions* options) const {
 }
 
 EffectChoice read_model(const std::filesystem::path& file) {
-  const YamlFile yaml(file);
-  if (yaml.number_or(yaml.root(), "format", 0) != 1) yaml.fail(yaml.root(), "'format: 1' here");
-  EffectChoice choice;
-  const YAML::Node effects = yaml.child(yaml.root(), "effects");
-  if (!effects.IsSequence() && !effects.IsNull()) yaml.fail(effects, "a list of effects");
-  for (const YAML::Node& effect : effects) {
-    const std::string name = yaml.text(effect, "name");
-    if (name != "term" && find_name(name) < 0) yaml.fail(effect, "'name' to be term or one of " + effect_names());
-    if (name != "term") choice.enable(name);
-    for (const YAML::Node& p : effect["parameters"]) {
-      const std::string parameter = yaml.text(p, "name");
-      const double value = yaml.number(p, "value");
-      try {
-        name == "term" ? choice.add_term(parameter, value) : choice.set(name + "." + parameter, value);
-      } catch (const InputError& error) {
-        yaml.fail(p, std::string("a parameter of ") + name + " (" + error.what() + ")");
+  return read_yaml(file, [](const YamlFile& yaml) {
+    if (yaml.number_or(yaml.root(), "format", 0) != 1) yaml.fail(yaml.root(), "'format: 1' here");
+    EffectChoice choice;
+    const YAML::Node effects = yaml.child(yaml.root(), "effects");
+    if (!effects.IsSequence() && !effects.IsNull()) yaml.fail(effects, "a list of effects");
+    for (const YAML::Node& effect : effects) {
+      const std::string name = yaml.text(effect, "name");
+      if (name != "term" && find_name(name) < 0) yaml.fail(effect, "'name' to be term or one of " + effect_names());
+      if (name != "term") choice.enable(name);
+      for (const YAML::Node& p : effect["parameters"]) {
+        const std::string parameter = yaml.text(p, "name");
+        const double value = yaml.number(p, "value");
+        try {
+          name == "term" ? choice.add_term(parameter, value) : choice.set(name + "." + parameter, value);
+        } catch (const InputError& error) {
+          yaml.fail(p, std::string("a parameter of ") + name + " (" + error.what() + ")");
+        }
       }
     }
-  }
-  return choice;
+    return choice;
+  });
 }
 
 std::string model_yaml(const ReplayResult& result) {

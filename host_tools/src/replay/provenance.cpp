@@ -29,13 +29,14 @@ std::vector<std::string> files_read(int n_cameras) {
 }  // namespace
 
 Provenance device_of(const fs::path& recording) {
-  Provenance out;
   const fs::path file = recording / "device.yaml";
-  if (!fs::exists(file)) return out;
-  const YamlFile yaml(file);
-  out.device_id = text_or_empty(yaml, "device_id");
-  out.device_model = text_or_empty(yaml, "device_model");
-  return out;
+  if (!fs::exists(file)) return {};
+  return read_yaml(file, [](const YamlFile& yaml) {
+    Provenance out;
+    out.device_id = text_or_empty(yaml, "device_id");
+    out.device_model = text_or_empty(yaml, "device_model");
+    return out;
+  });
 }
 
 std::string sha256_of_log(const fs::path& log, int n_cameras) {

@@ -44,20 +44,21 @@ std::string as_text(const YamlFile& yaml, const YAML::Node& effect) {
 }  // namespace
 
 Effects effects_of_model(const std::filesystem::path& file) {
-  const YamlFile yaml(file);
-  if (yaml.number_or(yaml.root(), "format", 0) != 1) yaml.fail(yaml.root(), "'format: 1' here");
-  const YAML::Node effects = yaml.child(yaml.root(), "effects");
-  if (!effects.IsSequence() && !effects.IsNull()) yaml.fail(effects, "a list of effects");
-  Effects out;
-  for (const YAML::Node& effect : effects) {
-    const std::string text = as_text(yaml, effect);
-    try {
-      out.push_back(parse_effect(text));
-    } catch (const InputError& error) {
-      yaml.fail(effect, std::string("values that can be simulated (") + error.what() + ")");
+  return read_yaml(file, [](const YamlFile& yaml) {
+    if (yaml.number_or(yaml.root(), "format", 0) != 1) yaml.fail(yaml.root(), "'format: 1' here");
+    const YAML::Node effects = yaml.child(yaml.root(), "effects");
+    if (!effects.IsSequence() && !effects.IsNull()) yaml.fail(effects, "a list of effects");
+    Effects out;
+    for (const YAML::Node& effect : effects) {
+      const std::string text = as_text(yaml, effect);
+      try {
+        out.push_back(parse_effect(text));
+      } catch (const InputError& error) {
+        yaml.fail(effect, std::string("values that can be simulated (") + error.what() + ")");
+      }
     }
-  }
-  return out;
+    return out;
+  });
 }
 
 }  // namespace host::sim

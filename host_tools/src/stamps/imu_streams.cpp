@@ -17,7 +17,7 @@ Stream read_stream(const std::filesystem::path& file, const char* columns) {
   Stream out;
   CsvReader csv(file, columns, 4, 5);
   while (csv.next_row()) {
-    const std::int64_t t_ns = csv.integer(0);
+    const std::int64_t t_ns = csv.stamp(0);
     if (!out.t_ns.empty() && t_ns < out.t_ns.back()) csv.fail("stamps that do not go back: two streams can only be joined in order of time");
     if (!out.t_ns.empty() && t_ns == out.t_ns.back()) continue;  // the same event twice
     out.t_ns.push_back(t_ns);
