@@ -48,6 +48,7 @@ Findings hidden_real_gather(const std::vector<CellResult>& cells);
 std::vector<Cell> measured_cells(const StudyOptions& options);
 Json measured_run(const Json& parameters);
 Findings measured_gather(const std::vector<CellResult>& cells);
+
 std::vector<Cell> faults_cells(const StudyOptions& options);
 Json faults_run(const Json& parameters);
 Findings faults_gather(const std::vector<CellResult>& cells);
