@@ -8,9 +8,11 @@ namespace host::review {
 /// Fills result->health and result->cause. Widens sigmas where segments disagree by more than noise does
 /// (segment_scatter.h), and takes `calibrated` back, with everything as it was, where
 ///  - the odometry used less than half of the images that it was offered,
+///  - the fit leaves more than twice the stated noise,
 ///  - the step from the start is one that the prior does not allow (chi-square, p < 1e-6),
 ///  - an effect that the model lacks would move a released value by more than three of its sigmas (missing_effects.h),
-///  - fewer than half of the parameters are observed with the widened sigmas.
+///  - fewer than half of the parameters are observed with the widened sigmas,
+///  - one segment alone is kept: nothing says whether its residuals are independent.
 void review(const std::vector<Recording>& sessions, const CoreOptions& options, Core& core, ReplayResult* result);
 
 }  // namespace host::review

@@ -33,6 +33,7 @@
 #define segcal_get_point_residuals SEGCAL_NAME(get_point_residuals)
 #define segcal_get_points SEGCAL_NAME(get_points)
 #define segcal_get_posterior SEGCAL_NAME(get_posterior)
+#define segcal_get_health SEGCAL_NAME(get_health)
 #define segcal_get_result SEGCAL_NAME(get_result)
 #define segcal_get_samples SEGCAL_NAME(get_samples)
 #define segcal_get_segment SEGCAL_NAME(get_segment)
