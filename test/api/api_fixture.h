@@ -38,6 +38,13 @@ inline const SyntheticStream& stream() {
   return instance;
 }
 
+/// One for each length, made when it is needed.
+template <int seconds>
+const SyntheticStream& long_stream() {
+  static const SyntheticStream instance(7, seconds);
+  return instance;
+}
+
 enum class Way { tracks, keyframes };
 
 /// Data that must be refused, at one moment of the stream.

@@ -9,19 +9,17 @@ namespace {
 
 using namespace test;
 
-constexpr double kSeconds = 16;
-const SyntheticStream& long_stream() {
-  static const SyntheticStream instance(7, kSeconds);
-  return instance;
-}
+constexpr int kSeconds = 24;
 
 struct Broken {
   bool imu = true, frames = true;
   void (*sample)(segcal_imu_t*) = [](segcal_imu_t*) {};
   void (*frame)(SyntheticStream::Frame*) = [](SyntheticStream::Frame*) {};
   double every_s = 0;   ///< frames at least so far apart
+  double from = 0;      ///< s of a good stream before
   double seconds = kSeconds;
   double gyro_range = 0;
+  Way way = Way::tracks;
 };
 
 /// The device's answer after the whole stream.
@@ -31,16 +29,20 @@ int health_after(const Broken& how) {
   config.gyro_range = how.gyro_range;
   segcal_t* const device = create(&storage, config);
   double last = -1e9;
-  for (std::size_t i = 0; i < long_stream().imu.size() && 5e-3 * double(i) < how.seconds; ++i) {
-    if (how.frames && i % 20 == 0 && 5e-3 * double(i) - last >= how.every_s - 1e-6) {
-      last = 5e-3 * double(i);
-      SyntheticStream::Frame frame = long_stream().frames[i / 20];
-      how.frame(&frame);
-      segcal_push_tracks(device, frame.state.t_ns, frame.points.data(), static_cast<int32_t>(frame.points.size()));
+  for (std::size_t i = 0; i < long_stream<kSeconds>().imu.size() && 5e-3 * double(i) < how.seconds; ++i) {
+    const double t = 5e-3 * double(i);
+    const bool broken = t >= how.from;
+    if ((how.frames || !broken) && i % 20 == 0 && (!broken || t - last >= how.every_s - 1e-6)) {
+      last = t;
+      SyntheticStream::Frame frame = long_stream<kSeconds>().frames[i / 20];
+      if (broken) how.frame(&frame);
+      const int32_t n = static_cast<int32_t>(frame.points.size());
+      if (how.way == Way::tracks) segcal_push_tracks(device, frame.state.t_ns, frame.points.data(), n);
     }
-    segcal_imu_t sample = long_stream().imu[i];
-    how.sample(&sample);
-    if (how.imu) segcal_push_imu(device, &sample);
+    segcal_imu_t sample = long_stream<kSeconds>().imu[i];
+    if (broken) how.sample(&sample);
+    if (how.imu || !broken) segcal_push_imu(device, &sample);
+    if (how.way == Way::keyframes && i % 20 == 0) push_frame(device, long_stream<kSeconds>().frames[i / 20], how.way);
     segcal_background(device, 8);
   }
   return segcal_get_health(device);
@@ -48,43 +50,48 @@ int health_after(const Broken& how) {
 
 void check(const char* what, int expected, const Broken& how) {
   const int health = health_after(how);
-  test::check_true(Id().add(what, 1).add("health", health), segcal_health_words(health), health == expected);
+  test::check_true(Id().add(what, 1).add("from", how.from).add("health", health), segcal_health_words(health), health == expected);
 }
 
+/// Each from the beginning, and after eight seconds in which the odometry ran.
 void test_each_cause_has_its_name() {
+  for (const double from : {0.0, 8.0}) {
+    const auto broken = [from](auto change) {
+      Broken how;
+      how.from = from;
+      change(&how);
+      return how;
+    };
+    check("nothing is wrong", SEGCAL_HEALTH_RUNNING, broken([](Broken*) {}));
+    check("no samples", SEGCAL_HEALTH_NO_IMU, broken([](Broken* b) { b->imu = false; }));
+    check("no frames", SEGCAL_HEALTH_NO_FRAMES, broken([](Broken* b) { b->frames = false; }));
+    check("samples without values", SEGCAL_HEALTH_IMU_REFUSED,
+          broken([](Broken* b) { b->sample = [](segcal_imu_t* s) { s->accel[0] = std::numeric_limits<float>::quiet_NaN(); }; }));
+    check("frames of another clock", SEGCAL_HEALTH_CLOCKS_APART,
+          broken([](Broken* b) { b->frame = [](SyntheticStream::Frame* f) { f->state.t_ns += 3600000000000; }; }));
+    check("a covered lens", SEGCAL_HEALTH_FEW_TRACKS, broken([](Broken* b) { b->frame = [](SyntheticStream::Frame* f) { f->points.resize(3); }; }));
+    check("a mirrored image", SEGCAL_HEALTH_NO_START, broken([](Broken* b) {
+            b->frame = [](SyntheticStream::Frame* f) {
+              for (segcal_point_t& p : f->points) p.u = 640 - p.u;
+            };
+          }));
+    check("a frame every 0.8 s", SEGCAL_HEALTH_FRAMES_TOO_FAR, broken([](Broken* b) { b->every_s = 0.8; }));
+  }
+}
+
+void test_what_is_no_matter_of_time() {
   Broken how;
-  check("nothing is wrong", SEGCAL_HEALTH_RUNNING, how);
-  how.imu = false;
-  check("no samples", SEGCAL_HEALTH_NO_IMU, how);
-  how = {};
-  how.frames = false;
-  check("no frames", SEGCAL_HEALTH_NO_FRAMES, how);
-  how = {};
-  how.sample = [](segcal_imu_t* s) { s->accel[0] = std::numeric_limits<float>::quiet_NaN(); };
-  check("samples without values", SEGCAL_HEALTH_IMU_REFUSED, how);
-  how = {};
-  how.frame = [](SyntheticStream::Frame* f) { f->state.t_ns += 3600000000000; };
-  check("frames of another clock", SEGCAL_HEALTH_CLOCKS_APART, how);
-  how = {};
   how.frame = [](SyntheticStream::Frame* f) { f->state.t_ns -= f->state.t_ns % 1000000000; };
   check("stamps in whole seconds", SEGCAL_HEALTH_FRAMES_REFUSED, how);
-  how = {};
-  how.frame = [](SyntheticStream::Frame* f) { f->points.resize(3); };
-  check("a covered lens", SEGCAL_HEALTH_FEW_TRACKS, how);
   how = {};
   how.seconds = 0.5;
   check("the beginning", SEGCAL_HEALTH_STARTING, how);
   how = {};
-  how.frame = [](SyntheticStream::Frame* f) {
-    for (segcal_point_t& p : f->points) p.u = 640 - p.u;
-  };
-  check("a mirrored image", SEGCAL_HEALTH_NO_START, how);
-  how = {};
-  how.gyro_range = 2.0;
+  how.gyro_range = 2.3;
   check("a range too small", SEGCAL_HEALTH_SATURATED, how);
   how = {};
-  how.every_s = 0.8;
-  check("a frame every 0.8 s", SEGCAL_HEALTH_FRAMES_TOO_FAR, how);
+  how.way = Way::keyframes;
+  check("an odometry of the caller's", SEGCAL_HEALTH_RUNNING, how);
 }
 
 void test_bad_handles() {
@@ -105,6 +112,7 @@ void test_words() {
 int main() {
   UNITY_BEGIN();
   RUN_TEST(test_each_cause_has_its_name);
+  RUN_TEST(test_what_is_no_matter_of_time);
   RUN_TEST(test_bad_handles);
   RUN_TEST(test_words);
   return UNITY_END();

@@ -9,11 +9,7 @@ namespace {
 
 using namespace test;
 
-constexpr double kSeconds = 14;
-const SyntheticStream& long_stream() {
-  static const SyntheticStream instance(7, kSeconds);
-  return instance;
-}
+constexpr int kSeconds = 14;
 
 segcal_counters_t counters_of(const segcal_t* device) {
   segcal_counters_t counters;
@@ -31,14 +27,14 @@ struct Feed {
 
 /// Feeds samples [from, to) and their frames, with work in between.
 void feed(segcal_t* device, const Feed& how, int from = 0, int to = 1 << 30) {
-  const std::vector<segcal_imu_t>& imu = long_stream().imu;
+  const std::vector<segcal_imu_t>& imu = long_stream<kSeconds>().imu;
   if (to > int(imu.size())) to = int(imu.size());
   for (int i = from; i < to; i += how.block) {
     const int end = i + how.block < to ? i + how.block : to;
     const auto frames = [&] {
       for (int k = i; k < end; ++k) {
         if (k % 20 != 0) continue;
-        SyntheticStream::Frame frame = long_stream().frames[k / 20];
+        SyntheticStream::Frame frame = long_stream<kSeconds>().frames[k / 20];
         how.frame(&frame);
         push_frame(device, frame, how.way);
       }
@@ -114,7 +110,7 @@ void test_one_stamp_from_another_time_costs_one_sample() {
     Storage storage(0xFF);
     segcal_t* device = create(&storage, SyntheticStream::config());
     static std::int64_t stamp;
-    stamp = away == INT64_MAX || away == INT64_MIN ? away : long_stream().imu[900].t_ns + away;
+    stamp = away == INT64_MAX || away == INT64_MIN ? away : long_stream<kSeconds>().imu[900].t_ns + away;
     Feed how;
     how.bad_sample = [](int i, segcal_imu_t* s) {
       s->t_ns = stamp;
@@ -135,11 +131,11 @@ void test_a_clock_that_was_set_is_followed() {
     feed(device, {}, 0, 1000);
     const std::uint32_t before = counters_of(device).frames_used;
     for (int i = 1000; i < 2400; ++i) {
-      segcal_imu_t sample = long_stream().imu[i];
+      segcal_imu_t sample = long_stream<kSeconds>().imu[i];
       sample.t_ns += by;
       segcal_push_imu(device, &sample);
       if (i % 20 != 0) continue;
-      const SyntheticStream::Frame& frame = long_stream().frames[i / 20];
+      const SyntheticStream::Frame& frame = long_stream<kSeconds>().frames[i / 20];
       segcal_push_tracks(device, frame.state.t_ns + by, frame.points.data(), std::min(int(frame.points.size()), SEGCAL_MAX_TRACKS));
     }
     const segcal_counters_t after = counters_of(device);
@@ -154,7 +150,7 @@ void test_one_image_from_another_time() {
   Storage storage(0xFF);
   segcal_t* device = create(&storage, SyntheticStream::config());
   feed(device, {}, 0, 1000);
-  const SyntheticStream::Frame& frame = long_stream().frames[50];
+  const SyntheticStream::Frame& frame = long_stream<kSeconds>().frames[50];
   for (const std::int64_t stamp : {frame.state.t_ns + (std::int64_t(1) << 45), INT64_MAX, INT64_MIN}) {
     TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STAMP, segcal_push_tracks(device, stamp, frame.points.data(), 20));
   }
@@ -215,7 +211,7 @@ void test_keyframes_far_from_the_origin_give_the_same_result() {
   check_between(Id(), "difference in sigmas", 0, difference_in_sigmas(near_device, far_device), 0.02);
   segcal_state_t state;
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_state(far_device, &state));
-  check_near(Id().add("place", "far"), "p_GI.x", long_stream().frames.back().state.p_GI[0] + 7e6, state.p_GI[0], 1e-4);
+  check_near(Id().add("place", "far"), "p_GI.x", long_stream<kSeconds>().frames.back().state.p_GI[0] + 7e6, state.p_GI[0], 1e-4);
 }
 
 void test_counts_below_zero_are_refused() {

@@ -279,9 +279,9 @@ typedef struct {
 /* Causes, the first that applies. */
 enum {
   SEGCAL_HEALTH_RUNNING = 0,
-  SEGCAL_HEALTH_NO_IMU = 1,
+  SEGCAL_HEALTH_NO_IMU = 1,           /* none, or none while frames go on */
   SEGCAL_HEALTH_IMU_REFUSED = 2,      /* more samples were refused than taken */
-  SEGCAL_HEALTH_NO_FRAMES = 3,
+  SEGCAL_HEALTH_NO_FRAMES = 3,        /* none, or none for ten seconds of IMU samples */
   SEGCAL_HEALTH_CLOCKS_APART = 4,     /* most frames' stamps are more than 2 s from the IMU's */
   SEGCAL_HEALTH_FRAMES_REFUSED = 5,   /* most frames' stamps do not grow */
   SEGCAL_HEALTH_FEW_TRACKS = 6,       /* most frames have too few points that go on */
@@ -414,7 +414,7 @@ int segcal_get_segment_directions(const segcal_t *device, segcal_direction_t *ou
    their number. What sigma_ref is measured from. */
 int segcal_get_segment_sigmas(const segcal_t *device, double *sigma, int32_t capacity);
 int segcal_get_counters(const segcal_t *device, segcal_counters_t *counters);
-/* What keeps the odometry from running, by what has been counted: SEGCAL_HEALTH_* (segcal/health.h has a sentence for each), or an
+/* What keeps the odometry from running at this moment, by what came since it used a frame the last time: SEGCAL_HEALTH_* (segcal/health.h has a sentence for each), or an
    error code. Work of a few dozen instructions: may be asked after every image. */
 int segcal_get_health(const segcal_t *device);
 /* Residuals of kept slot `index` after calibration; fill up to `capacity`, return their number. */

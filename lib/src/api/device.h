@@ -18,6 +18,7 @@ namespace SEGCAL_NS {
 /// What became of a pushed sample or frame.
 enum class Taken : std::int32_t { ok, waiting, skipped, tracking, lost, not_finite, stamp_refused };
 
+/// A frame with fewer points tells hardly anything of the motion.
 constexpr int kFewestTracks = 8;
 /// A calibration that the device began of its own takes effect at the fourth end of a segment after it (16 s): by then the
 /// background has done its slices, and with a fixed time what comes out does not depend on when.
@@ -75,6 +76,10 @@ class Device {
   std::uint64_t result_hash() const;
   EffectMonitor<S>& monitor() { return d_.monitor; }
   const FaultCounts& faults() const { return d_.faults; }
+  /// The caller's odometry, or the filter at this moment.
+  bool odometry_runs() const { return own_odometry_ || vio_.initialised(); }
+  /// What had come when the odometry used a frame with enough points the last time.
+  const StreamCounts& counts_at_last_use() const { return last_use_; }
   const VioStatistics& vio_statistics() const { return vio_.statistics(); }
   const BuilderCounts& builder_counts() const { return d_.builder.counts(); }
   static constexpr std::size_t workspace_bytes() {
@@ -138,6 +143,7 @@ class Device {
   StampGuard imu_clock_;
   Decimation<S> decimation_;
   WaitingFrames<S> frames_;
+  StreamCounts last_use_;
   State<S> state_;         ///< its place counts from origin_
   double origin_[3];       ///< m, in the odometry's frame: float holds what is near
   Hash trajectory_;        ///< of all states so far

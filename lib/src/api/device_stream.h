@@ -29,6 +29,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   trajectory_ = Hash{};
   window_ = thinned_ = 0;
   liveliness_.reset();
+  last_use_ = StreamCounts();
   calibrated_ = knew_enough_ = own_odometry_ = false;
   finished_ = true;
   spare_ = nullptr;
@@ -214,6 +215,7 @@ Taken Device<S>::process_frame() {
   if (status == VioStatus::tracking) {
     if (builder().empty()) keep_near_origin();
     take_state(vio_.time(), vio_.state());
+    if (frame.n >= kFewestTracks) last_use_ = StreamCounts(d_.faults);
     if (!d_.options.joint_filter && keyframe_due(state_time_)) take_keyframe(frame, state_);
     taken = Taken::tracking;
   } else if (status == VioStatus::lost) {
@@ -270,6 +272,7 @@ Taken Device<S>::push_keyframe(std::int64_t t_ns, const State<S>& state, const d
     x.p_GI(i) = static_cast<S>(p_GI[i] - origin_[i]);
   }
   take_state(t_ns, x);
+  last_use_ = StreamCounts(d_.faults);
   take_keyframe(frame, x);
   frames_.clear();
   return Taken::tracking;

@@ -9,25 +9,37 @@ constexpr std::int32_t kStartsTried = 5;
 /// s that the filter should run without being lost: as long as two segments.
 constexpr double kRunSeconds = 10;
 
-int cause_before_running(const FaultCounts& f, const VioStatistics& v) {
-  if (2 * f.frames_few_tracks > static_cast<std::uint32_t>(v.frames)) return SEGCAL_HEALTH_FEW_TRACKS;
+/// Too few to judge a share of.
+constexpr std::uint32_t kFewFrames = 2 * kStartFrames, kFewSamples = 100;
+
+bool most(std::uint32_t some, std::uint32_t all, std::uint32_t few) { return all > few && some > all / 2; }
+
+/// Why no good frame has been used since the last one, from what came since then; RUNNING where that is no reason.
+int cause_in_stream(const StreamCounts& now, const StreamCounts& then, Real imu_rate_hz) {
+  const std::uint32_t imu = now.imu - then.imu, frames = now.frames - then.frames;
+  if (now.imu == 0 || (frames > kFewFrames && imu < frames)) return SEGCAL_HEALTH_NO_IMU;
+  if (most(now.imu_refused - then.imu_refused, imu, kFewSamples)) return SEGCAL_HEALTH_IMU_REFUSED;
+  if (now.frames == 0 || (frames == 0 && static_cast<Real>(imu) > static_cast<Real>(kRunSeconds) * imu_rate_hz)) return SEGCAL_HEALTH_NO_FRAMES;
+  if (most(now.frames_far - then.frames_far, frames, kFewFrames)) return SEGCAL_HEALTH_CLOCKS_APART;
+  if (most(now.frames_back - then.frames_back, frames, kFewFrames)) return SEGCAL_HEALTH_FRAMES_REFUSED;
+  return most(now.frames_few - then.frames_few, frames, kFewFrames) ? SEGCAL_HEALTH_FEW_TRACKS : SEGCAL_HEALTH_RUNNING;
+}
+
+/// Of frames that wait for a start, since the filter ran last.
+int cause_of_waiting(const VioStatistics& v) {
   if (v.starts_tried >= kStartsTried) return SEGCAL_HEALTH_NO_START;
-  return v.starts_tried == 0 && v.frames > 2 * kStartFrames ? SEGCAL_HEALTH_FRAMES_TOO_FAR : SEGCAL_HEALTH_STARTING;
+  return v.frames_waited > 2 * kStartFrames && v.starts_tried == 0 ? SEGCAL_HEALTH_FRAMES_TOO_FAR : SEGCAL_HEALTH_STARTING;
 }
 
 int cause(const Device<Real>& device) {
   const FaultCounts& f = device.faults();
   const VioStatistics& v = device.vio_statistics();
-  const std::uint32_t refused = f.imu_stamps_back + f.imu_stamps_far + f.imu_not_finite;
-  if (f.imu_samples == 0) return SEGCAL_HEALTH_NO_IMU;
-  if (2 * refused > f.imu_samples) return SEGCAL_HEALTH_IMU_REFUSED;
-  if (f.frames == 0) return SEGCAL_HEALTH_NO_FRAMES;
-  if (2 * f.frame_stamps_far > f.frames) return SEGCAL_HEALTH_CLOCKS_APART;
-  if (2 * f.frame_stamps_back > f.frames) return SEGCAL_HEALTH_FRAMES_REFUSED;
-  if (v.starts == 0) return cause_before_running(f, v);
+  const int stream = cause_in_stream(StreamCounts(f), device.counts_at_last_use(), device.options().imu_rate_hz);
+  if (stream != SEGCAL_HEALTH_RUNNING) return stream;
   const double seconds = static_cast<double>(f.frames_used) * static_cast<double>(device.options().frame_interval_s);
   if (v.restarts >= 2 && seconds < kRunSeconds * v.restarts) return SEGCAL_HEALTH_LOST_OFTEN;
-  return 100 * static_cast<std::uint64_t>(f.imu_saturated) > f.imu_samples ? SEGCAL_HEALTH_SATURATED : SEGCAL_HEALTH_RUNNING;
+  if (!device.odometry_runs()) return cause_of_waiting(v);
+  return f.imu_saturated > f.imu_samples / 100 ? SEGCAL_HEALTH_SATURATED : SEGCAL_HEALTH_RUNNING;
 }
 
 }  // namespace

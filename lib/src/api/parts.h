@@ -45,6 +45,16 @@ struct FaultCounts {
   std::uint32_t calibrations = 0, calibrations_published = 0;   ///< begun; taken effect
 };
 
+/// Of the samples and frames that came, those that were refused, and frames with few points.
+struct StreamCounts {
+  std::uint32_t imu = 0, imu_refused = 0, frames = 0, frames_far = 0, frames_back = 0, frames_few = 0;
+
+  StreamCounts() = default;
+  explicit StreamCounts(const FaultCounts& f)
+      : imu(f.imu_samples), imu_refused(f.imu_stamps_back + f.imu_stamps_far + f.imu_not_finite), frames(f.frames),
+        frames_far(f.frame_stamps_far), frames_back(f.frame_stamps_back), frames_few(f.frames_few_tracks) {}
+};
+
 template <class S>
 struct DeviceParts {
   DeviceOptions<S> options;

@@ -185,6 +185,7 @@ VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n,
     tracks_.forget_slot(window_.pose[0].slot);
     window_.forget_oldest();
   }
+  ++statistics_.frames_waited;
   const int slot = window_.append_empty(t_ns);
   statistics_.dropped_points += tracks_.observe(slot, points, n);
   tracks_.remove_ended_shorter_than(3);
@@ -233,6 +234,7 @@ VioStatus Vio<S>::begin_running() {
   running_ = true;
   still_ = start_.still;
   ++statistics_.starts;
+  statistics_.frames_waited = statistics_.starts_tried = 0;
   last_update_ = time_;
   return healthy() ? VioStatus::tracking : give_up();
 }

@@ -65,7 +65,10 @@ struct VioStatistics {
   std::int32_t not_triangulated = 0;   ///< behind the camera, no convergence
   std::int32_t dropped_points = 0;     ///< no room in the track table
   std::int32_t standstill_frames = 0;
+  // since the filter ran last:
+  std::int32_t frames_waited = 0;      ///< collected for a start
   std::int32_t starts_tried = 0;       ///< in motion
+  // since reset():
   std::int32_t starts = 0;             ///< successful initialisations
   std::int32_t late_starts = 0;        ///< done at once because the background had not come to their slices in time
   std::int32_t restarts = 0;           ///< times the filter was lost
