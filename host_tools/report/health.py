@@ -23,7 +23,7 @@ FAULTS = {
     "segments_missed": "Segments that ended while a calibration was under way and were left out",
     "points_left_out": "Corner points left out since they lie far from where the model has them",
 }
-DISAGREE = 2.0  # variance of what segments say over the model's: sigmas are 1.4 times as large as stated
+DISAGREE = 2.0  # variance of what segments say, over that of stated noise
 
 
 def fit_sentence(result):
@@ -31,7 +31,8 @@ def fit_sentence(result):
     if ratio is None:
         return None
     size = "as large as" if 0.8 <= ratio <= 1.25 else "larger than" if ratio > 1.25 else "smaller than"
-    more = f"; all sigmas are scaled by {ratio**0.5:.2f}" if ratio > 1.25 else ""
+    scale = (result.get("fit") or {}).get("noise_scale")
+    more = f"; all sigmas are scaled by {scale:.2f}" if words.is_number(scale) and scale > 1.1 else ""
     return f"Residuals are {size} their stated noise: chi²/dof {ratio:.2f}{more}."
 
 
@@ -41,7 +42,7 @@ def health_sentences(health):
         yield f"The odometry followed {words.plain(used)} of {words.plain(frames)} images."
     scatter = health.get("segment_scatter")
     if words.is_number(scatter) and scatter > DISAGREE:
-        yield f"Segments disagree among themselves: their variance is {scatter:.1f} times what the noise explains."
+        yield f"Segments disagree among themselves: their variance is {scatter:.1f} times what the noise explains, which is in the sigmas."
 
 
 def fault_sentences(counts):

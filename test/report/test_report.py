@@ -119,6 +119,16 @@ def check_damage(chosen):
         shutil.rmtree(FOLDER / "spoiled")
 
 
+def check_scale():
+    """Sigmas are scaled by noise_scale, which is more than the square root of chi2/dof where segments disagree."""
+    folder = FOLDER / "scale"
+    shutil.copytree(FOLDER / "sessions", folder)
+    result = json.loads((folder / "result.json").read_text())
+    result["fit"]["noise_scale"] = 3.21
+    (folder / "result.json").write_text(json.dumps(result))
+    assert "all sigmas are scaled by 3.21" in report.rendered(folder)
+
+
 def check_refusals():
     folder = FOLDER / "refusals"
     shutil.copytree(FOLDER / "refused", folder)
@@ -146,6 +156,7 @@ def main():
             check_page(chromium, FOLDER / name / "report.html", figures, words)
         check_that_the_look_sees(chromium)
     check_damage(random.Random(SEED))
+    check_scale()
     check_refusals()
     print("report: drawn on a screen, a phone and paper; damaged files answered in a line")
 
