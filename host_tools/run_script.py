@@ -25,6 +25,7 @@ def main():
     script = sys.argv[1]
     sys.argv = sys.argv[1:]
     sys.path[0] = os.path.dirname(script)
+    sys.path.insert(1, os.path.join(os.path.dirname(os.path.abspath(__file__)), "common"))
     code = 0
     try:
         try:

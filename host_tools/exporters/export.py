@@ -6,7 +6,8 @@ import os
 import sys
 from pathlib import Path
 
-from calibration_folder import InputError, read_calibration
+from calibration_folder import read_calibration
+from input_error import InputError
 
 
 def write_all(out, files):

@@ -22,7 +22,7 @@ from mcap.writer import Writer
 from mcap_protobuf.schema import register_schema
 
 from basalt import quaternion
-from calibration_folder import InputError
+from input_error import InputError
 from lenses import without_fov
 
 sys.path.append(str(Path(__file__).resolve().parent.parent / "report"))

@@ -40,7 +40,7 @@ def portable(task, address):
     if not address:
         return task
     import cloudpickle
-    for module in (work, logs):
+    for module in (work, logs, logs.input_error):
         cloudpickle.register_pickle_by_value(module)
     packed = cloudpickle.dumps(task)
     return lambda batch: cloudpickle.loads(packed)(batch)

@@ -6,6 +6,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the matrices are small, an
 
 import argparse
 import functools
+import pathlib
 import sys
 
 import execution
@@ -93,17 +94,29 @@ def complain_of(entries):
     return bad
 
 
-def summarise(rows, dispersion, out):
-    devices = {row["device"] for row in rows["runs"]}
+def sentences(rows, dispersion):
+    """How it went: for the terminal and for the top of the page."""
     status = [row["status"] for row in rows["runs"]]
     counts = ", ".join(f"{status.count(s)} {s}" for s in ("calibrated", "insufficient", "failed", "refused") if s in status)
-    print(f"{len(status)} logs of {len(devices)} devices: {counts}")
-    print(f"logs of a device disagree by {dispersion:.2f} times their noise (chi2/dof, median over devices)")
+    named = {row["device"] for row in rows["attention"] if row["kind"] in ("change", "outlier", "misfit")}
+    return [f"{len(status)} logs of {len({row['device'] for row in rows['runs']})} devices: {counts}",
+            f"Logs of a device disagree by {dispersion:.2f} times their noise (chi2/dof, median over devices)",
+            f"{len(named)} devices to look at" if named else "No device stands out"]
+
+
+def write_report(store, rows, said):
+    sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "report"))
+    import fleet_page
+    html = fleet_page.render(rows, said).encode()
+    tables.write_whole(store.fs, f"{store.root}/report.html", lambda file: file.write(html))
+
+
+def summarise(rows, said, out):
     named = [row for row in rows["attention"] if row["kind"] in ("change", "outlier", "misfit")]
-    print(f"{len({row['device'] for row in named})} devices to look at" + (":" if named else ""))
+    print("\n".join(said) + (":" if named else ""))
     for row in named[:judge.WORST]:
         print(f"  {row['device']}: {row['sentence']}")
-    print(f"tables in {out}")
+    print(f"tables and report.html in {out}")
 
 
 def run(arguments):
@@ -128,7 +141,9 @@ def run(arguments):
     runs = judge.runs_of([e for e in entries if not e.get("unfinished")], store, a.devices)
     rows, dispersion = judge.rows_of_fleet(runs)
     tables.write_tables(store.fs, store.root, rows)
-    summarise(rows, dispersion, a.out)
+    said = sentences(rows, dispersion)
+    write_report(store, rows, said)
+    summarise(rows, said, a.out)
     return NEGATIVE if bad or any(run.record["result"] is None for run in runs) else 0
 
 

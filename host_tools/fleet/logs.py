@@ -5,11 +5,9 @@ import hashlib
 import pathlib
 import re
 
+import input_error
 import yaml
-
-
-class InputError(Exception):
-    """Bad usage or input: one line, exit code 2."""
+from input_error import InputError
 
 
 def is_log(path):

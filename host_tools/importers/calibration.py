@@ -1,10 +1,11 @@
 """The starting calibration and the IMU's noise of an imported recording."""
 
 import numpy as np
-import yaml
 
+import calibration_folder
 from recording import ASSUMED_NOISE, NOISE_NAMES, camchain_text
 from streams import Camera, InputError
+from yaml_file import read_yaml
 
 # R_CI by how a camera is mounted: rows are the camera's axes (x right, y down, z forward) in the IMU's.
 MOUNTS = {
@@ -16,23 +17,6 @@ MOUNTS = {
 }
 
 
-def read_yaml(file):
-    if file.exists() and not file.is_file():
-        raise InputError(f"{file}: expected a regular file")
-    try:
-        content = yaml.safe_load(file.read_text())
-    except FileNotFoundError:
-        raise InputError(f"{file}: file is missing") from None
-    except OSError as error:
-        raise InputError(f"{file}: {error.strerror}") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        mark = getattr(error, "problem_mark", None)
-        raise InputError(f"{file}:{mark.line + 1 if mark else 1}: expected YAML") from None
-    if not isinstance(content, dict):
-        raise InputError(f"{file}:1: expected a YAML map")
-    return content
-
-
 def noise_of(options, source):
     """(four figures, where they are from)."""
     if not options.imu_noise:
@@ -40,11 +24,8 @@ def noise_of(options, source):
             return stated
         return ASSUMED_NOISE, "assumed: a consumer IMU's, several times the data sheet"
     content = read_yaml(options.imu_noise)
-    content = content.get("imu0", content)
-    try:
-        figures = tuple(float(content[name]) for name in NOISE_NAMES)
-    except (KeyError, TypeError, ValueError):
-        raise InputError(f"{options.imu_noise}: expected numbers {', '.join(NOISE_NAMES)}") from None
+    stated = calibration_folder.noise_figures(options.imu_noise, content.get("imu0", content))
+    figures = tuple(stated[name] for name in NOISE_NAMES)
     if min(figures) <= 0:
         raise InputError(f"{options.imu_noise}: expected noise figures above 0")
     return figures, f"of {options.imu_noise.name}"
@@ -70,13 +51,12 @@ def write(folder, choice, imu, names, accounts, options, notes, warnings):
 
 
 def copied(folder, file, accounts):
-    content = read_yaml(file)
+    cameras = calibration_folder.read_chain(file)
     for i, account in enumerate(accounts):
-        camera = content.get(f"cam{i}")
-        if not isinstance(camera, dict):
+        if i >= len(cameras):
             raise InputError(f"{file}: expected an entry 'cam{i}', one for each of {len(accounts)} cameras")
-        if "resolution" in camera and list(camera["resolution"]) != account["size"]:
-            raise InputError(f"{file}: cam{i}: expected resolution {account['size']} as the images of {account['stream']} have, found {camera['resolution']}")
+        if cameras[i].size not in ([0, 0], account["size"]):
+            raise InputError(f"{file}: cam{i}: expected resolution {account['size']} as the images of {account['stream']} have, found {cameras[i].size}")
     (folder / "camchain-imucam.yaml").write_text(file.read_text())
     return f"copied from {file.name}"
 

@@ -16,9 +16,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-
-class InputError(Exception):
-    """What is wrong with which file, in one line."""
+from input_error import InputError  # noqa: F401  formats raise it
 
 
 @dataclass

@@ -5,6 +5,7 @@ A figure that cannot be drawn raises Missing with the reason in words; the page 
 
 import numpy as np
 import plotly.graph_objects as go
+import plotly.io
 from plotly.subplots import make_subplots
 
 KEPT = "#d9480f"
@@ -13,6 +14,7 @@ TRUTH = "#2b8a3e"
 AXES = {"x": "#1864ab", "y": "#e67700", "z": "#862e9c"}
 LIMIT = "#c92a2a"
 LARGEST_NUMBER_OF_POINTS = 6000
+plotly.io.templates.default = "plotly_white"  # said here once: said of each figure, plotly copies it four times as often
 
 
 class Missing(ValueError):
@@ -66,7 +68,7 @@ def styled(figure, height):
     titled = bool(figure.layout.annotations)
     place = dict(yref="container", yanchor="top", y=0.995) if titled else dict(yanchor="bottom", y=1.0)
     figure.update_layout(
-        height=height + (50 if titled else 0), template="plotly_white", margin=dict(l=58, r=12, t=110 if titled else 60, b=44),
+        height=height + (50 if titled else 0), margin=dict(l=58, r=12, t=110 if titled else 60, b=44),
         font=dict(size=13), legend=dict(orientation="h", x=0, itemsizing="constant", **place), hovermode="closest",
         dragmode=False)  # a finger on a figure scrolls the page
     figure.update_xaxes(automargin=True)

@@ -81,12 +81,16 @@ class Html(str):
     """Text that is HTML already."""
 
 
+class Sentence(str):
+    """Text for a cell that wraps and begins at the left, however short."""
+
+
 def safe(content):
     return content if isinstance(content, Html) else Html(escape(str(content)))
 
 
 def table_cell(content, label):
-    css = ' class="text"' if len(content) > LONG_TEXT and not isinstance(content, Html) else ""
+    css = ' class="text"' if isinstance(content, Sentence) or (len(content) > LONG_TEXT and not isinstance(content, Html)) else ""
     label = f' data-label="{escape(label)}"' if label else ""
     return f"<td{css}{label}>{safe(content)}</td>"
 

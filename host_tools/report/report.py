@@ -8,9 +8,7 @@ import os
 import sys
 from pathlib import Path
 
-
-class InputError(Exception):
-    """What is wrong with which file, in one line."""
+from input_error import InputError
 
 
 def read_json(file, required):

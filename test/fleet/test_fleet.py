@@ -1,8 +1,9 @@
 """segcal fleet as a user runs it: on this machine, in shards, interrupted, on a Dask scheduler whose worker is killed; always the same tables.
-Usage: test_fleet.py SEGCAL SOURCE_TREE FOLDER"""
+Usage: test_fleet.py SEGCAL SOURCE_TREE FOLDER [SEED]; SEGCAL_LONG=1 kills ten workers, not two."""
 
 import os
 import pathlib
+import random
 import re
 import shutil
 import signal
@@ -14,7 +15,8 @@ import duckdb
 import pyarrow.parquet as pq
 
 SEGCAL, SOURCE, FOLDER = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
-DEVICES, LOGS = 5, 2
+SEED = int(sys.argv[4]) if len(sys.argv) > 4 else 1
+DEVICES, LOGS, KILLS = (5, 6, 10) if os.environ.get("SEGCAL_LONG") else (5, 2, 2)
 REPLAY = ["--", "--segments", "3", "--segment-seconds", "3"]
 ENVIRONMENT = {**os.environ, "SEGCAL_PYTHON": sys.executable}
 
@@ -47,23 +49,25 @@ def make_logs():
             folder = FOLDER / "logs" / f"device_{device}" / f"session_{log}"
             done = segcal("simulate", "--out", folder, "--scenario", "rich", "--seconds", 11, "--seed", 10 * device + log + 1, "--device-seed", device + 1)
             assert done.returncode == 0, done.stderr
-    shutil.copytree(FOLDER / "logs/device_0/session_0", FOLDER / "logs/device_0/session_2", dirs_exist_ok=True)
-    tracks = FOLDER / "logs/device_0/session_2/mav0/cam0/tracks.csv"
+    shutil.copytree(FOLDER / "logs/device_0/session_0", FOLDER / f"logs/device_0/session_{LOGS}", dirs_exist_ok=True)
+    tracks = FOLDER / f"logs/device_0/session_{LOGS}/mav0/cam0/tracks.csv"
     tracks.write_text(tracks.read_text()[:5000] + "\nbroken line\n")
 
 
 def check_tables():
     runs = table("whole", "runs")
-    assert [r["place"] for r in runs] == [0, 1, 2] + [0, 1] * (DEVICES - 1)
-    assert runs[2]["status"] == "refused" and "tracks.csv:" in runs[2]["error"] and runs[2]["exit_code"] == 2
+    assert [r["place"] for r in runs] == [*range(LOGS + 1)] + [*range(LOGS)] * (DEVICES - 1)
+    assert runs[LOGS]["status"] == "refused" and "tracks.csv:" in runs[LOGS]["error"] and runs[LOGS]["exit_code"] == 2
     assert {r["device"] for r in runs if r["status"] != "refused"} == {f"simulated-{d + 1}" for d in range(DEVICES)}
     fused = [r for r in table("whole", "devices") if r["device"] == "simulated-1"]
     single = {(r["device"], r["place"], r["name"]): r for r in table("whole", "parameters")}
-    assert len(fused) == 26 and fused[0]["logs"] == 2
-    for row in fused:  # two logs know more than either
-        each = [single["simulated-1", place, row["name"]]["sigma"] for place in (0, 1)]
+    assert len(fused) == 26 and fused[0]["logs"] == LOGS
+    for row in fused:  # all logs know more than each
+        each = [single["simulated-1", place, row["name"]]["sigma"] for place in range(LOGS)]
         assert row["sigma"] < 1.001 * min(each), (row, each)
     assert {r["devices"] for r in table("whole", "models")} <= set(range(1, DEVICES + 1))
+    page = (FOLDER / "whole" / "report.html").read_text()
+    assert f"{DEVICES * LOGS + 1} logs of {DEVICES} devices" in page and f"device_0/session_{LOGS}" in page
     kinds = {(r["kind"], r["device"]) for r in table("whole", "attention")}
     assert any(kind == "refused" for kind, _ in kinds) and not any(kind == "change" for kind, _ in kinds), kinds
 
@@ -100,33 +104,50 @@ def check_interrupted():
     check_same("whole", "killed")
 
 
+def worker(address):
+    return subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1"],
+                            cwd=FOLDER, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def killed_at_random(process, workers, address, kills):
+    """Kills one of the workers at a random moment and starts another one, so many times or until the work is done."""
+    chosen, done = random.Random(SEED), 0
+    while done < kills and process.poll() is None:
+        time.sleep(chosen.uniform(0.3, 1.5))
+        victim = chosen.randrange(len(workers))
+        workers[victim].kill()
+        workers[victim].wait()
+        workers[victim] = worker(address)
+        done += 1
+    return done
+
+
 def check_dask():
-    """A real scheduler, two worker processes, one of them killed while it works."""
+    """A real scheduler and two worker processes; one of them, drawn at random, is killed again and again."""
     address_file = FOLDER / "scheduler.json"
-    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler"], [sys.executable, "-m", "distributed.cli.dask_worker"]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    scheduler = subprocess.Popen([*dask[0], "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(address_file)], **quiet)
+    scheduler = subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
+                                  "--scheduler-file", str(address_file)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     workers = []
     try:
         while not address_file.exists():
             assert scheduler.poll() is None
             time.sleep(0.1)
         address = re.search(r"tcp://[0-9.:]+", address_file.read_text())[0]
-        for _ in range(2):
-            workers.append(subprocess.Popen([*dask[1], address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1"], cwd=FOLDER, **quiet))
+        workers += [worker(address) for _ in range(2)]
         command = [SEGCAL, "fleet", FOLDER / "logs", "--out", FOLDER / "dask", "--batch", "2", "--scheduler", address, *REPLAY]
         process = subprocess.Popen(list(map(str, command)), env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         while not list((FOLDER / "dask" / "work").rglob("*.json")) and process.poll() is None:
             time.sleep(0.02)
-        assert process.poll() is None, process.stdout.read()
-        workers[0].kill()
-        said, _ = process.communicate(timeout=200)
+        killed = killed_at_random(process, workers, address, KILLS)
+        said, _ = process.communicate(timeout=300)
         assert process.returncode == 1, said  # 1: the broken log
+        assert killed >= min(KILLS, 2), f"the work was done after {killed} kills; seed {SEED}"
     finally:
         for child in (*workers, scheduler):
             child.kill()
             child.wait()
     check_same("whole", "dask")
+    return killed
 
 
 def check_refusals():
@@ -159,10 +180,10 @@ def main():
     check_tables()
     check_resumed_and_sharded()
     check_interrupted()
-    check_dask()
+    killed = check_dask()
     check_refusals()
     check_queries()
-    print("fleet: the same tables each way")
+    print(f"fleet: the same tables each way, {killed} workers killed")
 
 
 main()

@@ -140,5 +140,36 @@ class Video(Case):
         self.refused("expected a table of its frames' stamps", *self.sources, "--out", self.rec)
 
 
+    def test_a_table_that_was_cut(self):
+        """Inside its last number: a stamp years away, or, as here, a millisecond off, which nothing later would notice."""
+        stamps = self.put_tables()
+        self.sources[0].write_bytes(b"\x1a\x45\xdf\xa3" + bytes(200))
+        for heading in ("timestamp [ns],frame\n", ""):
+            (self.folder / "clip.csv").write_text(heading + "\n".join(str(t) for t in stamps.tolist())[:-1])
+            self.refused("expected a line that ends", *self.sources, "--out", self.rec)
+
+
+class Calibrations(Case):
+    CAMERA = "  distortion_model: {model}\n  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n  intrinsics: {intrinsics}\n  resolution: [12, 8]\n" \
+             "  T_cam_imu: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+
+    def test_files_that_are_given(self):
+        """--calib and --imu-noise are read as any calibration: what segcal could not use is refused, not copied."""
+        root, chain, noise = self.folder / "room", self.folder / "chain.yaml", self.folder / "noise.yaml"
+        Folders.put(self, root)
+        for model, intrinsics, says in (("radtan", "[200, 200, 4]", "4 finite numbers in 'intrinsics'"), ("omni", "[200, 200, 4, 3]", "expected a distortion_model"),
+                                        ("radtan", "[200, .nan, 4, 3]", "finite numbers"), ("equi", "[200, 200, 4, 3]", "")):
+            chain.write_text("cam0:\n" + self.CAMERA.format(model=model, intrinsics=intrinsics))
+            if says:
+                self.refused(says, root, "--out", self.rec, "--calib", chain)
+        self.converted(root, "--calib", chain)
+        self.assertEqual((self.rec / "camchain-imucam.yaml").read_text(), chain.read_text())
+        shutil.rmtree(self.rec)
+        chain.write_text("cam0: [\n")
+        self.refused("chain.yaml:2: expected YAML", root, "--out", self.rec, "--calib", chain)
+        noise.write_text("gyroscope_noise_density: 1.0e-4\n")
+        self.refused("noise.yaml: expected an entry 'accelerometer_noise_density'", root, "--out", self.rec, "--imu-noise", noise)
+
+
 if __name__ == "__main__":
     main()

@@ -35,6 +35,13 @@ return [figures.map(f => f.closest("section")?.querySelector("h2")?.textContent)
 """
 
 
+# Plotly follows the window a tenth of a second later.
+FOLLOWED = """
+const done = arguments[0], narrower = f => Math.abs(f.querySelector(".main-svg").getBoundingClientRect().width - f.clientWidth) > 1;
+(function look() { [...document.querySelectorAll(".js-plotly-plot")].some(narrower) ? setTimeout(look, 20) : done(); })();
+"""
+
+
 def missing():
     return [program for program in PROGRAMS if not shutil.which(program)]
 
@@ -53,10 +60,22 @@ class Browser:
     def __exit__(self, *_):
         self.driver.quit()
 
-    def open(self, file, width):
+    def resize(self, width):
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600})
+
+    def open(self, file, width):
+        self.resize(width)
         self.driver.get(file.as_uri())
         self.settle()
+
+    def at_widths(self, file, widths):
+        """Opens the page at the first width, then makes the window as wide as each: figures follow, at half the time of opening it again."""
+        self.open(file, widths[0])
+        for width in widths:
+            self.resize(width)
+            self.driver.execute_async_script(FOLLOWED)
+            self.settle()
+            yield width
 
     def settle(self):
         """Two frames after what has been asked for: drawn."""

@@ -14,10 +14,10 @@ import browser
 
 SEGCAL, SOURCE, FOLDER = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
 SEED = int(sys.argv[4]) if len(sys.argv) > 4 else 1
-sys.path.insert(0, str(SOURCE / "host_tools" / "report"))
+sys.path[:0] = [str(SOURCE / "host_tools" / part) for part in ("report", "common")]
 import report  # noqa: E402
 
-WIDTHS = 1300, 400
+WIDTHS = 400, 1300
 PAPER = 718  # px of 1/96 inch: A4 less a centimetre on each side
 MARK = "<script>alert('x')</script>\"'&<b>"
 
@@ -46,7 +46,7 @@ def make_folders():
     yield "sessions", [*COMMON, *OF_KEPT, "Theta over calibrations"], "Calibrated"
     segcal("replay", simulated("rec_still", "--scenario", "still", "--seconds", 8), *small, "--out", FOLDER / "refused", codes=(1,))
     yield "refused", COMMON, "Not enough information"
-    off = simulated("rec_off", *rich, 20, "--effect", "time_offset=0.01", "--seed", 3)
+    off = simulated("rec_off", *rich, 12, "--effect", "time_offset=0.01", "--seed", 3)
     segcal("diagnose", off, "--out", FOLDER / "diagnosis", codes=(0, 1))
     yield "diagnosis", ["The gap", "Worst windows: mean image residual, simulated minus measured", "Worst window: whitened IMU residuals"], "time_offset"
     segcal("allan", simulated("rec_rest", "--scenario", "still", "--seconds", 70), "--out", FOLDER / "allan")
@@ -54,8 +54,7 @@ def make_folders():
 
 
 def check_page(chromium, file, figures, words):
-    for width in WIDTHS:
-        chromium.open(file, width)
+    for width in chromium.at_widths(file, WIDTHS):
         drawn, wrong = chromium.look()
         assert not wrong, f"{file} at {width} px: {wrong[:5]}"
         assert set(figures) <= set(drawn), f"{file} at {width} px: no figure in {sorted(set(figures) - set(drawn))}"

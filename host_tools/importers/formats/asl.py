@@ -3,9 +3,10 @@ are, and turns TUM-VI's dso/camchain.yaml or EuRoC's sensor.yaml into camchain-i
 
 import numpy as np
 
-from calibration import read_yaml
 from recording import NOISE_NAMES
+from calibration_folder import COEFFICIENTS, OTHER_NAMES
 from streams import Camera, Image, Imu, InputError, StreamInfo
+from yaml_file import read_yaml
 
 from . import tables
 
@@ -75,9 +76,9 @@ class Source:
             entry = read_yaml(file) if file.is_file() else None
         if entry is None:
             return None
-        model = {"radial-tangential": "radtan", "equi": "equidistant"}.get(entry.get("distortion_model"), entry.get("distortion_model"))
-        if model not in ("radtan", "equidistant", "fov"):
-            raise InputError(f"{file}: expected a distortion_model of radtan, equidistant or fov")
+        model = OTHER_NAMES.get(entry.get("distortion_model"), entry.get("distortion_model"))
+        if model not in COEFFICIENTS:
+            raise InputError(f"{file}: expected a distortion_model of {', '.join(COEFFICIENTS)}")
         distortion = entry.get("distortion_coeffs", entry.get("distortion_coefficients"))
         return Camera(*entry["resolution"], entry["intrinsics"], model, distortion[:1] if model == "fov" else distortion)
 

@@ -27,9 +27,12 @@ def stamps_beside(video):
 
 
 def read_stamps(file):
-    lines = [line for line in file.read_text(encoding="utf-8-sig", errors="replace").splitlines() if line.strip()]
+    text = file.read_text(encoding="utf-8-sig", errors="replace")
+    lines = [line for line in text.splitlines() if line.strip()]
     if not lines:
         raise InputError(f"{file}: expected a stamp for each frame, found nothing")
+    if text[-1] not in "\r\n":  # elsewhere such a line is left out; here each frame needs its own
+        raise InputError(f"{file}:{len(text.splitlines())}: expected a line that ends: without it the last stamp may be cut inside its number")
     first = tables.split(lines[0].lstrip("#"))
     columns = [tables.Column.of(part) for part in first]
     if all(map(tables.is_number, first)):
