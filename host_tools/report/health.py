@@ -59,6 +59,13 @@ def suspect_sentences(result):
             yield f"Suspect: {text.rstrip('.')}."
 
 
+def note_sentences(result):
+    for note in (result.get("health") or {}).get("notes") or []:
+        text = str(note.get("words") or "")
+        if text and text not in (result.get("cause") or ""):
+            yield f"Note: {text.rstrip('.')}."
+
+
 def sentences(result, counts):
     """The first one is the verdict."""
     yield words.headline(result)
@@ -66,6 +73,7 @@ def sentences(result, counts):
         cause = str(result["cause"]).rstrip(".")
         yield cause[:1].upper() + cause[1:] + "."
     yield from suspect_sentences(result)
+    yield from note_sentences(result)
     yield from filter(None, [fit_sentence(result)])
     yield from health_sentences(result.get("health") or {})
     found = list(fault_sentences(counts))

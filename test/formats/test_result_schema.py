@@ -84,7 +84,7 @@ def words_that_are_numbers(node, path=""):
 def check_yaml():
     """All YAML files that simulate and replay wrote, among them figures that print as 2e-05: a bias walk, a line delay."""
     files = sorted(FOLDER.rglob("*.yaml"))
-    assert {f.name for f in files} == {"camchain-imucam.yaml", "device.yaml", "imu.yaml", "model.yaml", "sensor.yaml"}, files
+    assert {f.name for f in files} == {"camchain-imucam.yaml", "config.yaml", "device.yaml", "imu.yaml", "model.yaml", "sensor.yaml"}, files
     for file in files:
         assert not list(words_that_are_numbers(yaml.safe_load(file.read_text()))), f"{file}: {list(words_that_are_numbers(yaml.safe_load(file.read_text())))}"
     assert yaml.safe_load((FOLDER / "one" / "imu.yaml").read_text())["gyroscope_random_walk"] == 2e-5

@@ -85,6 +85,30 @@ std::vector<Case> file_cases() {
   };
 }
 
+std::vector<Case> config_cases() {
+  const std::pair<const char*, std::pair<const char*, const char*>> bad[] = {
+      {"unknown", {"format: 1\nnoises: {}\n", "config.yaml:2: expected one of format, prior_sigma, gravity, noise, found 'noises'"}},
+      {"unknown_prior", {"prior_sigma:\n  p_CI: 0.1\n", "config.yaml:2: expected one of r_CI_rad, p_CI_m"}},
+      {"negative", {"prior_sigma:\n  p_CI_m: -0.1\n", "config.yaml:2: expected a number from"}},
+      {"zero_noise", {"noise: {gyroscope_noise_density: 0}\n", "config.yaml:1: expected a number from"}},
+      {"word", {"noise: {pixel_sigma_px: half}\n", "config.yaml:1: expected a finite number for 'pixel_sigma_px'"}},
+      {"gravity_unit", {"gravity: {m_s2: 980.665}\n", "config.yaml:1: expected a number from 1 to 30 for 'm_s2'"}},
+      {"latitude", {"gravity: {latitude_deg: 91}\n", "config.yaml:1: expected a number from -90 to 90 for 'latitude_deg'"}},
+      {"two_gravities", {"gravity: {latitude_deg: 10, m_s2: 9.8}\n", "config.yaml:1: expected either 'm_s2' or 'latitude_deg'"}},
+      {"height_alone", {"gravity: {height_m: 10}\n", "config.yaml:1: expected either"}},
+      {"gravity_number", {"gravity: 9.8\n", "config.yaml:1: expected a map of names and numbers for 'gravity'"}},
+      {"format", {"format: 7\n", "config.yaml:1: expected 'format: 1'"}},
+      {"empty", {"", "config.yaml:1: file is empty"}},
+  };
+  std::vector<Case> out;
+  for (const auto& [name, texts] : bad) {
+    const std::string text = texts.first;
+    out.push_back({name, [text](const fs::path& rec) { write_text(rec / "config.yaml", text); }, texts.second, "replay REC --out OUT --config REC/config.yaml"});
+  }
+  out.push_back({"no_config", [](const fs::path&) {}, "config.yaml", "replay REC --out OUT --config REC/config.yaml"});
+  return out;
+}
+
 std::vector<Case> usage_cases() {
   const auto nothing = [](const fs::path&) {};
   return {
@@ -149,6 +173,10 @@ void test_files_that_cannot_be_used() {
   for (const Case& c : file_cases()) check(c);
 }
 
+void test_configurations_that_cannot_be_used() {
+  for (const Case& c : config_cases()) check(c);
+}
+
 void test_bad_usage() {
   for (const Case& c : usage_cases()) check(c);
 }
@@ -173,6 +201,7 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_the_recording_itself_is_good);
   RUN_TEST(test_files_that_cannot_be_used);
+  RUN_TEST(test_configurations_that_cannot_be_used);
   RUN_TEST(test_bad_usage);
   return UNITY_END();
 }

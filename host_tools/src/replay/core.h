@@ -17,9 +17,21 @@ struct CoreTerm {
   int kind = 0, a = 0, b = 0, c = 0;
 };
 
+/// One standard deviation of the starting calibration's error, by group; 0: the core's default (lib/src/calibration/prior.h).
+struct PriorSigmas {
+  double r_CI_rad = 0, p_CI_m = 0;
+  double focal_length_share = 0;     ///< of f
+  double principal_point_px = 0;
+  double distortion = 0;             ///< of each coefficient
+  double gyro_scale = 0, gyro_misalignment = 0;
+  double accel_scale = 0, accel_misalignment = 0, r_AI_rad = 0;
+};
+
 struct CoreOptions {
   Calibration calibration;
+  PriorSigmas prior_sigma;
   ImuNoise noise;
+  double gravity = 0;                ///< m/s^2; 0: nobody stated it, the standard value is taken
   std::string metric = "A";          ///< A, D, E, set_d or random
   bool multi_session = false;
   int segments = 8;

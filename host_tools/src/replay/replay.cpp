@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "replay/config_file.h"
+
 namespace host {
 namespace {
 
@@ -171,6 +173,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   std::unique_ptr<Core> core = make_core(options.profile, core_options);
   ReplayResult out;
   out.noise = options.core.noise;
+  if (options.core.device_config.empty()) out.config = config_yaml(options.core);
   Session session(*core, out, options.calibrate);
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     if (i > 0) core->new_session();

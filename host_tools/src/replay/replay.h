@@ -43,6 +43,13 @@ struct ReplayTiming {
   double calibrate_ms = 0;                   ///< the last calibration
 };
 
+/// What was stated, or taken for granted, and what the data say of it. Nothing is refused for it.
+struct Note {
+  std::string name;                  ///< gyro_noise, accel_noise, pixel_noise or gravity
+  double factor = 1;                 ///< what the data show over what was stated
+  std::string words;                 ///< a sentence
+};
+
 /// What a result may suffer from: a fault of the data, or an effect that the model lacks.
 struct Suspect {
   std::string name;                  ///< of a fault "kind.sensor", of an effect its own
@@ -60,6 +67,7 @@ struct Health {
   double step_chi2 = 0;              ///< of the step from the start by the prior's sigmas
   int step_dof = 0;
   std::vector<Suspect> suspects;     ///< faults, then effects, the largest statistic first
+  std::vector<Note> notes;           ///< on noise and gravity
 };
 
 struct ReplayResult {
@@ -72,6 +80,7 @@ struct ReplayResult {
   Calibration calibration;
   Calibration start;                 ///< where it started from, the mean of the prior
   ImuNoise noise;
+  std::string config;                ///< config.yaml; empty where a device brought its own
   CoreModel model;
   std::vector<CoreState> trajectory; ///< at each processed frame
   std::vector<CoreSegment> segments; ///< every segment scored, `kept` as at the end

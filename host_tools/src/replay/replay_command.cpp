@@ -11,6 +11,7 @@
 #include "device_log/device_log.h"
 #include "files/output_run.h"
 #include "files/sha256.h"
+#include "replay/config_file.h"
 #include "replay/model_file.h"
 #include "replay/result_files.h"
 #include "replay/sessions.h"
@@ -21,13 +22,13 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> recordings;
-  std::string calibration, out, model, strategy = "single", verify_hash, device_id;
+  std::string calibration, out, model, config, strategy = "single", verify_hash, device_id;
   std::vector<std::string> effects;
   int cameras = 1;
   bool json = false, no_calibration = false, keep_outdated = false, hash = false, smooth_stamps = false, keep_clock = false;
   ReplayOptions replay;
   std::vector<CLI::Option*> of_device;  ///< what a device log says itself
-  CLI::Option* profile = nullptr;
+  CLI::Option *profile = nullptr, *pixel_sigma = nullptr, *track_walk = nullptr;
 };
 
 /// One line that counts on a terminal, a line per quarter in a log.
@@ -45,6 +46,9 @@ void print_summary(const ReplayResult& r) {
   if (!r.cause.empty()) std::printf("not calibrated: %s\n", r.cause.c_str());
   for (const Suspect& s : r.health.suspects) {
     if (r.cause.find(s.words) == std::string::npos) std::printf("suspect: %s\n", s.words.c_str());
+  }
+  for (const Note& n : r.health.notes) {
+    if (r.cause.find(n.words) == std::string::npos) std::printf("note: %s\n", n.words.c_str());
   }
   std::printf("%s: %d of %zu segments kept, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n",
               c.status.c_str(), c.segments, r.segments.size(), c.dof > 0 ? c.chi2 / c.dof : 0.0, c.reprojection_rms_px,
@@ -134,9 +138,19 @@ Provenance provenance_of(const Arguments& a, const std::vector<Recording>& sessi
   from.temperature_degC = temperature_range(sessions);
   from.configuration = configuration_json(a.replay);
   from.configuration["enable"] = a.effects;
+  if (!a.config.empty()) from.configuration["config_sha256"] = sha256_of_text(read_file(a.config));
   if (!a.model.empty()) from.configuration["model_sha256"] = sha256_of_text(read_file(a.model));
   if (!a.calibration.empty()) from.configuration["calib_sha256"] = sha256_of_text(read_file(a.calibration));
   return from;
+}
+
+/// What the user states counts more than the recording, an option of its own more than the file.
+void apply_config(Arguments* a, std::vector<Recording>* sessions) {
+  SensorConfig config = read_config_file(a->config);
+  if (a->pixel_sigma->count() > 0) config.pixel_sigma.reset();
+  if (a->track_walk->count() > 0) config.track_walk.reset();
+  config.apply(&a->replay.core);
+  for (Recording& session : *sessions) session.imu.noise = a->replay.core.noise;
 }
 
 /// The offset that the clocks are known to have: of the model, if it has one, else of the camera chain.
@@ -193,6 +207,7 @@ int run(Arguments a) {
   std::vector<Recording> sessions = sessions_of(&a);
   a.replay.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
   a.replay.core.noise = sessions.front().imu.noise;
+  if (!a.config.empty()) apply_config(&a, &sessions);
   a.replay.core.multi_session = a.strategy == "multi";
   a.replay.calibrate = !a.no_calibration;
   a.replay.core.has_temperature = true;
@@ -226,7 +241,7 @@ void add_files(CLI::App* sub, Arguments* a) {
                   "recordings in ASL layout (REC/mav0/...) or device logs (*.segcal); several are sessions in order")->required();
   sub->add_option("--calib", a->calibration, "starting calibration, Kalibr's camchain-imucam.yaml (default: the recording's own)");
   sub->add_option("--out", a->out,
-                  "folder for result.json, calibration.jsonl, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml, kept_segments.json")->required();
+                  "folder for result.json, calibration.jsonl, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml, config.yaml, kept_segments.json")->required();
   sub->add_option("--device-id", a->device_id, "name of the device in result.json (default: REC/device.yaml's device_id)");
   sub->add_flag("--json", a->json, "print result.json on standard output");
 }
@@ -257,13 +272,16 @@ void add_database_options(CLI::App* sub, Arguments* a) {
 void add_model_options(CLI::App* sub, Arguments* a) {
   CoreOptions& core = a->replay.core;
   sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
-  sub->add_option("--pixel-sigma", core.pixel_sigma, "stated noise of a tracked corner per axis, px")
+  sub->add_option("--config,--priors", a->config,
+                  "config.yaml: priors of the starting calibration, gravity, noise of IMU and corners; see below. OUT/config.yaml holds what was used")
+      ->type_name("FILE");
+  a->pixel_sigma = sub->add_option("--pixel-sigma", core.pixel_sigma, "stated noise of a tracked corner per axis, px")
       ->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_flag("--smooth-stamps", a->smooth_stamps,
                 "stamps were taken in callbacks: replace each by a robust line through those of one second before and after it");
   sub->add_flag("--keep-clock", a->keep_clock,
                 "do not look for the camera clock's offset: it is the camera chain's timeshift_cam_imu, or the model's");
-  sub->add_option("--track-walk", core.track_walk, "random walk of a corner's error along its track per axis, px/sqrt(s)")
+  a->track_walk = sub->add_option("--track-walk", core.track_walk, "random walk of a corner's error along its track per axis, px/sqrt(s)")
       ->capture_default_str()->check(CLI::Range(0.0, 100.0));
   sub->add_flag("--estimate-track-noise", a->replay.estimate_track_noise,
                 "replay twice: the second time with the white noise and the walk that the first one's tracks show")
@@ -302,7 +320,7 @@ A device log (made with segcal/log.h, or by segcal convert) is replayed with the
 device made, so that it gives the device's bits:
   segcal replay flight.segcal --out out --verify-hash flight.segcal
 
-)" + effects_help() + R"(
+)" + config_help() + "\n" + effects_help() + R"(
 Exit code 1: the result is not `calibrated` (too little motion, or the model does not fit); with --verify-hash: the hash is
 another one.)";
 }
@@ -316,7 +334,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   add_database_options(sub, a.get());
   add_model_options(sub, a.get());
   add_hash_options(sub, a.get());
-  for (const char* name : {"--metric", "--segments", "--segment-seconds", "--adaptive-segments", "--strategy", "--cameras", "--pixel-sigma",
+  for (const char* name : {"--metric", "--segments", "--segment-seconds", "--adaptive-segments", "--strategy", "--cameras", "--config", "--pixel-sigma",
                            "--track-walk", "--estimate-track-noise",
                            "--seed", "--trigger-sigma", "--hold-calibration", "--joint-ekf", "--keep-outdated"}) {
     a->of_device.push_back(sub->get_option(name));

@@ -28,6 +28,7 @@ void write_result_files(const std::filesystem::path& dir, const ReplayResult& re
   write_imu_yaml(dir / "imu.yaml", result.calibration, result.noise);
   write_file(dir / "trajectory.tum", trajectory_tum(result.trajectory));
   write_file(dir / "model.yaml", model_yaml(result));
+  if (!result.config.empty()) write_file(dir / "config.yaml", result.config);
   write_file(dir / "report_data.json", report_data(result, truth).dump());
   write_file(dir / "kept_segments.json", kept_segments_json(kept_segments(result)));
   write_file(dir / "calibration.jsonl", calibration_lines(result, provenance));

@@ -59,8 +59,10 @@ Json health_json(const Health& h) {
   for (const Suspect& s : h.suspects) {
     suspects.push_back({{"name", s.name}, {"statistic", s.statistic}, {"log10_p", s.log10_p}, {"bias_sigmas", s.bias_sigmas}, {"moves", s.moves}, {"words", s.words}});
   }
+  Json notes = Json::array();
+  for (const Note& n : h.notes) notes.push_back({{"name", n.name}, {"factor", n.factor}, {"words", n.words}});
   return {{"frames", h.frames}, {"frames_used", h.frames_used}, {"frames_offered", h.frames_offered}, {"filter_restarts", h.filter_restarts},
-          {"segment_scatter", h.segment_scatter}, {"step_chi2", h.step_chi2}, {"step_dof", h.step_dof}, {"suspects", suspects}};
+          {"segment_scatter", h.segment_scatter}, {"step_chi2", h.step_chi2}, {"step_dof", h.step_dof}, {"suspects", suspects}, {"notes", notes}};
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "review/linearised.h"
 #include "review/missing_effects.h"
 #include "review/segment_scatter.h"
+#include "review/stated.h"
 
 namespace host::review {
 namespace {
@@ -49,6 +50,7 @@ class Review {
     find_faults_of_data();
     const bool fitted = out_.calibrated && out_.result.dof > 0 && out_.kept.size() >= 2 && out_.result.status != "failed";
     if (fitted) judge_fit();
+    find_notes();
     if (out_.result.status == "calibrated" && out_.kept.size() == 1) refuse("insufficient", kOneSegment);
     if (out_.result.status != "calibrated" && out_.cause.empty()) out_.cause = reason();
   }
@@ -61,6 +63,11 @@ class Review {
       }
     }
     faults_ = health_.suspects.size();
+  }
+
+  void find_notes() {
+    health_.notes = notes_on_noise(sessions_.front(), out_);
+    for (const Note& note : notes_on_gravity(options_, out_)) health_.notes.push_back(note);
   }
 
   void judge_fit() {
@@ -164,6 +171,8 @@ class Review {
     const std::string trouble = core_.trouble();
     if (!trouble.empty() && !odometry_stayed()) return what + ": " + trouble;
     if (!health_.suspects.empty()) return what + ": " + health_.suspects.front().words;
+    for (const Note& note : health_.notes)
+      if (note.name != "gravity" && note.factor > 1) return what + ": " + note.words;
     return what;
   }
 

@@ -5,7 +5,7 @@
 
 namespace host::review {
 
-/// Fills result->health and result->cause. Widens sigmas where segments disagree by more than noise does
+/// Fills result->health, with notes on what was stated (stated.h), and result->cause. Widens sigmas where segments disagree by more than noise does
 /// (segment_scatter.h), and takes `calibrated` back, with everything as it was, where
 ///  - the odometry used less than half of the images that it was offered,
 ///  - the fit leaves more than twice the stated noise,

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "log/config_fields.h"
+#include "replay/config_file.h"
 #include "replay/core.h"
 #include "segcal/segcal.h"
 
@@ -90,6 +91,9 @@ inline segcal_config_t config_of(const CoreOptions& options) {
   put_triangle(options.calibration.imu.T_g, c.imu.gyro_scale, c.imu.gyro_misalignment);
   put_triangle(options.calibration.imu.T_a, c.imu.accel_scale, c.imu.accel_misalignment);
   put_rotation(options.calibration.imu.R_AI, c.imu.q_AI);
+  const std::vector<double> sigmas = prior_sigmas(options.prior_sigma, options.calibration);
+  std::copy_n(sigmas.begin(), std::min<std::size_t>(sigmas.size(), SEGCAL_MAX_PARAMETERS), c.prior_sigma);
+  c.gravity = options.gravity;
   c.imu_rate_hz = options.noise.rate_hz;
   c.gyro_noise_density = options.noise.gyro_noise_density;
   c.gyro_random_walk = options.noise.gyro_random_walk;

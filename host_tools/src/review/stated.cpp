@@ -1,0 +1,98 @@
+#include "review/stated.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "diagnose/imu_noise.h"
+#include "diagnose/pixel_noise.h"
+#include "gravity.h"
+
+namespace host::review {
+namespace {
+
+constexpr double kAbove = noise_factor_high;   // 1.6: where diagnosis says that an IMU is noisier than stated
+constexpr double kBelow = 0.5;                 // sigmas are twice too wide: nobody is misled, but half of the information is lost
+constexpr double kTypicalError = 0.03;         // m/s^2: 9.80665 is off by up to that in most places where people live
+constexpr double kPriorSigmas = 3.5;           // once in 2000 devices
+constexpr double kStudent2 = 31.6;             // |t| with two degrees of freedom: once in 1000 devices
+constexpr double kSeen = 5;                    // sigmas of the common scale, below which nothing is said of it
+
+template <typename... T>
+std::string text(const char* format, T... values) {
+  char buffer[500];
+  std::snprintf(buffer, sizeof buffer, format, values...);
+  return buffer;
+}
+
+void judge(const char* name, const char* sensor, double factor, double sigma, bool steady, const char* entry, double stated, std::vector<Note>* out) {
+  const char* verdict = nullptr;
+  if (factor - 3 * sigma > kAbove && steady) verdict = "sigmas are too small by up to that";
+  if (factor + 3 * sigma < kBelow) verdict = "sigmas are too large by up to that, unless it was stated on purpose, for drift or for what a filter in the sensor hides";
+  if (!verdict) return;
+  out->push_back({name, factor, text("%s noise is %.2f +- %.2f times what was stated: %s. State %s %.3g (--config)", sensor, factor, sigma, verdict, entry, factor * stated)});
+}
+
+void judge_imu(const char* name, const char* sensor, const SensorNoise& noise, const char* entry, std::vector<Note>* out) {
+  // Motion or vibration that fills the band makes the figure an upper bound: it may be less, never more.
+  const bool steady = noise.verdict == SensorNoise::Verdict::above;
+  judge(name, sensor, noise.factor, noise.sigma, steady, entry, noise.stated, out);
+}
+
+/// Shares by which the accelerometer's three scales left the start; false where one was held or there is no covariance.
+bool scale_steps(const CoreResult& r, std::array<double, 3>* step, double* prior_sigma, double* common_sigma) {
+  const std::size_t n = r.parameters.size();
+  if (r.covariance.size() != n * n) return false;
+  std::array<std::size_t, 3> at{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::string name = std::string("accel.s") + "xyz"[k];
+    const auto p = std::find_if(r.parameters.begin(), r.parameters.end(), [&name](const CoreParameter& q) { return q.name == name; });
+    if (p == r.parameters.end() || p->verdict == "fixed") return false;
+    at[k] = static_cast<std::size_t>(p - r.parameters.begin());
+    (*step)[k] = p->value / p->initial - 1;
+    *prior_sigma = p->prior_sigma;
+  }
+  double sum = 0;
+  for (const std::size_t i : at)
+    for (const std::size_t j : at) sum += r.covariance[i * n + j];
+  *common_sigma = std::sqrt(std::max(0.0, sum)) / 3;
+  return true;
+}
+
+}  // namespace
+
+std::vector<Note> notes_on_noise(const Recording& recording, const ReplayResult& result) {
+  std::vector<Note> out;
+  const RawNoise raw = raw_imu_noise(recording);
+  judge_imu("gyro_noise", "gyroscope", raw.gyro, "gyroscope_noise_density", &out);
+  judge_imu("accel_noise", "accelerometer", raw.accel, "accelerometer_noise_density", &out);
+  const diagnosis::PixelNoise pixel = diagnosis::pixel_noise(result.kept);
+  if (pixel.sigma > 0) judge("pixel_noise", "corner", pixel.factor, pixel.sigma, true, "pixel_sigma_px", result.model.pixel_sigma, &out);
+  return out;
+}
+
+std::vector<Note> notes_on_gravity(const CoreOptions& options, const ReplayResult& result) {
+  std::array<double, 3> step{};
+  double prior_sigma = 0, sigma = 0;
+  if (!scale_steps(result.result, &step, &prior_sigma, &sigma)) return {};
+  const double common = (step[0] + step[1] + step[2]) / 3, g = result.model.gravity;
+  double spread = 0;
+  for (const double s : step) spread += 0.5 * (s - common) * (s - common);
+  const double by_prior = std::abs(common) / std::sqrt(prior_sigma * prior_sigma / 3 + sigma * sigma);
+  const double by_spread = std::abs(common) / std::sqrt(spread / 3 + sigma * sigma);
+  if (std::abs(common) > kSeen * sigma && (by_prior > kPriorSigmas || by_spread > kStudent2)) {
+    return {{"gravity", 1 + common,
+             text("all three accelerometer scales left the start by %+.2f +- %.2f %%, which sensors seldom do together: with gravity %.4f m/s^2 in place "
+                  "of %.5g they would have stayed. No residual tells the two apart. State gravity in --config, by m_s2 or by latitude_deg and height_m",
+                  100 * common, 100 * sigma, g * (1 + common), g)}};
+  }
+  const double share = kTypicalError / g;
+  if (options.gravity > 0 || sigma > share) return {};
+  return {{"gravity", 1,
+           text("gravity is not stated, %.5f m/s^2 is taken: where it is off by %.2f (Earth has 9.76 to 9.83), accel.s* and all lengths, p_CI too, are off by "
+                "%.2f %%, %.1f sigma of accel.s*, and no residual shows it. State it in --config, by latitude_deg and height_m",
+                kStandardGravity, kTypicalError, 100 * share, share / sigma)}};
+}
+
+}  // namespace host::review
