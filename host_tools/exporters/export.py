@@ -6,21 +6,27 @@ import os
 import sys
 from pathlib import Path
 
+import fsspec
 from calibration_folder import read_calibration
 from input_error import InputError
+from output_run import OutputRun
 
 
-def write_all(out, files):
+def run_into(out, to, names):
+    return OutputRun(fsspec.filesystem("file"), str(out.absolute()), f"export --to {to}", names)
+
+
+def write_all(out, to, files):
     """All files or none that is new: each under a temporary name first."""
     try:
-        out.mkdir(parents=True, exist_ok=True)
-        parts = []
-        for name, text in files.items():
-            part = out / f".{name}.{os.getpid()}.part"
-            part.write_text(text, encoding="utf-8")
-            parts.append((part, out / name))
-        for part, file in parts:
-            os.replace(part, file)
+        with run_into(out, to, files):
+            parts = []
+            for name, text in files.items():
+                part = out / f".{name}.{os.getpid()}.part"
+                part.write_text(text, encoding="utf-8")
+                parts.append((part, out / name))
+            for part, file in parts:
+                os.replace(part, file)
     except OSError as error:
         raise InputError(f"{error.filename or out}: cannot be written: {error.strerror}") from None
 
@@ -31,9 +37,9 @@ def export_session(folder, out, options):
     recording = next((Path(o.removeprefix("--rec=")) for o in options if o.startswith("--rec=")), None)
     part, file = out / f".session.mcap.{os.getpid()}.part", out / "session.mcap"
     try:
-        out.mkdir(parents=True, exist_ok=True)
-        session_mcap.write(part, folder, read_calibration(folder), recording, "--no-images" not in options)
-        os.replace(part, file)
+        with run_into(out, "mcap", [file.name]):
+            session_mcap.write(part, folder, read_calibration(folder), recording, "--no-images" not in options)
+            os.replace(part, file)
     except OSError as error:
         raise InputError(f"{error.filename or out}: {error.strerror}") from None
     except (LookupError, TypeError, ValueError) as error:
@@ -60,7 +66,7 @@ def main(arguments):
     except ImportError as error:
         raise InputError(f"the Python package '{error.name}' is missing; host_tools/setup.sh installs it") from None
     files, notes = {"kalibr": kalibr, "openvins": openvins, "basalt": basalt, "ros": ros}[to].files_of(read_calibration(folder))
-    write_all(out, files)
+    write_all(out, to, files)
     for note in notes:
         print(f"note: {note}", file=sys.stderr)
     print(f"wrote {', '.join(str(out / name) for name in files)}")

@@ -12,6 +12,7 @@ import sys
 import execution
 import judge
 import logs
+import output_run
 import tables
 import work
 
@@ -108,7 +109,7 @@ def write_report(store, rows, said):
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "report"))
     import fleet_page
     html = fleet_page.render(rows, said).encode()
-    tables.write_whole(store.fs, f"{store.root}/report.html", lambda file: file.write(html))
+    output_run.write_whole(store.fs, f"{store.root}/report.html", lambda file: file.write(html))
 
 
 def summarise(rows, said, out):
@@ -130,6 +131,8 @@ def run(arguments):
         paths = paths[a.shard[0]::a.shard[1]]
     if "://" not in a.out:
         a.out = os.path.abspath(a.out)  # workers have another working directory
+    store = work.Store(a.out)
+    output_run.expect_folder(store.fs, store.root, "fleet")
     task = functools.partial(work.run_batch, a.program, a.version, a.options, a.out, again=a.again)
     entries = execution.run_all(paths, task, a.scheduler, a.jobs, a.batch)
     bad = complain_of(entries)
@@ -137,7 +140,6 @@ def run(arguments):
         print(f"{len(paths) - bad} of {len(paths)} logs of shard {a.shard[0]}/{a.shard[1]} are done; the same command without --shard makes the tables",
               file=sys.stderr)
         return NEGATIVE if bad else 0
-    store = work.Store(a.out)
     runs = judge.runs_of([e for e in entries if not e.get("unfinished")], store, a.devices)
     rows, dispersion = judge.rows_of_fleet(runs)
     tables.write_tables(store.fs, store.root, rows)

@@ -1,12 +1,11 @@
 """Records to tables, one Parquet file each. Rows are in the order of the logs and hold nothing of when or where the work was done, so
 that the same logs give the same files, byte for byte; times.parquet holds the rest."""
 
-import os
 import pathlib
-import platform
 
 import pyarrow as pa
 import pyarrow.parquet as pq
+from output_run import OutputRun, write_whole
 
 TEXT, WHOLE, REAL, FLAG = pa.string(), pa.int64(), pa.float64(), pa.bool_()
 
@@ -74,27 +73,11 @@ def table(name, rows):
     return pa.table(columns, schema=schema)
 
 
-def write_whole(fs, path, write):
-    """`write` gets an open file. The old file or the new one is there, never a part; two runs into one folder do not meet, the last
-    one stays."""
-    folder, _, name = path.rpartition("/")
-    temporary = f"{folder}/.{name}.{platform.node()}.{os.getpid()}.part"
-    with fs.open(temporary, "wb") as file:
-        write(file)
-    if "file" in fs.protocol:
-        os.replace(temporary, path)
-    else:
-        fs.mv(temporary, path)
-
-
 def write_tables(fs, root, rows):
-    for name in SCHEMAS:
-        write_whole(fs, f"{root}/{name}.parquet", lambda file, name=name: pq.write_table(table(name, rows.get(name, [])), file, compression="zstd"))
-
-
-def read_table(fs, root, name):
-    with fs.open(f"{root}/{name}.parquet", "rb") as file:
-        return pq.read_table(file).to_pylist()
+    """All of them belong together: manifest.json says so at the end."""
+    with OutputRun(fs, root, "fleet", [f"{name}.parquet" for name in SCHEMAS]):
+        for name in SCHEMAS:
+            write_whole(fs, f"{root}/{name}.parquet", lambda file, name=name: pq.write_table(table(name, rows.get(name, [])), file, compression="zstd"))
 
 
 def last_part(log):

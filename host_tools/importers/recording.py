@@ -5,7 +5,9 @@ import shutil
 import signal
 from pathlib import Path
 
+import fsspec
 import numpy as np
+import output_run
 from PIL import Image as Png
 
 from streams import InputError
@@ -50,6 +52,7 @@ class NewFolder:
 
     def __exit__(self, kind, error, trace):
         if kind is None:
+            self.write_manifest()
             if self.out.exists():
                 self.out.rmdir()
             os.replace(self.part, self.out)
@@ -58,6 +61,13 @@ class NewFolder:
         if isinstance(error, OSError):
             raise InputError(f"{self.out}: cannot be written: {error.strerror}") from None
         return False
+
+
+    def write_manifest(self):
+        """Of all files but images, which data.csv names."""
+        names = sorted(str(f.relative_to(self.part)) for f in self.part.rglob("*") if f.is_file() and f.parent.name != "data")
+        entries = [output_run.entry_of(fsspec.filesystem("file"), str(self.part), name) for name in names]
+        (self.part / output_run.NAME).write_bytes(output_run.text_of([output_run.run_entry("import", entries)]))
 
 
 def write_imu(folder, imu):

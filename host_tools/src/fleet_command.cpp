@@ -27,7 +27,6 @@ void add_fleet_command(CLI::App& app, int& exit_code) {
     for (const std::string& argument : sub->remaining())
       if (argument.empty()) throw InputError("fleet: expected values, found an empty text");
     setenv("SEGCAL_PROGRAM", std::filesystem::read_symlink("/proc/self/exe").c_str(), 1);
-    setenv("SEGCAL_PROGRAM_VERSION", SEGCAL_PROGRAM_VERSION, 1);
     const int code = run_python_script("fleet/fleet.py", sub->remaining(), kNegative);
     exit_code = code == kNegative ? 1 : code;
   });

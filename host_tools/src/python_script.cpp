@@ -48,6 +48,7 @@ int run_program(const std::vector<std::string>& arguments) {
 int run_python_script(const std::string& script, const std::vector<std::string>& arguments, int negative) {
   const std::string python = python_program();
   const fs::path file = fs::path(SEGCAL_SOURCE_DIR) / "host_tools" / script;
+  setenv("SEGCAL_PROGRAM_VERSION", SEGCAL_PROGRAM_VERSION, 1);
   if (!fs::exists(file)) throw InputError(file.string() + ": file is missing, this command needs the source tree");
   // -B: no compiled files beside the sources.
   std::vector<std::string> command = {python, "-B", (file.parent_path().parent_path() / "run_script.py").string(), file.string()};

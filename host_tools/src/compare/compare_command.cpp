@@ -7,6 +7,7 @@
 #include "compare/compare.h"
 #include "file_output.h"
 #include "files/manifest.h"
+#include "files/output_run.h"
 #include "recording.h"
 
 namespace host {
@@ -76,7 +77,11 @@ int run(Arguments a) {
   for (const auto& folder : {a.options.a, a.options.b}) check_folder(folder);
   const Comparison c = compare(a.options);
   const std::string json = comparison_json(c, a.options).dump(1) + "\n";
-  if (!a.out.empty()) write_file(a.out / "compare.json", json);
+  if (!a.out.empty()) {
+    OutputRun files(a.out, "compare", FolderRole::guest);
+    write_file(a.out / "compare.json", json);
+    files.finish();
+  }
   if (a.json) {
     std::cout << json;
   } else {
