@@ -105,7 +105,8 @@ class OutputRun:
         self.remove_parts()
         self.old = [run for run in runs if run["command"] == self.command]
         self.others = [run for run in runs if run["command"] != self.command]
-        self.interrupted = writing.get("files", [])
+        self.runs, self.writing, self.interrupted = runs, writing, writing.get("files", [])
+        self.before = self.state()
         self.put(text_of(runs, {"command": self.command, "files": list(dict.fromkeys([*self.interrupted, *self.names]))}))
         return self
 
@@ -121,6 +122,18 @@ class OutputRun:
             if match and not Path(f"/proc/{match[1]}").exists():
                 part.unlink(missing_ok=True)
 
+    def state(self):
+        """Tells whether any of the files was replaced: a rename brings another inode."""
+        entries = {name: self.fs.info(f"{self.root}/{name}") for name in self.names if self.fs.exists(f"{self.root}/{name}")}
+        return {name: tuple(entry.get(key) for key in ("size", "ino", "mtime", "LastModified", "etag")) for name, entry in entries.items()}
+
+    def undo(self):
+        """Nothing was written: as if it had not begun."""
+        if self.runs or self.writing:
+            self.put(text_of(self.runs, self.writing))
+        else:
+            self.fs.rm_file(f"{self.root}/{NAME}")
+
     def left_over(self):
         """Names of an earlier run of this command that this one did not write; of a run that came to its end, as it wrote them."""
         for entry in (f for run in self.old for f in run["files"] if f["name"] not in self.names):
@@ -134,4 +147,6 @@ class OutputRun:
                 self.fs.rm_file(f"{self.root}/{name}")
             files = [entry_of(self.fs, self.root, name) for name in self.names]
             self.put(text_of([*self.others, run_entry(self.command, files)]))
+        elif self.state() == self.before:
+            self.undo()
         return False

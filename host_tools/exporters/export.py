@@ -1,7 +1,8 @@
 """`segcal export`: a calibration in the files of other tools.
 
-Usage: export.py DIR kalibr|openvins|basalt|ros|mcap OUT [--rec=REC] [--no-images]. Exit code 0 when all files are written, 2 with one line on stderr."""
+Usage: export.py DIR kalibr|openvins|basalt|ros|mcap|rerun OUT [--rec=REC] [--no-images]. Exit code 0 when all files are written, 2 with one line on stderr."""
 
+import importlib
 import os
 import sys
 from pathlib import Path
@@ -31,14 +32,26 @@ def write_all(out, to, files):
         raise InputError(f"{error.filename or out}: cannot be written: {error.strerror}") from None
 
 
-def export_session(folder, out, options):
+SESSIONS = {"mcap": "session.mcap", "rerun": "session.rrd"}
+# Packages that are not installed unasked, and the command that does.
+EXTRAS = {"rerun": "rerun"}
+
+
+def missing_package(name):
+    extra = EXTRAS.get((name or "").split(".")[0])
+    if extra:
+        return f"this export needs the Python package '{name}'; install it with: .venv/bin/pip install -r host_tools/exporters/requirements-{extra}.txt"
+    return f"the Python package '{name}' is missing; host_tools/setup.sh installs it"
+
+
+def export_session(folder, to, out, options):
     """One file, which may be as large as the recording: written beside its place, then renamed."""
-    import session_mcap
+    session = importlib.import_module(f"session_{to}")
     recording = next((Path(o.removeprefix("--rec=")) for o in options if o.startswith("--rec=")), None)
-    part, file = out / f".session.mcap.{os.getpid()}.part", out / "session.mcap"
+    part, file = out / f".{SESSIONS[to]}.{os.getpid()}.part", out / SESSIONS[to]
     try:
-        with run_into(out, "mcap", [file.name]):
-            session_mcap.write(part, folder, read_calibration(folder), recording, "--no-images" not in options)
+        with run_into(out, to, [file.name]):
+            session.write(part, folder, read_calibration(folder), recording, "--no-images" not in options)
             os.replace(part, file)
     except OSError as error:
         raise InputError(f"{error.filename or out}: {error.strerror}") from None
@@ -53,18 +66,15 @@ def main(arguments):
     folder, to, out = Path(arguments[0]), arguments[1], Path(arguments[2])
     if out.exists() and folder.resolve() == out.resolve():
         raise InputError(f"{out}: expected another folder than the calibration's: files of the same name would be replaced")
-    if to == "mcap":
-        try:
-            return export_session(folder, out, arguments[3:])
-        except ImportError as error:
-            raise InputError(f"the Python package '{error.name}' is missing; host_tools/setup.sh installs it") from None
     try:
+        if to in SESSIONS:
+            return export_session(folder, to, out, arguments[3:])
         import basalt
         import kalibr
         import openvins
         import ros
     except ImportError as error:
-        raise InputError(f"the Python package '{error.name}' is missing; host_tools/setup.sh installs it") from None
+        raise InputError(missing_package(error.name)) from None
     files, notes = {"kalibr": kalibr, "openvins": openvins, "basalt": basalt, "ros": ros}[to].files_of(read_calibration(folder))
     write_all(out, to, files)
     for note in notes:

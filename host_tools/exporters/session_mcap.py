@@ -3,10 +3,7 @@ log messages, for Foxglove and Lichtblick.
 
 Topics: /tf (world to imu, imu to each camera), /path, /map, /camN/{calibration,image,tracks}, /imu (JSON), /log."""
 
-import csv
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 from foxglove_schemas_protobuf.CameraCalibration_pb2 import CameraCalibration
@@ -21,28 +18,13 @@ from foxglove_schemas_protobuf.PosesInFrame_pb2 import PosesInFrame
 from mcap.writer import Writer
 from mcap_protobuf.schema import register_schema
 
+import session_files
 from basalt import quaternion
-from input_error import InputError
 from lenses import without_fov
-
-sys.path.append(str(Path(__file__).resolve().parent.parent / "report"))
-import health  # noqa: E402
 
 VECTOR = {"type": "object", "properties": {axis: {"type": "number"} for axis in "xyz"}}
 IMU = {"title": "segcal.Imu", "type": "object", "properties": {"gyro_rad_per_s": VECTOR, "accel_m_per_s2": VECTOR}}
 MODELS = {"radtan": "plumb_bob", "equidistant": "kannala_brandt"}  # as Foxglove names them
-
-
-def rows(file):
-    """(stamp in ns, other columns) of a CSV file of a recording."""
-    with open(file, newline="", encoding="utf-8") as lines:
-        for number, row in enumerate(csv.reader(lines), start=1):
-            if not row or row[0].startswith("#"):
-                continue
-            try:
-                yield int(row[0]), row[1:]
-            except ValueError:
-                raise InputError(f"{file}:{number}: expected a stamp in ns") from None
 
 
 def stamped(message, t_ns):
@@ -59,16 +41,6 @@ def transform(t_ns, parent, child, p, q_xyzw):
     message = stamped(FrameTransform(parent_frame_id=parent, child_frame_id=child), t_ns)
     set_pose(message.translation, message.rotation, p, q_xyzw)
     return t_ns, "/tf", message
-
-
-def trajectory(file):
-    """(t_ns, p, q x y z w) of each line; stamps keep their nanoseconds."""
-    for line in file.read_text().splitlines():
-        if not line.startswith("#"):
-            stamp, *values = line.split()
-            seconds, nanoseconds = stamp.split(".")
-            values = list(map(float, values))
-            yield int(seconds) * 10**9 + int(nanoseconds), values[:3], values[3:]
 
 
 def of_path(poses):
@@ -92,78 +64,56 @@ def of_cameras(calibration, start):
 
 
 def of_map(file):
-    """The landmarks of each kept segment, at its end."""
-    for segment in json.loads(file.read_text())["segments"]:
-        near = [mark for mark in segment["landmarks"] if mark["inverse_distance"] > 0.02]  # within 50 m: the others have no place
-        if not near:
-            continue
-        points = [np.array(mark["anchor"]) + np.array(mark["direction"]) / mark["inverse_distance"] for mark in near]
-        t = segment["keyframes"][-1]["t_ns"]
-        message = stamped(PointCloud(frame_id="world", point_stride=12, data=np.array(points, "<f4").tobytes()), t)
+    for t, points in session_files.landmarks(file):
+        message = stamped(PointCloud(frame_id="world", point_stride=12, data=points.astype("<f4").tobytes()), t)
         message.pose.orientation.w = 1
         for axis, offset in zip("xyz", (0, 4, 8)):
             message.fields.add(name=axis, offset=offset, type=PackedElementField.FLOAT32)
         yield t, "/map", message
 
 
-def of_log(result, t):
+def of_log(folder, t):
     levels = {"calibrated": Log.INFO, "insufficient": Log.WARNING}
-    for sentence in health.sentences(result, result.get("faults") or {}):
-        yield t, "/log", stamped(Log(level=levels.get(result["status"], Log.ERROR), message=sentence, name="segcal"), t)
+    status, sentences = session_files.sentences(folder)
+    for sentence in sentences:
+        yield t, "/log", stamped(Log(level=levels.get(status, Log.ERROR), message=sentence, name="segcal"), t)
 
 
 def of_images(folder, camera):
-    for t, (name, *_) in rows(folder / "data.csv"):
-        file = folder / "data" / name.strip()
-        if file.exists():
-            yield t, f"/cam{camera}/image", stamped(CompressedImage(frame_id=f"cam{camera}", data=file.read_bytes(), format=file.suffix[1:].lower()), t)
+    for t, file in session_files.images(folder):
+        yield t, f"/cam{camera}/image", stamped(CompressedImage(frame_id=f"cam{camera}", data=file.read_bytes(), format=file.suffix[1:].lower()), t)
 
 
 def of_tracks(folder, camera):
-    def message(t, points):
-        out = ImageAnnotations()
-        marks = stamped(out.points.add(type=PointsAnnotation.POINTS, thickness=4), t)
+    for t, points in session_files.tracks(folder):
+        message = ImageAnnotations()
+        marks = stamped(message.points.add(type=PointsAnnotation.POINTS, thickness=4), t)
         marks.outline_color.g = marks.outline_color.a = 1.0
         for u, v in points:
             marks.points.add(x=u, y=v)
-        return t, f"/cam{camera}/tracks", out
-
-    stamp, points = None, []
-    for t, (_, u, v) in rows(folder / "tracks.csv"):
-        if stamp is not None and t != stamp:
-            yield message(stamp, points)
-            points = []
-        stamp = t
-        points.append((float(u), float(v)))
-    if points:
-        yield message(stamp, points)
+        yield t, f"/cam{camera}/tracks", message
 
 
-def of_imu(file):
-    for t, values in rows(file):
-        w, a = (dict(zip("xyz", map(float, part))) for part in (values[:3], values[3:6]))
-        yield t, "/imu", {"gyro_rad_per_s": w, "accel_m_per_s2": a}
+def of_imu(recording):
+    for t, w, a in session_files.imu(recording):
+        yield t, "/imu", {"gyro_rad_per_s": dict(zip("xyz", w)), "accel_m_per_s2": dict(zip("xyz", a))}
 
 
 def of_recording(recording, cameras, images):
     for i in range(cameras):
         folder = recording / "mav0" / f"cam{i}"
-        if images and (folder / "data.csv").exists():
+        if images:
             yield from of_images(folder, i)
-        if (folder / "tracks.csv").exists():
-            yield from of_tracks(folder, i)
-    yield from of_imu(recording / "mav0" / "imu0" / "data.csv")
+        yield from of_tracks(folder, i)
+    yield from of_imu(recording)
 
 
 def messages(folder, calibration, recording, images):
-    result = json.loads((folder / "result.json").read_text())
-    poses = list(trajectory(folder / "trajectory.tum"))
-    if not poses:
-        raise InputError(f"{folder / 'trajectory.tum'}: expected poses; the odometry did not start")
+    poses = session_files.trajectory(folder / "trajectory.tum")
     yield from of_cameras(calibration, poses[0][0])
     yield from of_path(poses)
     yield from of_map(folder / "kept_segments.json")
-    yield from of_log(result, poses[-1][0])
+    yield from of_log(folder, poses[-1][0])
     if recording:
         yield from of_recording(recording, len(calibration.cameras), images)
 

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* explanation = "Writes a calibration as Kalibr, OpenVINS, Basalt or ROS read it, or a whole session as MCAP with the messages of Foxglove and Lichtblick.";
+constexpr const char* explanation = "Writes a calibration as Kalibr, OpenVINS, Basalt or ROS read it, or a whole session for a viewer: as MCAP with the messages of Foxglove and Lichtblick, or for rerun.";
 
 constexpr const char* footer = R"(DIR is what `segcal replay --out DIR` wrote (or any folder with camchain-imucam.yaml and imu.yaml). Written to --out:
   kalibr     camchain-imucam.yaml, imu.yaml (model scale-misalignment: lower triangular M, body frame of the accelerometer)
@@ -22,6 +22,8 @@ constexpr const char* footer = R"(DIR is what `segcal replay --out DIR` wrote (o
   ros        camN.yaml for camera_info_manager and camera_calibration_parsers, transforms.yaml
 
   mcap       session.mcap: calibration, path, map, the recording with --rec (images, IMU, corner tracks), and the verdict as log messages
+
+  rerun      session.rrd: the same for rerun. Needs a package that setup does not install; the message says the command
 
   segcal export out --to openvins --out openvins_config
   segcal export out --to mcap --rec REC --out view         then open view/session.mcap
@@ -42,17 +44,18 @@ void add_export_command(CLI::App& app, int& exit_code) {
   sub->footer(footer);
   const auto options = std::make_shared<ExportOptions>();
   sub->add_option("DIR", options->folder, "folder with camchain-imucam.yaml and imu.yaml")->required();
-  sub->add_option("--to", options->to, "kalibr, openvins, basalt, ros or mcap")
+  sub->add_option("--to", options->to, "kalibr, openvins, basalt, ros, mcap or rerun")
       ->required()
-      ->check(CLI::IsMember({"kalibr", "openvins", "basalt", "ros", "mcap"}));
+      ->check(CLI::IsMember({"kalibr", "openvins", "basalt", "ros", "mcap", "rerun"}));
   sub->add_option("--out", options->out, "folder to write into")->required();
-  sub->add_option("--rec", options->recording, "mcap: the recording that DIR was made from");
-  sub->add_flag("--no-images", options->no_images, "mcap: leave the images of --rec out");
+  sub->add_option("--rec", options->recording, "mcap, rerun: the recording that DIR was made from");
+  sub->add_flag("--no-images", options->no_images, "mcap, rerun: leave the images of --rec out");
   sub->callback([options, &exit_code] {
     if (!fs::exists(fs::path(options->folder) / "camchain-imucam.yaml"))
       throw InputError((fs::path(options->folder) / "camchain-imucam.yaml").string() + ": file is missing; `segcal replay --out` writes it");
     check_folder(options->folder);
-    if (options->to != "mcap" && (!options->recording.empty() || options->no_images)) throw InputError("--rec and --no-images: for --to mcap only");
+    const bool viewer = options->to == "mcap" || options->to == "rerun";
+    if (!viewer && (!options->recording.empty() || options->no_images)) throw InputError("--rec and --no-images: for --to mcap and rerun only");
     std::vector<std::string> arguments = {options->folder, options->to, options->out};
     if (!options->recording.empty()) arguments.push_back("--rec=" + options->recording);
     if (options->no_images) arguments.push_back("--no-images");

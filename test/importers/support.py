@@ -15,8 +15,8 @@ PROGRAM = os.environ["SEGCAL_PROGRAM"]
 SOURCE = Path(__file__).resolve().parents[2]
 
 
-def segcal(*arguments):
-    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, stdin=subprocess.DEVNULL)
+def segcal(*arguments, environment=None):
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, stdin=subprocess.DEVNULL, env={**os.environ, **(environment or {})})
 
 
 class Case(unittest.TestCase):

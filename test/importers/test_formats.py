@@ -149,6 +149,24 @@ class Video(Case):
             self.refused("expected a line that ends", *self.sources, "--out", self.rec)
 
 
+class Unsupported(Case):
+    def box(self, kind, content):
+        return (8 + len(content)).to_bytes(4, "big") + kind + content
+
+    def test_reasons(self):
+        """Known, and not read: the reason, and a way on."""
+        vrs, gopro = self.folder / "aria.bin", self.folder / "GX010001.MP4"
+        vrs.write_bytes(b"VisionRecord" + bytes(100))
+        self.refused("Aria's VRS is not read", vrs, "--out", self.rec)
+        handler = self.box(b"hdlr", bytes(8) + b"meta" + bytes(12) + b"GoPro MET") + self.box(b"stsd", bytes(8) + self.box(b"gpmd", bytes(8)))
+        gopro.write_bytes(self.box(b"ftyp", b"mp41") + self.box(b"mdat", bytes(1000)) + self.box(b"moov", self.box(b"trak", handler)))
+        self.refused("GoPro's telemetry inside of a video is not read", gopro, "--list")
+        gopro.write_bytes(self.box(b"ftyp", b"mp41") + self.box(b"mdat", b"gpmd" + bytes(100)) + self.box(b"moov", bytes(40)))
+        self.refused("expected a table of its frames' stamps", gopro, "--list")  # no telemetry: a video like others
+        gopro.write_bytes(self.box(b"ftyp", b"mp41") + bytes(12))
+        self.refused("expected a table of its frames' stamps", gopro, "--list")
+
+
 class Calibrations(Case):
     CAMERA = "  distortion_model: {model}\n  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n  intrinsics: {intrinsics}\n  resolution: [12, 8]\n" \
              "  T_cam_imu: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"

@@ -1,8 +1,8 @@
 """The formats, in the order in which they are asked whether a file is theirs."""
 
-from . import asl, phone, ros, ulog, video
+from . import asl, phone, ros, ulog, unsupported, video
 
-ALL = [ros, ulog, asl, video, phone]
+ALL = [unsupported, ros, ulog, asl, video, phone]
 
 # Packages that are not installed unasked, and the command that does.
 EXTRAS = {"av": "video"}
