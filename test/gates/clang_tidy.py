@@ -1,0 +1,72 @@
+"""clang-tidy on the lines that changed since SEGCAL_TIDY_BASE (else the last commit but one; what is not committed yet counts too), within
+SECONDS. Files it did not come to are named. Exit code 77, skipped: no git history, or no clang-tidy.
+Usage: clang_tidy.py SOURCE_TREE BUILD_TREE SECONDS"""
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+SOURCE, BUILD, SECONDS = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve(), float(sys.argv[3])
+SKIPPED = 77
+FOLDERS = "lib", "host_tools/src", "port", "python", "examples"
+# The database is of another compiler.
+QUIET = ["--quiet", "--warnings-as-errors=*", "--extra-arg=-Wno-unknown-warning-option", "--extra-arg=-Wno-unknown-argument", "--extra-arg=-w"]
+
+
+def git(*arguments):
+    return subprocess.run(["git", "-C", str(SOURCE), *arguments], capture_output=True, text=True, check=False)
+
+
+def changed_lines(base):
+    """{file: [[first, last], ...]} of lines that were added or changed."""
+    out, file = {}, None
+    for line in git("diff", "-U0", "--no-color", base, "--", *FOLDERS).stdout.splitlines():
+        if match := re.match(r"\+\+\+ b/(.*\.(?:cpp|c|h))$", line):
+            file = match[1]
+        elif line.startswith("+++"):
+            file = None
+        elif file and (match := re.match(r"@@ -\S+ \+(\d+)(?:,(\d+))? @@", line)):
+            first, count = int(match[1]), int(match[2] or 1)
+            if count:
+                out.setdefault(file, []).append([first, first + count - 1])
+    return out
+
+
+def skip(why):
+    print(f"skipped: {why}")
+    sys.exit(SKIPPED)
+
+
+def main():
+    if not shutil.which("clang-tidy"):
+        skip("no clang-tidy; host_tools/setup.sh installs it")
+    base = os.environ.get("SEGCAL_TIDY_BASE", "HEAD~1")
+    if git("rev-parse", "--verify", "--quiet", f"{base}^{{commit}}").returncode != 0:
+        skip(f"no commit {base} to compare with")
+    changed = changed_lines(base)
+    known = {entry["file"] for entry in json.loads((BUILD / "compile_commands.json").read_text())}
+    units = [f for f in changed if str(SOURCE / f) in known]
+    lines = json.dumps([{"name": str(SOURCE / f), "lines": spans} for f, spans in changed.items()])
+    end, bad, late = time.monotonic() + SECONDS, [], []
+    for unit in units:
+        left = end - time.monotonic()
+        try:
+            done = subprocess.run(["clang-tidy", "-p", str(BUILD), *QUIET, f"--line-filter={lines}", str(SOURCE / unit)], capture_output=True, text=True,
+                                  check=False, timeout=max(left, 0.01))
+        except subprocess.TimeoutExpired:
+            late.append(unit)
+            continue
+        if done.returncode != 0:
+            bad.append(unit)
+            print(done.stdout + done.stderr)
+    print(f"clang-tidy since {base}: {len(units) - len(late)} of {len(units)} changed sources looked at"
+          + (f"; not within {SECONDS:.0f} s: {', '.join(late)}" if late else ""))
+    sys.exit(1 if bad else 0)
+
+
+main()
