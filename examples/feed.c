@@ -26,6 +26,7 @@ int main(int argc, char **argv) {
                                          &s.gyro[2], &s.accel[0], &s.accel[1], &s.accel[2]) == 7)
         segcal_push_imu(device, &s);
       segcal_push_tracks(device, image_ns, image, n);
+      while (segcal_background(device, 100) == 1) {} /* in firmware: a task of low priority */
       n = 0;
     }
     if (n < SEGCAL_MAX_TRACKS) image[n++] = p;

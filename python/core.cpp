@@ -49,6 +49,7 @@ class Device {
     std::align(SEGCAL_STORAGE_ALIGNMENT, segcal_storage_bytes(), start, room);
     const int code = segcal_create(&device_, &config, start, room);
     if (code != SEGCAL_OK) throw nb::value_error(("the core refuses this configuration, error " + std::to_string(code)).c_str());
+    segcal_work_when_due(device_, 1);   // no deadlines here: background() is a choice of when
   }
 
   /// Number of samples that were refused (segcal.h says why, counters() how many of which kind).

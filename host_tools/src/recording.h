@@ -74,8 +74,9 @@ struct TruthPose {
 
 /// One call that a device made, in a recording that it made itself.
 struct DeviceCall {
-  enum What { sample, frame, flush, calibrate, hash } what = sample;  ///< sample, frame: the next one of the recording
+  enum What { sample, frame, flush, calibrate, hash, request } what = sample;  ///< sample, frame: the next one of the recording
   std::uint64_t hash_value = 0;      ///< the device's result hash at this place
+  bool late = false;                 ///< a sample or frame that found background work due and not done
 };
 
 /// What a recording made on a device (device_log/device_log.h) says beside its data.
@@ -84,6 +85,7 @@ struct DeviceSession {
   std::vector<std::uint8_t> config;  ///< its configuration, as lib/src/log/config_fields.h reads it
   std::string profile;               ///< whose capacities it has; empty: none of ours
   bool last = true;                  ///< of its sessions
+  bool was_late = false;             ///< some call found work due and not done
 };
 
 struct Recording {

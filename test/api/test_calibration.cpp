@@ -126,7 +126,8 @@ void test_segments_of_open_length() {
   check_between(Id().add("segments", result.segments), "chi2/dof", 0.8, result.chi2 / result.dof, 1.2);
 }
 
-/// Never, one slice, seven, all: the hash is one, and while a calibration is under way samples are taken.
+/// Never, one slice, seven, all: the hash is one where work is done when it is due, and while a calibration is under way samples are
+/// taken.
 void test_slices_change_no_bit() {
   static const SyntheticStream twenty(209, 20);
   std::uint64_t first = 0;
@@ -140,9 +141,7 @@ void test_slices_change_no_bit() {
     const segcal_counters_t c = counters_of(device);
     check_near(id, "calibrations begun", 1, c.calibrations, 0);
     check_near(id, "segments missed", 4, c.segments_missed, 0);
-    // One and seven slices may or may not be enough in the time.
-    if (slices == 0) check_between(id, "late", 1, c.slices_late, 100);
-    if (slices == 1000000) check_near(id, "late", 0, c.slices_late, 0);
+    check_near(id, "late", 0, c.slices_late, 0);
     segcal_flush(device);
     const std::uint64_t hash = segcal_result_hash(device);
     if (first == 0) first = hash;

@@ -223,7 +223,7 @@ void test_counts_below_zero_are_refused() {
   const auto as = [](auto* p) { return reinterpret_cast<decltype(p)>(out); };
   int slot = 0;
   segcal_segment_t segment;
-  while (segcal_get_segment(device, slot, &segment) != SEGCAL_OK) ++slot;
+  while (slot <= SEGCAL_MAX_SEGMENTS && segcal_get_segment(device, slot, &segment) != SEGCAL_OK) ++slot;
   const int codes[] = {segcal_get_keyframes(device, slot, as((segcal_state_t*)nullptr), -3),
                        segcal_get_landmarks(device, slot, as((segcal_landmark_t*)nullptr), -3),
                        segcal_get_points(device, slot, as((segcal_measured_point_t*)nullptr), -3),

@@ -65,12 +65,14 @@ void take_block(LogBlock type, const std::uint8_t* payload, std::size_t n, Devic
       if (!read_config(payload, n, &config)) stop("a configuration of another layout");
       if (!options_from_config(config, &options)) stop("a configuration that is refused");
       device->create(options);
+      device->work_when_due(true);
       return;
     }
     case LogBlock::imu: return feed_samples(ByteReader(payload, n), device);
     case LogBlock::tracks: return feed_frame(ByteReader(payload, n), device);
     case LogBlock::mark:
       if (*payload == SEGCAL_LOG_NEW_SESSION) device->new_session();
+      if (*payload == SEGCAL_LOG_REQUEST_CALIBRATION) device->request_calibration();
       if (*payload == SEGCAL_LOG_FLUSH) device->flush();
       if (*payload == SEGCAL_LOG_CALIBRATE) device->calibrate();
       return;

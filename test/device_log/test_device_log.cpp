@@ -75,7 +75,7 @@ std::vector<std::uint8_t> encoded(const segcal_config_t& config) {
 
 /// A byte of the structure that leaves the log as it is belongs to no field in it: only the padding behind lone 32-bit
 /// numbers may do that (n_cameras, each camera's model and height, the three choices, joint_filter, term[]: 4 bytes each at
-/// most), and the one place of term[] and term_value[] that is there so that neither is empty.
+/// most; calibration_window at its end), and the one place of term[] and term_value[] that is there so that neither is empty.
 void test_no_field_is_forgotten() {
   segcal_config_t config = log_config();
   const std::vector<std::uint8_t> before = encoded(config);
@@ -85,13 +85,13 @@ void test_no_field_is_forgotten() {
     silent += encoded(config) == before ? 1 : 0;
     reinterpret_cast<unsigned char*>(&config)[i] ^= 0x11;
   }
-  TEST_ASSERT_LESS_OR_EQUAL_UINT(4 * (4 + 2 * SEGCAL_MAX_CAMERAS) + sizeof(segcal_term_t) + sizeof(double), silent);
+  TEST_ASSERT_LESS_OR_EQUAL_UINT(4 * (5 + 2 * SEGCAL_MAX_CAMERAS) + sizeof(segcal_term_t) + sizeof(double), silent);
 }
 
 void test_older_configuration_has_defaults_behind_its_end() {
   const std::vector<std::uint8_t> bytes = encoded(log_config());
   segcal_config_t config;
-  const std::size_t newest = 4 + 8;   // has_temperature and track_walk
+  const std::size_t newest = 4 + 8 + 4;   // has_temperature, track_walk, calibration_window
   TEST_ASSERT_TRUE(SEGCAL_NS::read_config(bytes.data(), bytes.size() - newest, &config));
   TEST_ASSERT_EQUAL_INT(0, config.has_temperature);
   TEST_ASSERT_EQUAL_DOUBLE(0, config.track_walk);
@@ -149,7 +149,7 @@ void test_arguments_are_checked() {
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_log_tracks(&log, 0, nullptr, 1));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_log_tracks(&log, 0, points.data(), most + 1));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_log_mark(&log, 0));
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_log_mark(&log, 4));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_log_mark(&log, SEGCAL_LOG_LATE + 1));
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_log_tracks(&log, 0, points.data(), most));  // the largest frame fits
   for (int i = 0; i < 500; ++i) TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_log_imu(&log, &sample));
   TEST_ASSERT_EQUAL_HEX8(0xA5, block.back());

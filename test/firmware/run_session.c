@@ -42,7 +42,7 @@ static int score_pending(void) {
     newest = segment.serial;
     ++scored;
   }
-  return closed_segments - counters.segments_missed - counters.segments_discarded > scored;
+  return closed_segments - counters.segments_missed - counters.segments_late - counters.segments_discarded > scored;
 }
 
 /* At most so many slices of background work, each measured apart. Returns whether some are left. */

@@ -45,11 +45,18 @@ class Session {
       case 5: return image(true);
       case 6: return ask();
       case 7: segcal_background(device_, in_.below(40)); return;
-      case 8: if (in_.below(4) == 0) segcal_flush(device_); return;
+      case 8: return flush(in_.below(8));
       case 9: if (in_.below(4) == 0) segcal_calibrate(device_); return;
       case 10: if (in_.below(6) == 0) segcal_new_session(device_); return;
       default: shift_ns_ = in_.below(3) == 0 ? in_.integer() : shift() + in_.below(100) * 1000000; return;
     }
+  }
+
+  void flush(int how) {
+    if (how < 2) segcal_flush(device_);
+    if (how == 2) segcal_flush_slices(device_, in_.below(400));
+    if (how == 3) segcal_request_calibration(device_);
+    if (how == 4) segcal_work_when_due(device_, in_.flag() ? 1 : 0);
   }
 
   /// The next samples as they are, and their images.

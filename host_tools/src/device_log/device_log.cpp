@@ -175,8 +175,18 @@ class Decoder {
       case SEGCAL_LOG_NEW_SESSION: return begin_session();
       case SEGCAL_LOG_FLUSH: session().device->calls.push_back({DeviceCall::flush, 0}); return;
       case SEGCAL_LOG_CALIBRATE: session().device->calls.push_back({DeviceCall::calibrate, 0}); return;
-      default: fail(name_, block.offset, "expected a mark from 1 to 3, found " + std::to_string(mark));
+      case SEGCAL_LOG_REQUEST_CALIBRATION: session().device->calls.push_back({DeviceCall::request, 0}); return;
+      case SEGCAL_LOG_LATE: return take_late(block);
+      default: fail(name_, block.offset, "expected a mark from 1 to 5, found " + std::to_string(mark));
     }
+  }
+
+  void take_late(const LogBlockView& block) {
+    std::vector<DeviceCall>& calls = session().device->calls;
+    const bool fed = !calls.empty() && (calls.back().what == DeviceCall::sample || calls.back().what == DeviceCall::frame);
+    if (!fed && !blocks_.damage.empty()) return;   // the call is in what was left out
+    if (!fed) fail(name_, block.offset, "expected late work to be noted after a sample or a frame, found it elsewhere");
+    calls.back().late = session().device->was_late = true;
   }
 
   void begin_session() {
@@ -185,7 +195,7 @@ class Decoder {
     recording.imu.noise = out_.noise;
     recording.imu.has_temperature = has_temperature_;
     recording.cameras.resize(out_.calibration.cameras.size());
-    recording.device = DeviceSession{{}, config_, profile_, true};
+    recording.device = DeviceSession{{}, config_, profile_, true, false};
     out_.sessions.push_back(recording);
   }
 

@@ -157,8 +157,13 @@ class Core {
   /// Points of all cameras at one stamp; `per_camera` has one entry per camera (null: no image at this stamp).
   virtual FrameOutcome push_frame(std::int64_t t_ns, const std::vector<const Frame*>& per_camera) = 0;
   virtual bool state(CoreState* out) const = 0;
-  /// Does all work that is pending: scores and, when the device began one, a calibration. True if one ran.
+  /// Does all work that is pending: scores and, when the device began one, a calibration. True if one took effect.
   virtual bool background() = 0;
+  /// false: background() leaves all work until it is due, so that be_late() can repeat what a device did.
+  virtual void work_ahead(bool ahead) = 0;
+  /// The calls that feed find work that is due undone, and drop it or put it off (segcal_background); else they do it.
+  virtual void be_late(bool late) = 0;
+  virtual void request_calibration() = 0;
   virtual void flush() = 0;
   virtual void new_session() = 0;
   /// False if there is no segment to calibrate from.

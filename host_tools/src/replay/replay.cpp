@@ -29,17 +29,22 @@ class Session {
     const std::vector<RigFrame> frames = rig_frames(recording);
     std::size_t sample = 0, frame = 0;
     auto start = Clock::now();
+    core_.work_ahead(!recording.device || !recording.device->was_late);
     for (const DeviceCall& call : calls_of(recording, frames)) {
+      if (call.late) core_.be_late(true);
       switch (call.what) {
-        case DeviceCall::sample: core_.push_imu(recording.imu.samples[sample++]); continue;
+        case DeviceCall::sample: core_.push_imu(recording.imu.samples[sample++]); break;
         case DeviceCall::frame:
           take_frame(frames[frame++], start);
           if (progress) progress(static_cast<double>(frame) / frames.size());
           break;
         case DeviceCall::flush: flush(); break;
         case DeviceCall::calibrate: calibrate(); break;
+        case DeviceCall::request: core_.request_calibration(); break;
         case DeviceCall::hash: out_.hash_checks.push_back({call.hash_value, core_.result_hash()}); break;
       }
+      if (call.late) core_.be_late(false);
+      if (call.what == DeviceCall::sample) continue;   // its time counts with its frame's
       start = Clock::now();
     }
   }

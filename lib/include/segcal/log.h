@@ -5,14 +5,14 @@
  * segcal.h that it stands for:
  *
  *     segcal_log_begin(&log, &config, block, sizeof block, write, context);   segcal_create(&device, &config, ...);
- *     segcal_log_imu(&log, &sample);                                          segcal_push_imu(device, &sample);
- *     segcal_log_tracks(&log, t_ns, points, n);                               segcal_push_tracks(device, t_ns, points, n);
+ *     segcal_log_imu(&log, &sample);          segcal_push_imu(device, &sample);             segcal_log_fed(&log, device);
+ *     segcal_log_tracks(&log, t_ns, points, n);   segcal_push_tracks(device, t_ns, points, n);  segcal_log_fed(&log, device);
  *     segcal_log_mark(&log, SEGCAL_LOG_CALIBRATE);                            segcal_calibrate(device);
  *     segcal_log_hash(&log, segcal_result_hash(device));
  *     segcal_log_end(&log);
  *
- * segcal_background needs no mark: it changes when work is done, not what comes out. Keyframes of the user's own odometry
- * have no place in a log.
+ * segcal_background needs no mark: it changes when work is done. What was not done when it was due, segcal_log_fed notes after the
+ * call that found it so. A flush in slices is marked as one when it begins. Keyframes of the user's own odometry have no place in a log.
  */
 #ifndef SEGCAL_LOG_H
 #define SEGCAL_LOG_H
@@ -31,7 +31,13 @@ extern "C" {
   (32u + (sizeof(segcal_config_t) > SEGCAL_LOG_TRACKS_BYTES ? sizeof(segcal_config_t) : SEGCAL_LOG_TRACKS_BYTES))
 
 /* Calls that have no data of their own. */
-enum { SEGCAL_LOG_NEW_SESSION = 1, SEGCAL_LOG_FLUSH = 2, SEGCAL_LOG_CALIBRATE = 3 };
+enum {
+  SEGCAL_LOG_NEW_SESSION = 1,
+  SEGCAL_LOG_FLUSH = 2,
+  SEGCAL_LOG_CALIBRATE = 3,
+  SEGCAL_LOG_REQUEST_CALIBRATION = 4,
+  SEGCAL_LOG_LATE = 5                /* the call that fed last found work late: segcal_log_fed writes it */
+};
 
 /* Appends bytes to the file; 0 if they are all written. */
 typedef int (*segcal_log_write_t)(void *context, const void *bytes, size_t n);
@@ -45,6 +51,7 @@ typedef struct {
   int64_t t0_ns;                   /* of the first sample in the block */
   uint32_t samples;                /* in the block */
   uint32_t sequence;               /* of the next block */
+  uint32_t late;                   /* segcal_progress_t.late that the log has so far */
   int32_t failed;                  /* 1: the caller's function refused a block; nothing is written any more */
 } segcal_log_t;
 
@@ -55,6 +62,8 @@ int segcal_log_begin(segcal_log_t *log, const segcal_config_t *config, uint8_t *
 int segcal_log_imu(segcal_log_t *log, const segcal_imu_t *sample);
 int segcal_log_tracks(segcal_log_t *log, int64_t t_ns, const segcal_point_t *points, int32_t n);
 int segcal_log_mark(segcal_log_t *log, int32_t mark);
+/* After each call that feeds: whether it found work that was due and not done. Writes nothing if not. */
+int segcal_log_fed(segcal_log_t *log, const segcal_t *device);
 /* segcal_result_hash() at this place: `segcal replay --verify-hash` computes it again. */
 int segcal_log_hash(segcal_log_t *log, uint64_t hash);
 /* Writes out what still waits in the block. Call it from time to time: a power failure loses what waits. */

@@ -170,7 +170,7 @@ typedef struct {
   /* When the device begins a calibration of its own. All 0: when keep_segments are kept. Else as soon as the kept segments
      together predict all of these sigmas (before scaling by what the fit shows); once the database is full, parameters
      that it hardly shows (sigma above 0.5 of the prior's) are not waited for. Checked at each segment that is kept, once
-     per session. It is done in the background and takes effect at the fourth end of a segment after it, or at
+     per session. It is done in the background and takes effect calibration_window ends of segments later, or at
      segcal_flush, segcal_new_session or segcal_calibrate; segments that end until then are counted as missed. */
   double trigger_sigma[SEGCAL_MAX_PARAMETERS]; /* of theta's entries, units as prior_sigma; 0: trigger_fraction's */
   double trigger_fraction;         /* of each prior sigma, 0..1; 0: no target but those above; -1: never of its own */
@@ -194,6 +194,10 @@ typedef struct {
   /* Drift of a corner along its track, beside pixel_sigma's white noise: a random walk per axis, px/sqrt(s), up to 100; 0: none.
      A build without SEGCAL_TRACK_WALK refuses others. The filter's own weights do not depend on it. */
   double track_walk;
+  /* A calibration in the background takes effect at this end of a segment after its beginning, whenever it was done, up to 1000;
+     0: the fourth (16 s). One that is not done by then takes effect at the first end at which it is. With a window that the
+     background keeps, the result does not depend on when it worked. */
+  int32_t calibration_window;
 } segcal_config_t;
 
 /* ---- data in ---- */
@@ -266,15 +270,26 @@ typedef struct {
   uint32_t landmarks_left_out, points_left_out;
   uint32_t segments_outdated;
   uint32_t segments_missed;        /* ended while a calibration was under way */
-  uint32_t slices_late;            /* times that a score, a calibration or the filter's start was finished at once in a call that
-                                      feeds, because segcal_background had not done its slices */
+  uint32_t slices_late;            /* times that a score, a calibration or the filter's start was due and segcal_background had not
+                                      done its slices: see there */
   uint32_t calibrations;           /* begun */
   uint32_t points_repeated;        /* the same track twice in one image of one camera: the first point was taken */
   uint32_t imu_stamps_far;         /* more than 1 s from the sample before: refused until the new time persists for 8 samples */
   uint32_t frame_stamps_far;       /* more than 2 s from the newest IMU sample: not of its clock, refused */
   uint32_t clock_restarts;         /* the IMU's clock was set back: the stream began anew */
   uint32_t calibrations_published; /* taken effect: segcal_get_result shows the last of them */
+  uint32_t segments_late;          /* dropped: they ended while the segment before was still being scored */
 } segcal_counters_t;
+
+enum { SEGCAL_WORK_NONE = 0, SEGCAL_WORK_START = 1, SEGCAL_WORK_SCORE = 2, SEGCAL_WORK_CALIBRATION = 3 };
+
+typedef struct {
+  int32_t work;                    /* SEGCAL_WORK_*: what segcal_background does next */
+  int32_t ends_left;               /* ends of segments until the calibration under way takes effect, if it is done by then; 0: none is */
+  uint32_t done, expected;         /* slices that a score or calibration has had, and that the last of its kind took (0: none yet) */
+  uint32_t slices;                 /* all, since segcal_create */
+  uint32_t late;                   /* segcal_counters_t.slices_late */
+} segcal_progress_t;
 
 /* Causes, the first that applies. */
 enum {
@@ -369,7 +384,7 @@ static inline int segcal_create(segcal_t **device, const segcal_config_t *config
    differs, else 0. */
 int segcal_explain_capacities(const uint32_t *capacities, char *line, size_t bytes);
 
-/* One IMU sample; bounded time. A frame that waited for it is processed here. */
+/* One IMU sample; bounded time: no call that feeds does background work. A frame that waited for it is processed here. */
 int segcal_push_imu(segcal_t *device, const segcal_imu_t *sample);
 /* The points of one image (of all cameras, if there are several: same stamp). n <= SEGCAL_MAX_TRACKS per camera.
    Returns SEGCAL_TRACKING, SEGCAL_WAITING, SEGCAL_SKIPPED or SEGCAL_LOST, or an error. */
@@ -378,16 +393,34 @@ int segcal_push_tracks(segcal_t *device, int64_t t_ns, const segcal_point_t *poi
    used. IMU samples up to its stamp must have been pushed. */
 int segcal_push_keyframe(segcal_t *device, const segcal_state_t *state, const segcal_point_t *points, int32_t n);
 /* Does pending work, the filter's start in motion, the score of a segment that has ended or a calibration: at most `slices`
-   pieces, each bounded (see the budgets in docs). Returns 1 while work is pending, else 0, or an error. How often it is called
-   does not change any bit of what comes out. A start must be done SEGCAL_START_DELAY_MS after its frames (with 0 it is done at
-   once and no background work), a score when the next segment ends, a calibration at the fourth end; what is not done then is
-   done at once, and counted in slices_late. */
+   pieces, each bounded (see the budgets in docs). Returns 1 while work is pending, else 0, or an error.
+   As long as work is done when it is due, it changes no bit of what comes out how often this is called. Due is a score when the next segment
+   ends, a calibration calibration_window ends later, a start SEGCAL_START_DELAY_MS after its frames (with 0 it is done at once and
+   no background work). Work that is late is counted in slices_late, and nothing else of the state depends on when it was done:
+     a score          the segment that ends is dropped (segments_late)
+     a calibration    takes effect at the first end of a segment at which it is done
+     a start          takes effect at the first frame at which it is done; if its samples are no longer there, a new one begins
+   segcal_log_fed notes such moments, so that a replay repeats them. */
 int segcal_background(segcal_t *device, int32_t slices);
-/* Ends the open segment now, scores it, and finishes all work that is pending. */
+/* 1: work that is due and not done is done at once, in the call that feeds, and nothing is ever late: for programs without deadlines, which
+   then need no segcal_background. 0, as after segcal_create: as above. At any time. */
+int segcal_work_when_due(segcal_t *device, int32_t on);
+/* How far the background is. */
+int segcal_progress(const segcal_t *device, segcal_progress_t *out);
+/* A calibration from the kept segments, in the background: it begins when the next segment that ends has been scored, or in
+   segcal_flush, and takes effect as one that the device begins of its own. With joint_filter: in segcal_flush only. */
+int segcal_request_calibration(segcal_t *device);
+/* Ends the open segment now, scores it, and finishes all work that is pending, a calibration that was asked for included. Seconds of
+   work on a microcontroller. */
 int segcal_flush(segcal_t *device);
+/* The same in bounded pieces, at most `slices` of them: returns 1 while some are left, else 0. Nothing is to be fed in between.
+     segcal_request_calibration(device);
+     while (segcal_flush_slices(device, 8) == 1) feed_the_watchdog();
+   is segcal_flush and segcal_calibrate in slices; after it segcal_flush and segcal_new_session take the time of a slice. */
+int segcal_flush_slices(segcal_t *device, int32_t slices);
 /* Ends the session: as segcal_flush, then the filter starts again; the database is emptied if single session. */
 int segcal_new_session(segcal_t *device);
-/* Calibrates from the kept segments; only a result that is `calibrated` moves theta and the filter. With none kept the
+/* Calibrates from the kept segments, at once: seconds of work on a microcontroller; only a result that is `calibrated` moves theta and the filter. With none kept the
    result is `insufficient`, and every direction is named as not excited. With joint_filter: takes what the filter knows at
    this moment; a new session goes on from it, with all of its information. */
 int segcal_calibrate(segcal_t *device);

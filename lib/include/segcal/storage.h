@@ -50,16 +50,17 @@
                                       SEGCAL_THETA_COLUMNS * SEGCAL_THETA_COLUMNS) +                                    \
                         31u * (SEGCAL_MAX_EFFECT_COLUMNS + 1u) + 2u * SEGCAL_REDUCED_COLUMNS) + 272u)
 
-/* Calibration: per segment one row block and later, in the same memory, saved states; the chain between segments or the cost
-   of one; the triangle of ties and theta, directions, and who shares what with whom. */
+/* Calibration: per segment one row block and later, in the same memory, saved states, or a segment that is built meanwhile; the chain
+   between segments or the cost of one; the triangle of ties and theta, directions, and who shares what with whom. */
 #define SEGCAL_LINK_COLUMNS (30u + SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
 #define SEGCAL_LEFT_COLUMNS (15u + SEGCAL_THETA_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
 #define SEGCAL_PARTITION_BYTES                                                                                         \
   ((SEGCAL_MAX_TIES + 1u) * (8u + 2u * SEGCAL_MAX_SEGMENTS) + SEGCAL_MAX_SEGMENTS * (SEGCAL_MAX_SEGMENTS + 1u))
 #define SEGCAL_STATES_NUMBERS (21u * SEGCAL_MAX_KEYFRAMES + 7u * SEGCAL_MAX_LANDMARKS)
+#define SEGCAL_KEPT_BYTES (SEGCAL_REAL_BYTES * SEGCAL_LARGER(SEGCAL_STATES_NUMBERS, 15u * SEGCAL_LEFT_COLUMNS - 105u))
 #define SEGCAL_CALIBRATION_BYTES                                                                                       \
-  (SEGCAL_REAL_BYTES * (SEGCAL_STATES_NUMBERS + (SEGCAL_MAX_SEGMENTS - 1u) *                                            \
-                        SEGCAL_LARGER(SEGCAL_STATES_NUMBERS, 15u * SEGCAL_LEFT_COLUMNS - 105u) +                         \
+  (SEGCAL_LARGER((SEGCAL_MAX_SEGMENTS - 1u) * SEGCAL_KEPT_BYTES, SEGCAL_SEGMENT_BYTES + SEGCAL_KEPT_BYTES) +              \
+   SEGCAL_REAL_BYTES * (SEGCAL_STATES_NUMBERS +                                                                         \
                         SEGCAL_LARGER(31u * SEGCAL_LINK_COLUMNS - 435u, 480u) +                                         \
                         SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u) + SEGCAL_LINK_COLUMNS +            \
                         16u * SEGCAL_MAX_KEYFRAMES + 2u * SEGCAL_THETA_COLUMNS * (SEGCAL_THETA_COLUMNS + 3u)) +         \

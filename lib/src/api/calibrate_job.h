@@ -22,6 +22,7 @@ class CalibrateJob {
   /// From the segments that are kept now; none of them is replaced before it is published.
   void begin(const Calibration<S>& theta, DeviceParts<S>* d) {
     ++d->faults.calibrations;
+    d->slices.begin_job();
     d->work.take(WorkOwner::calibration);
     theta_ = theta;
     n_ = d->database.in_order(segment_);
@@ -30,11 +31,13 @@ class CalibrateJob {
     stage_ = Stage::working;
   }
   void step(DeviceParts<S>* d) {
-    if (calibrate_step(d)) stage_ = Stage::done;
+    d->slices.count();
+    if (!calibrate_step(d)) return;
+    d->slices.calibration = d->slices.job;
+    stage_ = Stage::done;
   }
-  /// Does what is left and publishes. True if segments left the database.
+  /// What was found, when no slices are left. True if segments left the database.
   bool publish(DeviceParts<S>* d, CalibrationReport<S>* report) {
-    while (working()) step(d);
     report->release = *d->work.release();
     report->theta = d->calibrator.theta();
     report->fit = d->calibrator.fit();

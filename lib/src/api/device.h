@@ -20,10 +20,6 @@ enum class Taken : std::int32_t { ok, waiting, skipped, tracking, lost, not_fini
 
 /// A frame with fewer points tells hardly anything of the motion.
 constexpr int kFewestTracks = 8;
-/// A calibration that the device began of its own takes effect at the fourth end of a segment after it (16 s): by then the
-/// background has done its slices, and with a fixed time what comes out does not depend on when.
-constexpr int kCalibrationWindow = 4;
-
 template <class S>
 struct StoredFields;   // store/stored_fields.h
 
@@ -43,10 +39,20 @@ class Device {
   template <class Point>
   Taken push_keyframe(std::int64_t t_ns, const State<S>& state, const double* p_GI, int n, Point point);
   void flush();
+  /// One bounded piece of flush(); false when nothing is left.
+  bool flush_step();
   void new_session();
   /// At most `slices` pieces of pending work; returns 1 if some is left, else 0.
   int background(int slices);
   void calibrate();
+  /// The same in slices: after the next segment that is scored, or by flush_step().
+  void request_calibration() { wanted_ = true; }
+  /// Work that is due is done in the call that feeds, where it was not done before. Else, as from create() on, no call that feeds
+  /// does it: a segment that ends while the one before is scored is dropped, a calibration and a start are waited for.
+  void work_when_due(bool on) {
+    at_once_ = on;
+    vio_.finish_late_starts(on);
+  }
   /// Rows [theta | candidates | rhs] of the kept slots in `use_slot`, in calibrator().theta_triangle() (Calibrator::rows_of).
   /// Only while nothing is pending.
   S linearise(const std::uint8_t* use_slot, const CandidateTerms& candidates);
@@ -74,6 +80,12 @@ class Device {
   /// Over theta, its sigmas and all states so far; and the kept segments once everything that was pending has been finished by
   /// flush(), new_session() or calibrate() (api/result_hash.h).
   std::uint64_t result_hash() const;
+  bool start_pending() const { return vio_.start_pending(); }
+  bool scoring() const { return score_.active(); }
+  bool calibrating() const { return calibration_.working(); }
+  /// Ends of segments until the calibration under way takes effect, if it is done by then.
+  int ends_left() const { return window_; }
+  const SliceCounts& slices() const { return d_.slices; }
   EffectMonitor<S>& monitor() { return d_.monitor; }
   const FaultCounts& faults() const { return d_.faults; }
   /// The caller's odometry, or the filter at this moment.
@@ -119,6 +131,8 @@ class Device {
   bool step();
   void end_score();
   void finish_score();
+  void begin_calibration(const Calibration<S>& theta);
+  void calibrate_as_wanted();
   void publish_calibration();
   void finish_calibration();
   void take_release();
@@ -150,11 +164,14 @@ class Device {
   std::int64_t state_time_, last_imu_, last_frame_, last_offered_, next_keyframe_, frame_period_;
   Segment<S>* spare_;      ///< where the open segment stands while the one before is scored
   std::uint32_t session_, serial_, frame_;
-  std::int32_t window_;          ///< > 0: segment ends until a calibration takes effect
+  std::int32_t window_;          ///< > 0: segment ends until a calibration takes effect, if it is done then
   std::int32_t thinned_;         ///< how often the open segment was
   std::int32_t stamp_shift_ns_;  ///< from stamps of frames to the IMU's clock, as known: for frames that come from now on
   bool has_state_, has_imu_, has_frame_, has_offered_, has_next_keyframe_;
   bool calibrated_, knew_enough_, own_odometry_;
+  bool at_once_;                 ///< work that is due is done by the call that feeds
+  bool wanted_;                  ///< a calibration was asked for since the last segment that is scored ended
+  bool wanted_then_;             ///< it was before: it begins when that segment has been scored
   bool finished_;                ///< nothing has been begun since all that was pending was finished
 };
 

@@ -57,30 +57,44 @@ void Device<S>::take_keyframe(const Frame<S>& frame, const State<S>& state) {
   if (!old_shift) builder().add_keyframe(t_ns, frame.shift_ns, state, origin_, frame.points, frame.n, imu_);
 }
 
-/// Closes the open segment, hands it over to be scored, and opens the next one. The score of the segment before must be done
-/// by then; and while a calibration is under way the database is closed.
+/// Closes the open segment, hands it over to be scored, and opens the next one.
 template <class S>
 void Device<S>::end_segment(bool continues) {
   if (!builder().empty()) hand_over();
   begin_segment(continues);
 }
 
+/// There is memory for one segment that is scored and one that is built: if the score of the one before is not done, this one is
+/// dropped. While a calibration is under way the database is closed, and when its window is over it takes effect at the first end
+/// at which it is done. Segments too short to be scored are not counted as ends: after a loss of tracking they come at any moment.
 template <class S>
 void Device<S>::hand_over() {
-  if (score_.active()) ++d_.faults.slices_late;
-  finish_score();
   ++d_.faults.segments_closed;
-  open_slot().frame = frame_;
-  if (window_ > 0) {
-    ++d_.faults.segments_missed;
-    if (--window_ > 0) return;
-    if (calibration_.working()) ++d_.faults.slices_late;
-    publish_calibration();
-  } else if (builder().long_enough()) {
-    finished_ = false;
-    spare_ = score_.begin(working_theta(), &d_);
-  } else {
+  if (!builder().long_enough()) {
     ++d_.faults.segments_discarded;
+    return;
+  }
+  if (score_.active() && !at_once_) {
+    ++d_.faults.slices_late;
+    ++d_.faults.segments_late;
+    return;
+  }
+  finish_score();
+  if (window_ == 0) {
+    open_slot().frame = frame_;
+    finished_ = false;
+    wanted_then_ = wanted_;
+    wanted_ = false;
+    spare_ = score_.begin(working_theta(), &d_);
+    return;
+  }
+  ++d_.faults.segments_missed;
+  if (window_ > 1) {
+    --window_;
+  } else if (calibration_.working() && !at_once_) {
+    ++d_.faults.slices_late;
+  } else {
+    publish_calibration();
   }
 }
 

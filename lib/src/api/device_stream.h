@@ -16,6 +16,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   d_.database.reset(options.keep_segments, options.metric, options.strategy, options.least_gain, options.seed);
   d_.builder.reset(options.gyro_range, options.accel_range);
   d_.faults = FaultCounts{};
+  d_.slices = SliceCounts{};
   d_.work.give_back();
   theta_ = options.prior.mean;
   report_.release = Release<S>{};
@@ -30,7 +31,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   window_ = thinned_ = 0;
   liveliness_.reset();
   last_use_ = StreamCounts();
-  calibrated_ = knew_enough_ = own_odometry_ = false;
+  calibrated_ = knew_enough_ = own_odometry_ = at_once_ = wanted_ = wanted_then_ = false;
   finished_ = true;
   spare_ = nullptr;
   stamp_shift_ns_ = stamp_shift(theta_);
@@ -47,6 +48,7 @@ VioOptions<S> Device<S>::vio_options() const {
   vio.noise = o.model.imu;
   vio.g = o.model.g;
   vio.frame_interval_s = o.frame_interval_s;
+  vio.late_start_at_once = at_once_;
   vio.share_calibration(o.filter_share);
   if (!o.joint_filter) return vio;
   const S* sigma = prior().sigma;
@@ -280,14 +282,28 @@ Taken Device<S>::push_keyframe(std::int64_t t_ns, const State<S>& state, const d
 
 template <class S>
 void Device<S>::flush() {
-  while (frame_ready()) process_frame();
-  finish_score();
-  finish_calibration();
-  if (has_next_keyframe_) end_segment(false);   // a keyframe has come since the last time
-  finish_score();
-  finish_calibration();
-  has_next_keyframe_ = false;
-  finished_ = true;
+  while (flush_step()) {
+  }
+}
+
+/// Pending work first: nothing that comes then finds it undone.
+template <class S>
+bool Device<S>::flush_step() {
+  if (step()) return true;
+  if (frame_ready()) {
+    process_frame();
+  } else if (calibration_.pending()) {
+    finish_calibration();
+  } else if (has_next_keyframe_) {   // a keyframe has come since the last time
+    end_segment(false);
+    has_next_keyframe_ = false;
+  } else if (wanted_) {
+    calibrate_as_wanted();
+  } else {
+    finished_ = true;
+    return false;
+  }
+  return true;
 }
 
 template <class S>

@@ -9,6 +9,7 @@ namespace SEGCAL_NS {
 template <class S>
 bool Device<S>::step() {
   if (vio_.start_pending()) {
+    ++d_.slices.all;
     vio_.start_step(imu_);
   } else if (score_.active()) {
     score_.step(&d_, &scored_);
@@ -31,26 +32,29 @@ int Device<S>::background(int slices) {
 template <class S>
 void Device<S>::end_score() {
   builder().move_to(&d_.database.building());
-  if (!score_.kept() || knew_enough_ || !knows_enough(&d_)) return;
-  knew_enough_ = true;
-  if (!d_.options.calibrates_itself || d_.options.joint_filter) return;
-  calibration_.begin(score_.theta(), &d_);
-  window_ = kCalibrationWindow;
+  const bool enough = score_.kept() && !knew_enough_ && knows_enough(&d_);
+  knew_enough_ = knew_enough_ || enough;
+  if (wanted_then_ || (enough && d_.options.calibrates_itself)) begin_calibration(score_.theta());
+}
+
+template <class S>
+void Device<S>::begin_calibration(const Calibration<S>& theta) {
+  wanted_then_ = false;
+  calibration_.begin(theta, &d_);
+  window_ = d_.options.calibration_window;
 }
 
 template <class S>
 void Device<S>::finish_score() {
-  while (score_.active()) {
-    score_.step(&d_, &scored_);
-    if (!score_.active()) end_score();
-  }
+  while (score_.active()) step();
 }
 
-/// Does what is left of the calibration under way, and lets it take effect. The open segment must be empty, or end here: a
+/// Does what is left of the calibration under way (nobody scores while there is one), and lets it take effect. The open segment must be empty, or end here: a
 /// segment has one shift of stamps for all of its keyframes.
 template <class S>
 void Device<S>::publish_calibration() {
   window_ = 0;
+  while (calibration_.working()) step();
   const bool dropped = calibration_.publish(&d_, &report_);
   ++d_.faults.calibrations_published;
   calibrated_ = true;
@@ -81,6 +85,15 @@ template <class S>
 void Device<S>::calibrate() {
   finish_score();
   finish_calibration();
+  calibrate_as_wanted();
+  finish_calibration();
+  finished_ = true;
+}
+
+/// Nothing else is pending. Of the filter's own calibration: at once, that is short.
+template <class S>
+void Device<S>::calibrate_as_wanted() {
+  wanted_ = false;
   if (d_.options.joint_filter) {
     ++d_.faults.calibrations;
     ++d_.faults.calibrations_published;
@@ -90,10 +103,8 @@ void Device<S>::calibrate() {
     calibrated_ = true;
     theta_ = report_.theta = report_.release.theta;
   } else {
-    calibration_.begin(working_theta(), &d_);
-    finish_calibration();
+    begin_calibration(working_theta());
   }
-  finished_ = true;
 }
 
 template <class S>

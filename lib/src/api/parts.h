@@ -30,6 +30,7 @@ struct DeviceOptions {
   bool joint_filter = false;    ///< the filter's own calibration is the result; no segments
   S outdated_level = S(1e-3);   ///< probability that a calibration drops segments although theta is the same; 0: never drops any
   bool calibrates_itself = true; ///< when it knows enough; else only where it is told to
+  std::int32_t calibration_window = 4;  ///< ends of segments from its beginning until it takes effect
 };
 
 /// Data faults, counted and survived.
@@ -41,8 +42,22 @@ struct FaultCounts {
   std::uint32_t clock_restarts = 0;    ///< the IMU's clock jumped for good: the stream began anew
   std::uint32_t segments_closed = 0, segments_discarded = 0, segments_unsettled = 0, segments_outdated = 0;
   std::uint32_t segments_missed = 0;   ///< ended while a calibration was under way
-  std::uint32_t slices_late = 0;       ///< done at once because the background had not come to them in time
+  std::uint32_t slices_late = 0;       ///< work was due that the background had not done: dropped or put off
   std::uint32_t calibrations = 0, calibrations_published = 0;   ///< begun; taken effect
+  std::uint32_t segments_late = 0;     ///< ended while the one before was still being scored
+};
+
+/// Background work in slices.
+struct SliceCounts {
+  std::uint32_t all = 0;         ///< done since create()
+  std::uint32_t job = 0;         ///< of them, by the score or calibration under way
+  std::uint32_t score = 0, calibration = 0;   ///< that the last one took
+
+  void begin_job() { job = 0; }
+  void count() {
+    ++all;
+    ++job;
+  }
 };
 
 /// Of the samples and frames that came, those that were refused, and frames with few points.
@@ -64,6 +79,7 @@ struct DeviceParts {
   Calibrator<S> calibrator;
   EffectMonitor<S> monitor;
   FaultCounts faults;
+  SliceCounts slices;
 
   const ThetaPrior<S>& prior() const { return options.prior; }
 };

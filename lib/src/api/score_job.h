@@ -18,6 +18,7 @@ class ScoreJob {
     active_ = true;
     place_ = 0;
     theta_ = theta;
+    d->slices.begin_job();
     d->work.take(WorkOwner::score);
     d->builder.restart_close();
     largest_.restart();
@@ -27,7 +28,9 @@ class ScoreJob {
   }
   /// One slice; the last one publishes. The open segment must then move to the building slot.
   void step(DeviceParts<S>* d, ScoreReport<S>* report) {
+    d->slices.count();
     if (!score_step(d, report)) return;
+    d->slices.score = d->slices.job;
     d->work.give_back();
     active_ = false;
   }

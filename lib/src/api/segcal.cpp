@@ -121,6 +121,43 @@ int segcal_background(segcal_t* device, int32_t slices) {
   return d->device.background(slices);
 }
 
+int segcal_work_when_due(segcal_t* device, int32_t on) {
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  d->device.work_when_due(on != 0);
+  return SEGCAL_OK;
+}
+
+int segcal_progress(const segcal_t* device, segcal_progress_t* out) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  const Device<Real>& x = d->device;
+  const SliceCounts& n = x.slices();
+  const bool scoring = x.scoring(), calibrating = x.calibrating();
+  *out = {x.start_pending() ? SEGCAL_WORK_START : scoring ? SEGCAL_WORK_SCORE : calibrating ? SEGCAL_WORK_CALIBRATION : SEGCAL_WORK_NONE,
+          x.ends_left(), scoring || calibrating ? n.job : 0, scoring ? n.score : calibrating ? n.calibration : 0, n.all,
+          x.faults().slices_late};
+  return SEGCAL_OK;
+}
+
+int segcal_request_calibration(segcal_t* device) {
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  d->device.request_calibration();
+  return SEGCAL_OK;
+}
+
+int segcal_flush_slices(segcal_t* device, int32_t slices) {
+  CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  if (slices < 0) return SEGCAL_ERROR_SIZE;
+  for (; slices > 0; --slices) {
+    if (!d->device.flush_step()) return 0;
+  }
+  return 1;
+}
+
 int segcal_flush(segcal_t* device) {
   CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;

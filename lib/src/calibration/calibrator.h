@@ -175,10 +175,16 @@ class Calibrator {
     LeftRows<S> left;
     SegmentStates<S> states;
   };
+  /// So many that a segment fits as well, where few are kept: it is lent.
+  static constexpr int others() {
+    constexpr int needed = kMaxSegments > 1 ? kMaxSegments - 1 : 1;
+    constexpr int lent = static_cast<int>((sizeof(Segment<S>) + sizeof(Kept) - 1) / sizeof(Kept));
+    return needed > lent ? needed : lent;
+  }
   /// What is only there while a fit is under way.
   struct Memory {
     SegmentStates<S> first;   ///< nobody is on its left
-    Kept other[kMaxSegments > 1 ? kMaxSegments - 1 : 1];
+    Kept other[others()];
   };
   alignas(Segment<S>) Memory memory_;
   S last_step_[kMaxTheta];

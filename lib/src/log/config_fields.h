@@ -8,16 +8,17 @@
 
 namespace SEGCAL_NS {
 
+/// Calls, not inlined: the list of fields is long, and firmware carries it.
 class ConfigWriter {
  public:
   explicit ConfigWriter(ByteWriter* out) : out_(out) {}
   template <class T>
-  void integer(const T& value) {
+  [[gnu::noinline]] void integer(const T& value) {
     out_->integer(value);
   }
-  void number(const double& value) { out_->number(value); }
-  void numbers(const double* values, int n) {
-    for (int i = 0; i < n; ++i) out_->number(values[i]);
+  [[gnu::noinline]] void number(const double& value) { out_->number(value); }
+  [[gnu::noinline]] void numbers(const double* values, int n) {
+    for (int i = 0; i < n; ++i) number(values[i]);
   }
   /// Entries of an array that depends on a capacity.
   std::int32_t count(std::int32_t capacity) {
@@ -132,6 +133,7 @@ void config_fields(Config* c, Codec* f) {
   f->integer(c->watch_effects);
   f->integer(c->has_temperature);
   f->number(c->track_walk);
+  f->integer(c->calibration_window);
 }
 
 /// False if the bytes are no configuration that fits into these capacities.

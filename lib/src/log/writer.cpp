@@ -122,12 +122,21 @@ int segcal_log_tracks(segcal_log_t* log, int64_t t_ns, const segcal_point_t* poi
 }
 
 int segcal_log_mark(segcal_log_t* log, int32_t mark) {
-  if (mark < SEGCAL_LOG_NEW_SESSION || mark > SEGCAL_LOG_CALIBRATE) return SEGCAL_ERROR_SIZE;
+  if (mark < SEGCAL_LOG_NEW_SESSION || mark > SEGCAL_LOG_LATE) return SEGCAL_ERROR_SIZE;
   const int error = start(log);
   if (error != SEGCAL_OK) return error;
   ByteWriter out = payload_of(*log);
   out.integer(mark);
   return write_block(log, LogBlock::mark, out.size());
+}
+
+int segcal_log_fed(segcal_log_t* log, const segcal_t* device) {
+  segcal_progress_t progress;
+  const int error = segcal_progress(device, &progress);
+  if (!log || error != SEGCAL_OK) return log ? error : SEGCAL_ERROR_NULL;
+  if (progress.late == log->late) return SEGCAL_OK;
+  log->late = progress.late;
+  return segcal_log_mark(log, SEGCAL_LOG_LATE);
 }
 
 int segcal_log_hash(segcal_log_t* log, uint64_t hash) {

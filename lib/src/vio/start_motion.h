@@ -42,6 +42,10 @@ class MotionStart {
     good_ = false;
   }
   void cancel() { pending_ = false; }
+  /// Undoes what slices have moved that nobody has seen.
+  [[gnu::noinline]] static void give_cameras_back(const StartContext<S>& c) {
+    for (int i = 0; i < c.w->theta.n_cameras; ++i) c.w->theta.camera[i] = c.w->given.camera[i];
+  }
   /// Slices are left.
   bool pending() const { return pending_; }
   /// When none are left: the filter's window is open.
@@ -93,10 +97,6 @@ class MotionStart {
   static void copy_cameras(const CameraCalibration<S>* from, int n, CameraCalibration<S>* to) {
     for (int i = 0; i < n; ++i) to[i] = from[i];
   }
-  static void give_cameras_back(const StartContext<S>& c) {
-    for (int i = 0; i < c.w->theta.n_cameras; ++i) c.w->theta.camera[i] = c.w->given.camera[i];
-  }
-
   static constexpr int kSamplesPerSlice = 12, kTracksPerSlice = 2;
   static constexpr int kFoldWork = 30000;  // products per slice, as fold_work() counts them
   bool pending_ = false, good_ = false, had_before_ = false, settled_ = false;

@@ -30,6 +30,8 @@ class Vio {
 
   /// A new calibration for the running filter. It replaces the filter's own, with a smaller prior.
   void set_calibration(const Calibration<S>& theta);
+  /// See VioOptions::late_start_at_once.
+  void finish_late_starts(bool at_once) { options_.late_start_at_once = at_once; }
   /// Of terms that follow the time.
   void set_time_zero(std::int64_t t_ns) { window_.theta.effects.time_zero_ns = window_.given.effects.time_zero_ns = t_ns; }
 
@@ -87,6 +89,7 @@ class Vio {
   VioStatus wait_for_start(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
   VioStatus try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu);
   VioStatus begin_running();
+  void drop_start();
   StartContext<S> start_context() {
     return {&window_, &tracks_, &start_, options_, origin_, &monitor_, &statistics_};
   }
@@ -202,25 +205,45 @@ VioStatus Vio<S>::try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu) {
   }
   if (window_.n_poses < kStartFrames) return VioStatus::initialising;
   motion_.begin(window_, imu);
+  start_due_ = t_ns + std::int64_t(SEGCAL_START_DELAY_MS) * 1000000;
+  const bool in_background = start_due_ > t_ns;
+  if (in_background && !motion_.keeps_samples(imu, samples_until_next_frame(imu, window_))) {
+    motion_.cancel();   // the samples would be gone before there is time for it
+    return VioStatus::initialising;
+  }
   ++statistics_.starts_tried;
   starting_ = true;
-  start_due_ = t_ns + std::int64_t(SEGCAL_START_DELAY_MS) * 1000000;
-  if (start_due_ > t_ns && motion_.keeps_samples(imu, samples_until_next_frame(imu, window_))) return VioStatus::initialising;
+  if (in_background) return VioStatus::initialising;
   finish_start(imu);
   starting_ = false;
   return motion_.succeeded() ? begin_running() : VioStatus::initialising;
 }
 
-/// Frames between those of the start and its effect are let go: features are tracked over the gap.
+/// What its slices have moved so far is not to be used.
+template <class S>
+void Vio<S>::drop_start() {
+  motion_.give_cameras_back(start_context());
+  forget();
+}
+
+/// Frames between those of the start and its effect are let go: features are tracked over the gap. A start that is late takes
+/// effect at a later frame, as long as its samples are there.
 template <class S>
 VioStatus Vio<S>::wait_for_start(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
   arrived_ = t_ns;
-  if (!motion_.keeps_samples(imu, 0)) {   // no frame came in time: what the slices did is not to be used
-    forget();
+  if (!motion_.keeps_samples(imu, 0)) {   // no frame came in time
+    drop_start();
     return collect(t_ns, points, n, imu);
   }
+  const bool last_chance = !motion_.keeps_samples(imu, samples_until_next_frame(imu, window_));
   // One millisecond of grace, as for the frames' distance.
-  if (t_ns < start_due_ - 1000000 && motion_.keeps_samples(imu, samples_until_next_frame(imu, window_))) return VioStatus::initialising;
+  if (t_ns < start_due_ - 1000000 && !last_chance) return VioStatus::initialising;
+  if (start_pending() && !options_.late_start_at_once) {
+    ++statistics_.late_starts;
+    if (!last_chance) return VioStatus::initialising;
+    drop_start();
+    return collect(t_ns, points, n, imu);
+  }
   if (finish_start(imu)) ++statistics_.late_starts;
   starting_ = false;
   if (!motion_.succeeded()) return collect(t_ns, points, n, imu);

@@ -35,6 +35,7 @@ struct VioOptions {
   S max_speed = S(10);             ///< m/s; faster: the filter has diverged
   S max_gap_s = S(0.6);            ///< s between processed frames; longer: start again
   S max_blind_s = S(2);            ///< s without a usable feature; longer: start again
+  bool late_start_at_once = true;  ///< a start that is due and not done: its frame does the rest; else it waits for its slices
 
   /// Multiplies the sigmas of the calibration: a small share makes the filter run with what it is given.
   void share_calibration(S share) {
@@ -70,7 +71,7 @@ struct VioStatistics {
   std::int32_t starts_tried = 0;       ///< in motion
   // since reset():
   std::int32_t starts = 0;             ///< successful initialisations
-  std::int32_t late_starts = 0;        ///< done at once because the background had not come to their slices in time
+  std::int32_t late_starts = 0;        ///< frames at which a start was due and its slices were not done
   std::int32_t restarts = 0;           ///< times the filter was lost
 };
 

@@ -27,6 +27,7 @@ class ProfileCore final : public Core {
       throw InputError("the core refuses this configuration (error " + std::to_string(error) +
                        "): check focal length, distortion and noise values of the calibration");
     }
+    segcal_work_when_due(device_, 1);
   }
 
   void push_imu(const ImuSample& sample) override {
@@ -47,9 +48,12 @@ class ProfileCore final : public Core {
   }
 
   bool background() override {
-    segcal_background(device_, INT32_MAX);
+    if (works_ahead_) segcal_background(device_, INT32_MAX);
     return published_calibrations() != seen_calibrations_ && (seen_calibrations_ = published_calibrations()) > 0;
   }
+  void work_ahead(bool ahead) override { works_ahead_ = ahead; }
+  void be_late(bool late) override { segcal_work_when_due(device_, late ? 0 : 1); }
+  void request_calibration() override { segcal_request_calibration(device_); }
   void flush() override { segcal_flush(device_); }
   void new_session() override { segcal_new_session(device_); }
   bool calibrate() override {
@@ -164,7 +168,7 @@ class ProfileCore final : public Core {
             {"segments_ended_early", c.segments_ended_early},
             {"landmarks_left_out", c.landmarks_left_out}, {"points_left_out", c.points_left_out},
             {"segments_outdated", c.segments_outdated}, {"segments_missed", c.segments_missed},
-            {"slices_late", c.slices_late}, {"calibrations", c.calibrations},
+            {"slices_late", c.slices_late}, {"segments_late", c.segments_late}, {"calibrations", c.calibrations},
             {"points_repeated", c.points_repeated}, {"imu_stamps_far", c.imu_stamps_far}, {"frame_stamps_far", c.frame_stamps_far},
             {"clock_restarts", c.clock_restarts}};
   }
@@ -211,7 +215,7 @@ class ProfileCore final : public Core {
   segcal_t* device_ = nullptr;
   std::vector<segcal_point_t> points_;
   FrameOutcome last_outcome_ = FrameOutcome::waiting;
-  bool seen_ = false;
+  bool seen_ = false, works_ahead_ = true;
   std::uint32_t last_serial_ = 0, seen_calibrations_ = 0;
 };
 

@@ -38,9 +38,11 @@ void log_session(const Recording& recording, segcal_log_t* log) {
         segcal_log_tracks(log, frames[frame++].t_ns, points.data(), static_cast<int>(points.size()));
         break;
       case DeviceCall::flush: segcal_log_mark(log, SEGCAL_LOG_FLUSH); break;
+      case DeviceCall::request: segcal_log_mark(log, SEGCAL_LOG_REQUEST_CALIBRATION); break;
       case DeviceCall::calibrate: segcal_log_mark(log, SEGCAL_LOG_CALIBRATE); break;
       case DeviceCall::hash: segcal_log_hash(log, call.hash_value); break;
     }
+    if (call.late) segcal_log_mark(log, SEGCAL_LOG_LATE);
   }
 }
 
