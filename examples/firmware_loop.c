@@ -96,6 +96,7 @@ int main(int argc, char **argv) {
   config.camera[0] = data_sheet;
   if (!imu || !tracks || segcal_create(&device, &config, memory, sizeof memory) != SEGCAL_OK) return 2;
   if (fscanf(imu, "%*[^\n]") + fscanf(tracks, "%*[^\n]") != 0) return 2; /* the headers */
+  segcal_work_when_due(device, 1); /* a busy PC has no deadlines. Firmware leaves this out: see segcal_background */
   if (pthread_mutexattr_init(&inherit) || pthread_mutexattr_setprotocol(&inherit, PTHREAD_PRIO_INHERIT) ||
       pthread_mutex_init(&lock, &inherit) || sem_init(&new_frame, 0, 0)) return 2;
   if (pthread_create(&background, NULL, background_thread, NULL)) return 2;

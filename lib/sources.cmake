@@ -19,9 +19,9 @@ set(SEGCAL_STORE_SOURCES
   src/store/ring_save.cpp
   src/store/store.cpp)
 
-# What the core is compiled with everywhere. Bits: no contraction, no reassociation, no vector kernels of Eigen's. No heap,
+# What the core is compiled with everywhere. Outside a shared library only the C API is seen (segcal.h makes it visible). Bits: no contraction, no reassociation, no vector kernels of Eigen's. No heap,
 # exceptions, RTTI or guards of statics.
-set(SEGCAL_CORE_C_OPTIONS -ffp-contract=off -fno-math-errno)
+set(SEGCAL_CORE_C_OPTIONS -ffp-contract=off -fno-math-errno -fvisibility=hidden)
 set(SEGCAL_CORE_CXX_OPTIONS -fno-exceptions -fno-rtti -fno-threadsafe-statics)
 # Eigen's checks call assert(), which a library without libc's must not; with SEGCAL_ASSERT=1 they call the port's instead.
 set(SEGCAL_CORE_DEFINITIONS EIGEN_DONT_VECTORIZE EIGEN_NO_MALLOC EIGEN_NO_IO EIGEN_DONT_PARALLELIZE EIGEN_NO_DEBUG)

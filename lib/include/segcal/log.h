@@ -19,6 +19,9 @@
 
 #include "segcal/segcal.h"
 
+#if defined(__GNUC__)
+#pragma GCC visibility push(default)
+#endif
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -73,5 +76,8 @@ int segcal_log_end(segcal_log_t *log);
 
 #ifdef __cplusplus
 }
+#endif
+#if defined(__GNUC__)
+#pragma GCC visibility pop
 #endif
 #endif

@@ -19,6 +19,10 @@
 #include "segcal/symbol_names.h"
 #endif
 
+/* All that a shared library exports: the core is compiled with -fvisibility=hidden. */
+#if defined(__GNUC__)
+#pragma GCC visibility push(default)
+#endif
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -502,5 +506,8 @@ void segcal_memory(size_t *state_bytes, size_t *segment_bytes, size_t *workspace
 
 #ifdef __cplusplus
 }
+#endif
+#if defined(__GNUC__)
+#pragma GCC visibility pop
 #endif
 #endif

@@ -1,6 +1,6 @@
-// segcal for C++17: the C API with its own memory, no heap, no exceptions. A thin cover: names, units and rules are those of segcal.h.
+// segcal for C++17 (namespace segcal_cpp, since segcal is the tag of segcal_t): the C API with its own memory, no heap, no exceptions. A thin cover: names, units and rules are those of segcal.h.
 //
-//   static segcal::Device device(config);          // too large for a stack
+//   static segcal_cpp::Device device(config);          // too large for a stack
 //   if (device.error()) puts(segcal_code_words(device.error()));
 //   device.push(sample);
 //   device.push_tracks(t_ns, points, n);
@@ -14,7 +14,7 @@
 #include "segcal/lookup.h"
 #include "segcal/segcal.h"
 
-namespace segcal {
+namespace segcal_cpp {
 
 class Device {
  public:
@@ -56,6 +56,6 @@ class Device {
   int error_;
 };
 
-}  // namespace segcal
+}  // namespace segcal_cpp
 
 #endif

@@ -16,6 +16,9 @@
 
 #include "segcal/segcal.h"
 
+#if defined(__GNUC__)
+#pragma GCC visibility push(default)
+#endif
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -99,5 +102,8 @@ int segcal_restore(segcal_store_t *store, segcal_t *device);
 
 #ifdef __cplusplus
 }
+#endif
+#if defined(__GNUC__)
+#pragma GCC visibility pop
 #endif
 #endif
