@@ -105,7 +105,7 @@ def changes(rows, names, drawn):
     for row in rows["changes"]:
         steps.setdefault((row["device"], row["block"], row["from_place"]), []).append(row)
     ordered = sorted(steps.items(), key=lambda item: item[1][0]["log10_p"])
-    cells = [(device, Sentence(block), Sentence(names.get(own[0]["from_log"], own[0]["from_log"])),
+    cells = [(device, Sentence(block), names.get(own[0]["from_log"], own[0]["from_log"]),
               Sentence(f"{', '.join(map(step_of, own))} {own[0]['unit'].strip('-')}"), f"1e{own[0]['log10_p']:.0f}")
              for (device, block, _), own in ordered]
     panels = [Html(f'<div data-change="{escape(device)}" data-block="{escape(block)}"></div>')

@@ -29,7 +29,7 @@ ul { margin: 0.4rem 0; padding-left: 1.2rem; }
 table { border-collapse: collapse; font-size: 0.92rem; }
 th, td { padding: 0.25rem 0.7rem 0.25rem 0; text-align: right; border-bottom: 1px solid #f1f3f5; vertical-align: top; white-space: nowrap; }
 th { color: #495057; font-weight: 600; border-bottom: 1px solid #ced4da; position: sticky; top: 0; background: #fff; white-space: normal; }
-th:first-child, td:first-child, td.text { text-align: left; }
+th:first-child, td:first-child, th.text, td.text { text-align: left; }
 td.text { white-space: normal; overflow-wrap: anywhere; }
 td { font-variant-numeric: tabular-nums; }
 .chip { padding: 0.05rem 0.5rem; border-radius: 1rem; font-size: 0.85rem; }
@@ -98,7 +98,9 @@ def table_cell(content, label):
 def table(header, rows, css=""):
     """Cells are text, or Html. The first column names the row."""
     labels = ["", *("" if "±" in h else h for h in header[1:])] if header else None  # a value needs no name
-    head = "".join(f"<th>{escape(h)}</th>" for h in header)
+    rows = [list(row) for row in rows]
+    sentences = {i for row in rows for i, cell in enumerate(row) if isinstance(cell, Sentence)}
+    head = "".join(f'<th class="text">{escape(h)}</th>' if i in sentences else f"<th>{escape(h)}</th>" for i, h in enumerate(header))
     head = f"<thead><tr>{head}</tr></thead>" if header else ""
     body = "".join("<tr>" + "".join(table_cell(c, labels[i] if labels else "") for i, c in enumerate(row)) + "</tr>" for row in rows)
     wide = ' class="wide"' if len(header) > NARROW_COLUMNS else ""
