@@ -1,5 +1,5 @@
-/* firmware_loop IMU.csv TRACKS.csv: segcal in two threads, as a firmware has it, on the two files of examples/feed.c twenty times as
- * fast as they were recorded. It prints the table that feed prints: when and how often background work is done changes no bit.
+/* firmware_loop IMU.csv TRACKS.csv: segcal in two threads, as a firmware has it, on the two files of examples/feed.c. It prints the table
+ * that feed prints: as long as the background thread keeps up, it changes no bit when and how often it works.
  *
  * POSIX threads stand for the RTOS; Zephyr and ESP-IDF have them too. With FreeRTOS' own names: xSemaphoreCreateMutex for the
  * lock, a task notification for the wake-up.
@@ -26,6 +26,7 @@ static segcal_t *device;
  * An interrupt handler cannot wait for a lock: it puts its sample into a queue, and the sensor thread pushes it. */
 static pthread_mutex_t lock;
 static sem_t new_frame; /* wakes the background thread */
+static int pending;     /* under the lock: the background thread has something to do */
 static int ended;       /* under the lock */
 
 static void on_new_calibration(void) { /* with the lock held: copy, and use the copy later */
@@ -36,11 +37,11 @@ static void *background_thread(void *unused) {
   static segcal_counters_t counters;
   uint32_t published = 0;
   for (int stop = 0; !stop;) {
-    int pending = 1;
+    int more = 1;
     sem_wait(&new_frame); /* sleeps until there may be work */
-    while (pending == 1) {
+    while (more) {
       pthread_mutex_lock(&lock);
-      pending = segcal_background(device, 1); /* one slice; 1: more is left */
+      more = pending = segcal_background(device, 1) == 1; /* one slice; 1: more is left */
       segcal_get_counters(device, &counters);
       if (counters.calibrations_published != published) on_new_calibration();
       published = counters.calibrations_published;
@@ -51,19 +52,29 @@ static void *background_thread(void *unused) {
   return unused;
 }
 
-/* In firmware: waits for the drivers' queues. Here: for the file, at twenty times its pace. 0: the data have ended. */
+/* A file has no pace of its own, which leaves the background thread its time: what is read next waits until that is done. */
+static void wait_for_background(void) {
+  const struct timespec a_millisecond = {0, 1000000};
+  for (int busy = 1; busy;) {
+    pthread_mutex_lock(&lock);
+    busy = pending;
+    pthread_mutex_unlock(&lock);
+    if (busy) nanosleep(&a_millisecond, NULL);
+  }
+}
+
+/* In firmware: waits for the drivers' queues. Here: reads from the file. 0: the data have ended. */
 static int next_image(FILE *tracks, int64_t *t_ns, segcal_point_t *image, int *n) {
   static segcal_point_t p;
   static int64_t row_ns;
   static int row = 0;
-  const struct timespec pause = {0, 100000000 / 20};
   if (row == 0) row = fscanf(tracks, "%" SCNd64 ",%" SCNu32 ",%f,%f", &row_ns, &p.track_id, &p.u, &p.v);
   *t_ns = row_ns;
   for (*n = 0; row == 4 && row_ns == *t_ns;) {
     if (*n < SEGCAL_MAX_TRACKS) image[(*n)++] = p;
     row = fscanf(tracks, "%" SCNd64 ",%" SCNu32 ",%f,%f", &row_ns, &p.track_id, &p.u, &p.v);
   }
-  nanosleep(&pause, NULL);
+  wait_for_background();
   return *n > 0;
 }
 
@@ -80,6 +91,7 @@ static void sensor_loop(FILE *imu, FILE *tracks) {
     }
     pthread_mutex_lock(&lock);
     segcal_push_tracks(device, t_ns, image, n);
+    pending = 1;
     pthread_mutex_unlock(&lock);
     sem_post(&new_frame);
   }
