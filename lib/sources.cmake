@@ -5,6 +5,7 @@ set(SEGCAL_CORE_SOURCES
   src/api/convert.cpp
   src/api/device.cpp
   src/api/effects.cpp
+  src/api/epochs.cpp
   src/api/kept.cpp
   src/api/health.cpp
   src/api/posterior.cpp

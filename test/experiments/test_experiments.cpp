@@ -176,7 +176,7 @@ void test_statistics() {
 void test_methods_are_those_of_the_core() {
   std::vector<std::string> names;
   for (const Method& m : methods()) names.push_back(m.name);
-  for (const char* name : {"initial", "batch", "all", "A", "D", "E", "set_d", "random", "joint_ekf"}) {
+  for (const char* name : {"initial", "batch", "all", "A", "D", "E", "set_d", "random", "condensed", "joint_ekf"}) {
     test::check_true(Id().add("method", name), "not offered", std::find(names.begin(), names.end(), name) != names.end());
   }
   bool refused = false;

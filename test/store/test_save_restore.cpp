@@ -86,6 +86,7 @@ const Kind kKinds[] = {
     {"adaptive", [](segcal_config_t* c) { c->least_segment_s = 1.5; c->most_segment_s = 3; }, Way::tracks, 0},
     {"odometry", [](segcal_config_t*) {}, Way::keyframes, 0},
     {"time_offset", [](segcal_config_t* c) { if (SEGCAL_MAX_EFFECT_ESTIMATES >= 1) c->estimate_effects = SEGCAL_EFFECT_TIME_OFFSET; }, Way::tracks, 4000000},
+    {"condensing", [](segcal_config_t* c) { c->keep_segments = 2; c->condense = SEGCAL_MAX_EPOCHS > 0 ? 1 : 0; c->calibration_window = 1; }, Way::tracks, 0},
     {"watching", [](segcal_config_t* c) { if (SEGCAL_MAX_EFFECT_COLUMNS >= 3) c->watch_effects = SEGCAL_EFFECT_ROLLING_SHUTTER; }, Way::tracks, 0}};
 
 struct Hashes {

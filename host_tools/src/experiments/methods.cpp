@@ -18,6 +18,7 @@ std::vector<SessionCalibration> from_database(const std::vector<Recording>& sess
   r.core.calibration = start;
   r.core.noise = sessions.front().imu.noise;
   r.core.metric = metric;
+  r.core.condense = options.condense;
   r.core.multi_session = options.multi_session;
   r.core.segments = options.segments;
   r.core.seed = options.seed;
@@ -76,6 +77,14 @@ std::vector<SessionCalibration> selected(const std::vector<Recording>& sessions,
   return from_database(sessions, start, "mobile", method.metric, options);
 }
 
+/// Eight kept segments, the first that told enough, and all that came after them in epochs.
+std::vector<SessionCalibration> condensed(const std::vector<Recording>& sessions, const Calibration& start, const Method& method,
+                                          const MethodOptions& options) {
+  MethodOptions o = options;
+  o.condense = true;
+  return from_database(sessions, start, "mobile", method.metric, o);
+}
+
 bool always() { return true; }
 
 bool metric_offered(const char* metric) {
@@ -104,6 +113,7 @@ const std::vector<Method>& methods() {
         {"E", "8 segments of 4 s by E (largest eigenvalue)", always, selected, "E"},
         {"set_d", "8 segments of 4 s by the joint determinant", set_d_offered, selected, "set_d"},
         {"random", "8 segments of 4 s at random", always, selected, "random"},
+        {"condensed", "8 segments of 4 s by A, all later ones in epochs", always, condensed, "A"},
         {"joint_ekf", "the filter with all of theta in its state", always, joint_filter, ""},
         {"filter", "the data sheet's, and the filter's own estimates on the way", always, initial, "", Odometry::estimating},
         {"filter_A", "as A, and the filter's own estimates on the way", always, selected, "A", Odometry::estimating},

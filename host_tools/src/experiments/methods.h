@@ -16,6 +16,7 @@ struct SessionCalibration {
 struct MethodOptions {
   bool multi_session = false;
   int segments = 8;
+  bool condense = false;     ///< segments that end after a release go into epochs
   std::uint64_t seed = 1;    ///< of random
 };
 

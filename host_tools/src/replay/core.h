@@ -44,6 +44,7 @@ struct CoreOptions {
   double trigger_fraction = 0;       ///< sigmas over the prior's at which the device calibrates of its own; 0: it does not
   bool hold_calibration = false;     ///< the filter runs with the calibration as it is, without estimates of its own
   std::vector<double> sigma_ref;     ///< normalises the metrics, per parameter; empty: the prior sigmas
+  bool condense = false;             ///< segments that end after a release go into epochs
   bool joint_ekf = false;            ///< the filter's own calibration is the result; no segments
   std::vector<std::uint8_t> device_config;  ///< a device's own (recording.h): taken instead of all here; empty: none
   std::uint32_t effects = 0;         ///< SEGCAL_EFFECT_* that are estimated
@@ -80,6 +81,13 @@ struct CoreParameter {
   double value = 0, initial = 0, sigma = 0, prior_sigma = 0;
 };
 
+/// What condensed segments said, alone with the prior; in the order of the parameters.
+struct CoreEpoch {
+  int segments = 0;
+  unsigned first_session = 0, last_session = 0;
+  std::vector<double> value, sigma;
+};
+
 struct CoreResult {
   std::string status = "insufficient";
   std::vector<CoreParameter> parameters;
@@ -88,6 +96,7 @@ struct CoreResult {
   bool converged = false;
   double chi2 = 0, dof = 0, noise_scale = 1, reprojection_rms_px = 0, reprojection_median_px = 0;
   std::vector<double> mean, covariance;  ///< of the parameters with nothing held (segcal_get_posterior), row-major; empty: not known
+  std::vector<CoreEpoch> epochs;         ///< oldest first
 };
 
 struct CorePointResidual {

@@ -81,7 +81,7 @@ nlohmann::ordered_json configuration_json(const ReplayOptions& options) {
                {"segment_s", core.segment_s}, {"adaptive_segments", core.adaptive_segments},
                {"gravity", core.gravity > 0 ? nlohmann::ordered_json(core.gravity) : nlohmann::ordered_json()}, {"strategy", core.multi_session ? "multi" : "single"}, {"pixel_sigma", core.pixel_sigma},
                {"track_walk", core.track_walk}, {"estimate_track_noise", options.estimate_track_noise}, {"seed", core.seed},
-               {"trigger_sigma", core.trigger_fraction}, {"keep_outdated", core.outdated_level < 0},
+               {"trigger_sigma", core.trigger_fraction}, {"keep_outdated", core.outdated_level < 0}, {"condense", core.condense},
                {"hold_calibration", core.hold_calibration}, {"joint_ekf", options.joint_ekf}, {"calibrate", options.calibrate}});
   return json;
 }

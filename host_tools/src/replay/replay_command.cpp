@@ -264,6 +264,7 @@ void add_database_options(CLI::App* sub, Arguments* a) {
   sub->add_option("--trigger-sigma", core.trigger_fraction,
                   "calibrate in between, as soon as all predicted sigmas are below this fraction of the prior's; 0: at the end only")
       ->capture_default_str()->check(CLI::Range(0.0, 0.99));
+  sub->add_flag("--condense", core.condense, "condense segments that end after a release into epochs: nothing that was seen is lost");
   sub->add_flag("--keep-outdated", a->keep_outdated, "keep segments that newer ones contradict: theta is taken as constant");
   sub->add_flag("--no-calibration", a->no_calibration, "odometry only: the trajectory with the starting calibration");
 }

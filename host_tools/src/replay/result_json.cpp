@@ -87,6 +87,11 @@ Json result_json(const ReplayResult& out, const Provenance& from) {
   json["segments"] = Json::array();
   for (const CoreSegment& s : out.segments) json["segments"].push_back(segment_json(s, names));
   json["calibrations"] = calibrations_json(out);
+  json["epochs"] = Json::array();
+  for (const CoreEpoch& e : out.result.epochs) {
+    json["epochs"].push_back({{"segments", e.segments}, {"first_session", e.first_session}, {"last_session", e.last_session},
+                              {"value", e.value}, {"sigma", e.sigma}});
+  }
   json["fit"] = {{"chi2", r.chi2}, {"dof", r.dof}, {"iterations", r.iterations}, {"converged", r.converged},
                  {"reprojection_rms_px", r.reprojection_rms_px}, {"reprojection_median_px", r.reprojection_median_px},
                  {"noise_scale", r.noise_scale}, {"partitions", r.partitions}, {"image_points", r.image_points}};

@@ -51,7 +51,7 @@ class Review {
     const bool fitted = out_.calibrated && out_.result.dof > 0 && out_.kept.size() >= 2 && out_.result.status != "failed";
     if (fitted) judge_fit();
     find_notes();
-    if (out_.result.status == "calibrated" && out_.kept.size() == 1) refuse("insufficient", kOneSegment);
+    if (out_.result.status == "calibrated" && out_.kept.size() == 1 && out_.result.epochs.empty()) refuse("insufficient", kOneSegment);
     if (out_.result.status != "calibrated" && out_.cause.empty()) out_.cause = reason();
   }
 

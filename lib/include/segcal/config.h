@@ -25,6 +25,7 @@
 #define SEGCAL_DEFAULT_START_DELAY_MS 500
 #define SEGCAL_DEFAULT_WAITING_FRAMES 3
 #define SEGCAL_DEFAULT_TIES 4
+#define SEGCAL_DEFAULT_EPOCHS 0
 #define SEGCAL_DEFAULT_IMU_HISTORY 300
 #define SEGCAL_DEFAULT_EFFECT_ESTIMATES 1
 #define SEGCAL_DEFAULT_EFFECT_COLUMNS 3
@@ -44,6 +45,7 @@
 #define SEGCAL_DEFAULT_START_DELAY_MS 0
 #define SEGCAL_DEFAULT_WAITING_FRAMES 4
 #define SEGCAL_DEFAULT_TIES 8
+#define SEGCAL_DEFAULT_EPOCHS 4
 #define SEGCAL_DEFAULT_IMU_HISTORY 1000
 #define SEGCAL_DEFAULT_PIXEL_BITS 32
 #define SEGCAL_DEFAULT_TRACK_WALK 1
@@ -63,6 +65,7 @@
 #define SEGCAL_DEFAULT_START_DELAY_MS 0
 #define SEGCAL_DEFAULT_WAITING_FRAMES 4
 #define SEGCAL_DEFAULT_TIES 16
+#define SEGCAL_DEFAULT_EPOCHS 4
 #define SEGCAL_DEFAULT_IMU_HISTORY 2000
 #define SEGCAL_DEFAULT_PIXEL_BITS 32
 #define SEGCAL_DEFAULT_TRACK_WALK 1
@@ -140,6 +143,11 @@
    segments into one frame. 0: segments across a gap share biases only. */
 #ifndef SEGCAL_MAX_TIES
 #define SEGCAL_MAX_TIES SEGCAL_DEFAULT_TIES
+#endif
+/* Epochs: triangles that hold what segments said about the calibration once they are kept no longer (segcal_config_t.condense). When
+   there is no place for another, the two oldest become one. 0: leaves that code out. */
+#ifndef SEGCAL_MAX_EPOCHS
+#define SEGCAL_MAX_EPOCHS SEGCAL_DEFAULT_EPOCHS
 #endif
 /* Tracks in common from which on two segments of one map are put into one frame. Position and rotation about gravity
    are four unknowns and three landmarks of known depth fix them; in a short look at a scene about every second track has

@@ -202,6 +202,9 @@ typedef struct {
      0: the fourth (16 s). One that is not done by then takes effect at the first end at which it is. With a window that the
      background keeps, the result does not depend on when it worked. */
   int32_t calibration_window;
+  /* 1: segments that end once a calibration was released are condensed into epochs (SEGCAL_MAX_EPOCHS; a build without any refuses
+     1): the database stays as it is, and nothing that was seen is lost. 0: they compete for a place in the database. */
+  int32_t condense;
 } segcal_config_t;
 
 /* ---- data in ---- */
@@ -361,6 +364,15 @@ typedef struct {
   float u, v;                      /* px */
 } segcal_measured_point_t;
 
+/* What segments that are kept no longer said about the calibration (segcal_config_t.condense), all of them one by one: values as those
+   segments alone tell, with the prior, and their sigmas, scaled as those of the last release. In the order of segcal_result_t.parameter. */
+typedef struct {
+  int32_t segments;
+  uint32_t first_session, last_session;  /* from 0: sessions since segcal_create */
+  int32_t n_parameters;
+  double value[SEGCAL_MAX_PARAMETERS], sigma[SEGCAL_MAX_PARAMETERS];
+} segcal_epoch_t;
+
 /* ---- functions ---- */
 typedef struct segcal segcal_t;
 
@@ -441,6 +453,8 @@ int segcal_get_filter_calibration(segcal_t *device, segcal_result_t *result);
    row-major, n x n, whose diagonal is the squares of the results' sigmas. Both contain the prior. `capacity` of covariance in
    numbers. Returns n; SEGCAL_ERROR_STATE without a result. */
 int segcal_get_posterior(const segcal_t *device, double *mean, double *covariance, int32_t capacity);
+/* Epoch `index`, 0: the oldest. SEGCAL_ERROR_STATE: there is none; SEGCAL_ERROR_BUSY: while work is pending. */
+int segcal_get_epoch(const segcal_t *device, int32_t index, segcal_epoch_t *out);
 int segcal_get_direction(const segcal_t *device, int32_t index, segcal_direction_t *direction);
 /* The segment scored last (index -1) or slot `index` of the database, 0..SEGCAL_MAX_SEGMENTS. SEGCAL_ERROR_STATE if empty.
    A slot whose segment was dropped as outdated answers, with `kept` 0, until a new segment needs it. */

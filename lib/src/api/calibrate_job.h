@@ -60,13 +60,22 @@ class CalibrateJob {
   bool drop_misfits_step(DeviceParts<S>* d);
   bool measure_residuals_step(DeviceParts<S>* d);
   void add_residuals(DeviceParts<S>* d, const Segment<S>& s);
+  template <class Add>
+  static void add_spread_of_epochs(DeviceParts<S>* d, Add add) {
+    if constexpr (kEpochs > 0) {
+      for (int i = 0; i < d->epochs.count(); ++i) add(d->epochs.epoch(i).between, d->epochs.epoch(i).between_dof);
+    }
+  }
+  bool epoch_is_newer(DeviceParts<S>* d) const;
+  const SegmentInformation<S>& compared(DeviceParts<S>* d);
+  void drop_outdated(DeviceParts<S>* d);
   void begin_agreement(DeviceParts<S>* d);
 
   Stage stage_ = Stage::idle;
   Place place_ = 0, inner_ = 0;
   Calibration<S> theta_;               ///< where it begins
   Segment<S>* segment_[kMaxSegments];  ///< that take part, in order of time
-  std::int32_t n_ = 0, i_ = 0, round_ = 0;
+  std::int32_t n_ = 0, i_ = 0, epoch_ = 0, round_ = 0;
   bool dropped_ = false, dropped_any_ = false;
   Agreement<S> agreement_;
   SegmentScatter<S> scatter_;
@@ -106,6 +115,7 @@ bool CalibrateJob<S>::fit_step(DeviceParts<S>* d) {
   Calibrator<S>& calibrator = d->calibrator;
   SEGCAL_SLICES(inner_) {
     calibrator.begin(segment_, n_, d->prior(), theta_, d->options.model);
+    if constexpr (kEpochs > 0) calibrator.take_epochs(&d->epochs);
     SEGCAL_PAUSE(inner_);
     calibrator.accept_all();
     SEGCAL_PAUSE(inner_);
@@ -133,23 +143,47 @@ bool CalibrateJob<S>::score_alone_step(DeviceParts<S>* d) {
   SEGCAL_SLICES_END(inner_);
 }
 
-/// Drops segments that newer ones contradict (calibration/agreement.h); dropped_ says whether there were any.
+/// Drops segments and epochs that newer ones contradict (calibration/agreement.h); dropped_ says whether there were any.
 template <class S>
 bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
   SEGCAL_SLICES(inner_) {
     dropped_ = false;
-    if (n_ >= 3 && d->calibrator.fit().converged && d->options.outdated_level > S(0)) {
+    if (n_ + d->epochs.count() >= 3 && d->calibrator.fit().converged && d->options.outdated_level > S(0)) {
       begin_agreement(d);
-      for (i_ = n_ - 1; i_ >= 0; --i_) {
-        SEGCAL_AWAIT(inner_, agreement_.take_step(segment_[i_]->information));
+      epoch_ = d->epochs.count() - 1;
+      for (i_ = n_ - 1; i_ >= 0 || epoch_ >= 0; epoch_is_newer(d) ? --epoch_ : --i_) {
+        SEGCAL_AWAIT(inner_, agreement_.take_step(compared(d)));
         if (!agreement_.outdated()) continue;
-        d->database.drop_outdated(segment_[i_]);
-        ++d->faults.segments_outdated;
+        drop_outdated(d);
         dropped_ = dropped_any_ = true;
       }
     }
   }
   SEGCAL_SLICES_END(inner_);
+}
+
+/// Of epoch_ and i_, the next to be compared is the epoch.
+template <class S>
+bool CalibrateJob<S>::epoch_is_newer(DeviceParts<S>* d) const {
+  if constexpr (kEpochs > 0) return epoch_ >= 0 && (i_ < 0 || d->epochs.epoch(epoch_).last_serial > segment_[i_]->serial);
+  return false;
+}
+
+template <class S>
+const SegmentInformation<S>& CalibrateJob<S>::compared(DeviceParts<S>* d) {
+  if (!epoch_is_newer(d)) return segment_[i_]->information;
+  if constexpr (kEpochs > 0) d->epochs.epoch(epoch_).move_to(d->calibrator.theta(), d->work.moved());
+  return *d->work.moved();
+}
+
+template <class S>
+void CalibrateJob<S>::drop_outdated(DeviceParts<S>* d) {
+  if (epoch_is_newer(d)) {
+    if constexpr (kEpochs > 0) d->epochs.outdate(epoch_);
+  } else {
+    d->database.drop_outdated(segment_[i_]);
+    ++d->faults.segments_outdated;
+  }
 }
 
 /// Do the segments that took part agree as far as noise lets them (calibration/scatter.h)? One alone cannot say.
@@ -160,6 +194,7 @@ bool CalibrateJob<S>::measure_scatter_step(DeviceParts<S>* d) {
     for (i_ = 0; d->calibrator.fit().converged && n_ >= 2 && i_ < n_; ++i_) {
       SEGCAL_AWAIT(inner_, scatter_.take_step(segment_[i_]->information));
     }
+    add_spread_of_epochs(d, [this](S found, std::int32_t degrees) { scatter_.add(found, S(degrees)); });
   }
   SEGCAL_SLICES_END(inner_);
 }
@@ -168,8 +203,11 @@ template <class S>
 void CalibrateJob<S>::begin_agreement(DeviceParts<S>* d) {
   const SegmentInformation<S>* information[kMaxSegments];
   for (int i = 0; i < n_; ++i) information[i] = &segment_[i]->information;
-  agreement_ = Agreement<S>(d->prior(), d->calibrator.theta(), d->options.outdated_level / S(n_ - 1), noise_of(information, n_),
+  const S comparisons = S(n_ + d->epochs.count() - 1);
+  agreement_ = Agreement<S>(d->prior(), d->calibrator.theta(), d->options.outdated_level / comparisons, noise_of(information, n_),
                             d->work.new_analysis(), d->work.agreement_scratch());
+  // An epoch may convict the next older item, which has no neighbours of its own yet.
+  add_spread_of_epochs(d, [this](S found, std::int32_t degrees) { agreement_.know_spread(found, degrees); });
 }
 
 /// After a failed calibration: segments that do not fit even alone leave the database, and collecting goes on.

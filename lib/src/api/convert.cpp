@@ -153,6 +153,8 @@ bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   out->joint_filter = c.joint_filter != 0;
   if (c.calibration_window < 0 || c.calibration_window > 1000) return false;
   out->calibration_window = c.calibration_window == 0 ? 4 : c.calibration_window;
+  if (c.condense < 0 || c.condense > (kEpochs > 0 ? 1 : 0)) return false;
+  out->condense = c.condense == 1;
   if (!(c.least_segment_s >= 0 && c.least_segment_s <= double(out->segment_s))) return false;
   if (c.most_segment_s != 0 && !(c.most_segment_s >= double(out->segment_s) && c.most_segment_s <= 60)) return false;
   out->most_segment_s = Real(c.most_segment_s == 0 && c.least_segment_s > 0 ? double(out->segment_s) : c.most_segment_s);

@@ -20,6 +20,9 @@ enum class Taken : std::int32_t { ok, waiting, skipped, tracking, lost, not_fini
 
 /// A frame with fewer points tells hardly anything of the motion.
 constexpr int kFewestTracks = 8;
+/// So many segments in a row that do not fit into an epoch are no accident.
+constexpr int kMostMisfits = 3;
+
 template <class S>
 struct StoredFields;   // store/stored_fields.h
 
@@ -73,6 +76,9 @@ class Device {
   Calibrator<S>& calibrator() { return d_.calibrator; }
   const Calibrator<S>& calibrator() const { return d_.calibrator; }
   const Database<S>& database() const { return d_.database; }
+  const auto& epochs() const { return d_.epochs; }
+  /// None is being added to, compared or moved.
+  bool epochs_at_rest() const { return !pending(); }
   /// A score or a calibration is under way, or a calibration waits for its moment.
   bool pending() const { return score_.active() || calibration_.pending(); }
   /// The kept segments are as a calibration or their builder left them, not half moved.
@@ -124,6 +130,9 @@ class Device {
   void end_segment(bool continues);
   void begin_segment(bool continues);
   void hand_over();
+  void set_condensing();
+  void count_misfits();
+  bool worth_a_calibration();
   Segment<S>& open_slot() { return score_.active() ? *spare_ : d_.database.building(); }
   Calibration<S> working_theta() const;
 
@@ -165,10 +174,12 @@ class Device {
   Segment<S>* spare_;      ///< where the open segment stands while the one before is scored
   std::uint32_t session_, serial_, frame_;
   std::int32_t window_;          ///< > 0: segment ends until a calibration takes effect, if it is done then
+  std::int32_t misfits_;         ///< segments in a row that could not be condensed
   std::int32_t thinned_;         ///< how often the open segment was
   std::int32_t stamp_shift_ns_;  ///< from stamps of frames to the IMU's clock, as known: for frames that come from now on
   bool has_state_, has_imu_, has_frame_, has_offered_, has_next_keyframe_;
   bool calibrated_, knew_enough_, own_odometry_;
+  bool condensing_, new_epoch_;  ///< segments that end go into epochs; the next one begins another
   bool at_once_;                 ///< work that is due is done by the call that feeds
   bool wanted_;                  ///< a calibration was asked for since the last segment that is scored ended
   bool wanted_then_;             ///< it was before: it begins when that segment has been scored

@@ -85,7 +85,11 @@ void Device<S>::hand_over() {
     finished_ = false;
     wanted_then_ = wanted_;
     wanted_ = false;
-    spare_ = score_.begin(working_theta(), &d_);
+    if constexpr (kEpochs > 0) {
+      if (condensing_ && new_epoch_) d_.epochs.begin(theta_, session_);
+    }
+    new_epoch_ = new_epoch_ && !condensing_;
+    spare_ = score_.begin(working_theta(), condensing_, &d_);
     return;
   }
   ++d_.faults.segments_missed;

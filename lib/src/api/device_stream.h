@@ -31,7 +31,11 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   window_ = thinned_ = 0;
   liveliness_.reset();
   last_use_ = StreamCounts();
-  calibrated_ = knew_enough_ = own_odometry_ = at_once_ = wanted_ = wanted_then_ = false;
+  calibrated_ = knew_enough_ = own_odometry_ = condensing_ = at_once_ = wanted_ = wanted_then_ = false;
+  new_epoch_ = true;
+  misfits_ = 0;
+  d_.epochs.clear();
+  d_.condenser.break_chain();
   finished_ = true;
   spare_ = nullptr;
   stamp_shift_ns_ = stamp_shift(theta_);
@@ -320,6 +324,10 @@ void Device<S>::begin_session() {
   knew_enough_ = false;
   liveliness_.reset();
   d_.database.begin_session();
+  if (d_.options.strategy == Strategy::single_session) {
+    d_.epochs.clear();
+    condensing_ = false;
+  }
   restart_filter();
 }
 

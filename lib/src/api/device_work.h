@@ -32,7 +32,8 @@ int Device<S>::background(int slices) {
 template <class S>
 void Device<S>::end_score() {
   builder().move_to(&d_.database.building());
-  const bool enough = score_.kept() && !knew_enough_ && knows_enough(&d_);
+  if (score_.condenses()) count_misfits();
+  const bool enough = worth_a_calibration();
   knew_enough_ = knew_enough_ || enough;
   if (wanted_then_ || (enough && d_.options.calibrates_itself)) begin_calibration(score_.theta());
 }
@@ -42,6 +43,18 @@ void Device<S>::begin_calibration(const Calibration<S>& theta) {
   wanted_then_ = false;
   calibration_.begin(theta, &d_);
   window_ = d_.options.calibration_window;
+}
+
+/// The kept segments tell enough for the first time; or so many were condensed since the last calibration that sigmas should
+/// have halved: three times as many as it was made from.
+template <class S>
+bool Device<S>::worth_a_calibration() {
+  if (!score_.condenses()) return score_.kept() && !knew_enough_ && knows_enough(&d_);
+  if constexpr (kEpochs > 0) {
+    const int condensed = d_.epochs.newest().segments;
+    return condensed >= 3 * (d_.epochs.segments() - condensed + d_.database.size());
+  }
+  return false;
 }
 
 template <class S>
@@ -60,6 +73,28 @@ void Device<S>::publish_calibration() {
   calibrated_ = true;
   if (dropped) knew_enough_ = knew_enough_ && knows_enough(&d_);
   take_release();
+  set_condensing();
+}
+
+/// From a released theta on, as long as the database holds what it was made from: another segment in it would push one out that
+/// nothing else remembers. Where theta cannot be released, epochs are no help to find out why.
+template <class S>
+void Device<S>::set_condensing() {
+  if (report_.release.status == Status::failed) d_.epochs.clear();
+  condensing_ = kEpochs > 0 && d_.options.condense && report_.release.status == Status::calibrated && knows_enough(&d_);
+  new_epoch_ = true;
+  misfits_ = 0;
+  d_.condenser.break_chain();
+}
+
+/// Where one segment after the other fits no longer, theta is another than epochs were made at: the database, whose segments can be
+/// linearised again, goes on collecting.
+template <class S>
+void Device<S>::count_misfits() {
+  if constexpr (kEpochs > 0) misfits_ = d_.condenser.condensed() ? 0 : misfits_ + 1;
+  if (misfits_ < kMostMisfits) return;
+  misfits_ = 0;
+  condensing_ = knew_enough_ = false;
 }
 
 /// The same at any moment: where the shift of stamps changes, the open segment begins anew.
@@ -137,6 +172,7 @@ std::uint64_t Device<S>::result_hash() const {
   add_to_hash(theta_, &hash);
   if (calibrated_) add_to_hash(report_.release, &hash);
   if (finished_) add_to_hash(d_.database, &hash);
+  if (finished_) add_to_hash(d_.epochs, &hash);
   return hash.value();
 }
 

@@ -3,6 +3,7 @@
 
 #include "api/release.h"
 #include "api/workspace.h"
+#include "calibration/condenser.h"
 #include "database/database.h"
 #include "diagnosis/effect_monitor.h"
 #include "segments/builder.h"
@@ -29,6 +30,7 @@ struct DeviceOptions {
   std::uint32_t watch_effects = 0;  ///< bit e: the score test asks each scored segment about effect e
   bool joint_filter = false;    ///< the filter's own calibration is the result; no segments
   S outdated_level = S(1e-3);   ///< probability that a calibration drops segments although theta is the same; 0: never drops any
+  bool condense = false;        ///< segments that end once theta was released go into epochs, not into the database
   bool calibrates_itself = true; ///< when it knows enough; else only where it is told to
   std::int32_t calibration_window = 4;  ///< ends of segments from its beginning until it takes effect
 };
@@ -78,6 +80,8 @@ struct DeviceParts {
   Workspace<S> work;
   Calibrator<S> calibrator;
   EffectMonitor<S> monitor;
+  std::conditional_t<(kEpochs > 0), Epochs<S>, NoEpochs<S>> epochs;
+  std::conditional_t<(kEpochs > 0), Condenser<S>, NoCondenser> condenser;
   FaultCounts faults;
   SliceCounts slices;
 

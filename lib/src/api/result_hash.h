@@ -3,6 +3,7 @@
 #pragma once
 
 #include "api/release.h"
+#include "calibration/epoch.h"
 #include "database/database.h"
 #include "math/hash.h"
 
@@ -76,6 +77,18 @@ void add_to_hash(const Segment<S>& s, Hash* hash) {
   hash->add(s.metrics.D);
   hash->add(s.metrics.E);
 }
+
+/// What condensed segments said.
+template <class S>
+void add_to_hash(const Epochs<S>& epochs, Hash* hash) {
+  for (int i = 0; i < epochs.count(); ++i) {
+    const Epoch<S>& e = epochs.epoch(i);
+    hash->add(e.segments);
+    hash->add(e.information.data, packed_size(e.columns() + 1));
+  }
+}
+template <class S>
+void add_to_hash(const NoEpochs<S>&, Hash*) {}
 
 /// The kept segments in their order in time: in which slot one stands does not matter.
 template <class S>

@@ -14,8 +14,11 @@ class ScoreJob {
   void reset() { active_ = false; }
   bool active() const { return active_; }
   /// Of the segment in the building slot, at `theta`. Returns where the next segment is built until this is done.
-  Segment<S>* begin(const Calibration<S>& theta, DeviceParts<S>* d) {
+  /// `condense`: it goes into the newest epoch, not into the database.
+  Segment<S>* begin(const Calibration<S>& theta, bool condense, DeviceParts<S>* d) {
     active_ = true;
+    condense_ = condense;
+    d->condenser.restart();
     place_ = 0;
     theta_ = theta;
     d->slices.begin_job();
@@ -34,6 +37,8 @@ class ScoreJob {
     d->work.give_back();
     active_ = false;
   }
+  /// The scored segment goes into an epoch.
+  bool condenses() const { return condense_; }
   /// theta as known when the segment ended.
   const Calibration<S>& theta() const { return theta_; }
   /// The scored segment was kept.
@@ -41,14 +46,16 @@ class ScoreJob {
 
  private:
   bool score_step(DeviceParts<S>* d, ScoreReport<S>* report);
+  bool condense_step(DeviceParts<S>* d);
   bool analyse_segment_step(DeviceParts<S>* d, Segment<S>* segment);
   void settle(DeviceParts<S>* d, const Segment<S>& segment);
   void publish(DeviceParts<S>* d, ScoreReport<S>* report);
 
-  bool active_ = false, settled_ = false, kept_ = false;
+  bool active_ = false, settled_ = false, kept_ = false, condense_ = false;
   Place place_ = 0, inner_ = 0;
   Calibration<S> theta_;
   LargestEigenvalue<S> largest_;
+  CondenseMemory<S> memory_;   ///< lent by the calibrator
   JointInformation<S> sums_;
 };
 
@@ -74,11 +81,12 @@ bool ScoreJob<S>::score_step(DeviceParts<S>* d, ScoreReport<S>* report) {
       SEGCAL_PAUSE(place_);
       SEGCAL_AWAIT(place_, analyse_segment_step(d, &segment));
       sums_ = d->work.sums(d->prior().sigma, theta_.columns());
-      if (settled_) {
+      if (settled_ && !condense_) {
         SEGCAL_AWAIT(place_, d->database.compare_step(&sums_));
         SEGCAL_PAUSE(place_);
       }
       publish(d, report);
+      SEGCAL_AWAIT(place_, condense_step(d));
     } else {
       ++d->faults.segments_discarded;
     }
@@ -116,9 +124,26 @@ void ScoreJob<S>::settle(DeviceParts<S>* d, const Segment<S>& segment) {
 template <class S>
 void ScoreJob<S>::publish(DeviceParts<S>* d, ScoreReport<S>* report) {
   report->segment = summary_of(d->database.building());
-  kept_ = settled_ && d->database.offer_compared(&sums_);
+  kept_ = settled_ && !condense_ && d->database.offer_compared(&sums_);
   report->segment.kept = kept_;
   report->directions.copy(d->work.analysis());
+}
+
+/// After its report is out: elimination ends the analysis.
+template <class S>
+bool ScoreJob<S>::condense_step(DeviceParts<S>* d) {
+  if constexpr (kEpochs > 0) {
+    SEGCAL_SLICES(inner_) {
+      if (condense_ && !settled_) d->condenser.break_chain();
+      if (condense_ && settled_) {
+        memory_ = d->calibrator.lend_condense_memory(&d->work.eliminator());
+        SEGCAL_AWAIT(inner_, d->condenser.step(&d->database.building(), d->options.model, memory_, &d->epochs.newest()));
+        if (!d->condenser.condensed()) ++d->faults.segments_unsettled;
+      }
+    }
+    SEGCAL_SLICES_END(inner_);
+  }
+  return true;
 }
 
 }  // namespace SEGCAL_NS

@@ -66,6 +66,9 @@ class Workspace {
   /// What the calibration under way will release.
   Release<S>* release() { return &lent().release; }
 
+  /// An epoch's rows moved to another theta, while it is compared.
+  SegmentInformation<S>* moved() { return &lent().moved; }
+
   /// Sums of information over theta's n columns. Elimination ends them.
   JointInformation<S> sums(const S* prior_sigma, int n) {
     static_assert(kJointScratch <= ReducedSystem<S>::kScratch, "the triangle is too small for sums of information");
@@ -91,6 +94,7 @@ class Workspace {
     S W[kMaxTheta * kMaxTheta];
     InformationAnalysis<S> analysis;
     Release<S> release;
+    SegmentInformation<S> moved;
   };
   static_assert(sizeof(Lent) <= SegmentEliminator<S>::kLentBytes, "the eliminator has too little to lend");
   Lent& lent() { return *static_cast<Lent*>(eliminator_.lend()); }

@@ -52,6 +52,11 @@ class Agreement {
     SEGCAL_SLICES_END(place_);
   }
   bool outdated() const { return outdated_; }
+  /// What is known of the spread already: a sum of squares of unit variance, with `degrees` of freedom.
+  void know_spread(S sum, int degrees) {
+    spread_ += sum / noise_;
+    spread_degrees_ += degrees;
+  }
   bool outdated(const SegmentInformation<S>& information) {
     while (!take_step(information)) {
     }

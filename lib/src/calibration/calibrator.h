@@ -8,6 +8,7 @@
 #include <new>
 
 #include "calibration/chain.h"
+#include "calibration/condenser.h"
 #include "calibration/global_system.h"
 #include "calibration/partitions.h"
 #include "segments/segment_cost.h"
@@ -52,6 +53,8 @@ class Calibrator {
   /// The same to look at the segments only: they stay as they are, and so does the fit of the last calibration.
   void continue_with(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
                      const MeasurementModel<S>& model);
+  /// Told by epochs too, from begin() on. They must stay as they are while a fit is under way.
+  void take_epochs(const Epochs<S>* epochs) { epochs_ = epochs; }
   /// Iterates to convergence.
   void run(const CalibratorOptions& options, SegmentEliminator<S>* eliminator) {
     while (!run_step(options, eliminator)) {
@@ -63,6 +66,8 @@ class Calibrator {
   /// For costs of single segments, while no run is under way.
   void lend_cost_steps() { new (&work_.cost) CostSteps<S>; }
   CostSteps<S>& cost_steps() { return work_.cost; }
+  /// Memory to condense a segment in, while no run is under way; the cost steps end with it.
+  CondenseMemory<S> lend_condense_memory(SegmentEliminator<S>* eliminator) { return {eliminator, new (&work_.chain) Chain<S>, step_}; }
 
   const Calibration<S>& theta() const { return theta_; }
   const CalibrationFit<S>& fit() const { return fit_; }
@@ -163,6 +168,7 @@ class Calibrator {
   SegmentLink<S> link_[kMaxSegments];
   std::int32_t count_ = 0;
   const ThetaPrior<S>* prior_;
+  const Epochs<S>* epochs_ = nullptr;
   Calibration<S> theta_, saved_theta_;
   MeasurementModel<S> model_;
   CalibrationFit<S> fit_;
@@ -234,6 +240,7 @@ void Calibrator<S>::set_up(Segment<S>* const* segments, int count, const ThetaPr
                            const MeasurementModel<S>& model) {
   count_ = count;
   prior_ = &prior;
+  epochs_ = nullptr;
   theta_ = theta;
   model_ = model;
   fit_ = CalibrationFit<S>{};
@@ -245,7 +252,7 @@ void Calibrator<S>::set_up(Segment<S>* const* segments, int count, const ThetaPr
 template <class S>
 void Calibrator<S>::link_up() {
   for (int i = 0; i < count_; ++i) {
-    link_[i] = i > 0 ? link_between(*segment_[i - 1], *segment_[i]) : SegmentLink<S>{};
+    link_[i] = i > 0 ? link_after(end_of(*segment_[i - 1]), *segment_[i]) : SegmentLink<S>{};
     if (i > 0) link_[i - 1].passes_on = link_[i].join != Join::none;
   }
   form_partitions();
@@ -282,6 +289,7 @@ template <class S>
 bool Calibrator<S>::total_cost_step() {
   SEGCAL_SLICES(inner_place_) {
     total_ = prior_cost(*prior_, theta_);
+    if (kEpochs > 0 && epochs_) total_ += epochs_->cost(theta_);
     for (int t = 0; t < partitions_.ties().count(); ++t) total_ += inverse_depth_cost(tie(t), model_.inverse_depth_sigma);
     lend_cost_steps();
     for (i_ = 0; i_ < count_; ++i_) {
@@ -338,8 +346,15 @@ PackedTriangle<S> Calibrator<S>::begin_linearisation(S damping, const CandidateT
   if (with_prior) global_.clear_to_prior(*prior_, theta_);
   for (int t = 0; t < ties; ++t) global_.add_tie(t, tie(t), model_, damping);
   (new (&work_.chain) Chain<S>)->begin(global_.columns());
+  const bool with_epochs = kEpochs > 0 && with_prior && epochs_ && epochs_->count() > 0;
   fit_.image_points = 0;
-  fit_.dof = count_ > 0 ? -S(theta_.columns()) : S(0);
+  fit_.dof = count_ > 0 || with_epochs ? -S(theta_.columns()) : S(0);
+  if (with_epochs) {
+    PackedTriangle<S> T = theta_triangle();
+    epochs_->fold_into(theta_, &T);
+    fit_.dof += epochs_->dof();
+    fit_.image_points = epochs_->image_points();
+  }
   return global_.triangle();
 }
 

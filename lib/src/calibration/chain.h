@@ -33,6 +33,10 @@ class Chain {
     clear_from(0);
   }
 
+  /// What is known of the last keyframe of the segment that was taken last; a chain that was begun anew goes on with it.
+  void hand_on(LeftRows<S>* rows) { copy_rows(kStateColumns, rows); }
+  void go_on(const LeftRows<S>& rows) { take_rows(kStateColumns, rows); }
+
   /// Takes segment i, just eliminated. `passes_on`: a later segment hangs on its last keyframe. `left`: what
   /// solve_guest_step() will need; null: nobody will ask (with candidates it would not fit).
   /// `global` gathers all rows that touch ties and theta only. In slices; true when it is taken.
@@ -131,22 +135,27 @@ class Chain {
   }
 
   /// The columns of "last" are zero there.
-  void keep(LeftRows<S>* left) {
+  void keep(LeftRows<S>* left) { copy_rows(0, left); }
+  void restore(const LeftRows<S>& left) { take_rows(0, left); }
+
+  /// 15 rows from column `first` on: those of the guest (0) or of the last keyframe.
+  void copy_rows(int first, LeftRows<S>* rows) {
     PackedTriangle<S> L = link();
-    S* out = left->data;
+    S* out = rows->data;
     for (int i = 0; i < kStateColumns; ++i) {
-      for (int c = i; c < kStateColumns; ++c) *out++ = L.row(i)[c];
-      for (int c = 2 * kStateColumns; c < width(); ++c) *out++ = L.row(i)[c];
+      const S* r = L.row(first + i);
+      for (int c = i; c < kStateColumns; ++c) *out++ = r[first + c];
+      for (int c = 2 * kStateColumns; c < width(); ++c) *out++ = r[c];
     }
   }
-
-  void restore(const LeftRows<S>& left) {
+  void take_rows(int first, const LeftRows<S>& rows) {
     PackedTriangle<S> L = link();
     clear_from(0);
-    const S* from = left.data;
+    const S* from = rows.data;
     for (int i = 0; i < kStateColumns; ++i) {
-      for (int c = i; c < kStateColumns; ++c) L.row(i)[c] = *from++;
-      for (int c = 2 * kStateColumns; c < width(); ++c) L.row(i)[c] = *from++;
+      S* r = L.row(first + i);
+      for (int c = i; c < kStateColumns; ++c) r[first + c] = *from++;
+      for (int c = 2 * kStateColumns; c < width(); ++c) r[c] = *from++;
     }
   }
 

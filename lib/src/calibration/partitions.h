@@ -19,15 +19,25 @@ struct SegmentLink {
   S gap_s = S(0);
 };
 
-/// How segment b hangs on a, the segment before it in the database.
+/// Where a segment ends.
+struct SegmentEnd {
+  std::int64_t t_ns = 0;
+  std::uint32_t session = 0, serial = 0;
+};
+
 template <class S>
-SegmentLink<S> link_between(const Segment<S>& a, const Segment<S>& b) {
+SegmentEnd end_of(const Segment<S>& s) {
+  return {s.t0_ns + std::int64_t(s.t_us[s.n_keyframes - 1]) * 1000, s.session, s.serial};
+}
+
+/// How segment b hangs on the one before it that was kept or condensed, which ended at `a`.
+template <class S>
+SegmentLink<S> link_after(const SegmentEnd& a, const Segment<S>& b) {
   SegmentLink<S> link;
   if (a.session != b.session) return link;
-  const std::int64_t end = a.t0_ns + std::int64_t(a.t_us[a.n_keyframes - 1]) * 1000;
-  if (b.t0_ns <= end) return link;  // the clock was set back in between: how long the biases walked is not known
+  if (b.t0_ns <= a.t_ns) return link;  // the clock was set back in between: how long the biases walked is not known
   link.join = b.serial == a.serial + 1 && b.lead_us > 0 ? Join::imu : Join::bias;
-  link.gap_s = S(b.t0_ns - end) * S(1e-9);
+  link.gap_s = S(b.t0_ns - a.t_ns) * S(1e-9);
   return link;
 }
 

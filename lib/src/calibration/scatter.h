@@ -40,6 +40,11 @@ class SegmentScatter {
     }
     SEGCAL_SLICES_END(place_);
   }
+  /// What other segments are known to disagree by: a sum of squares, and what noise of unit variance leaves of it.
+  void add(S found, S expected) {
+    found_ += found;
+    expected_ += expected;
+  }
   /// Of the pulls that were taken, in units of stated noise; 0 if they tell nothing.
   S variance() const { return expected_ > S(0) ? found_ / expected_ : S(0); }
 

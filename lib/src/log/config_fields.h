@@ -134,6 +134,7 @@ void config_fields(Config* c, Codec* f) {
   f->integer(c->has_temperature);
   f->number(c->track_walk);
   f->integer(c->calibration_window);
+  f->integer(c->condense);
 }
 
 /// False if the bytes are no configuration that fits into these capacities.

@@ -15,6 +15,12 @@ int DeviceRecords::nth_kept(std::uint32_t n) const {
 
 RecordInfo DeviceRecords::info(std::uint32_t number) const {
   RecordInfo record{};
+  const std::uint32_t first_memory = kFirstSegment + static_cast<std::uint32_t>(device_->database().size());
+  if (number >= first_memory) {
+    record.type = static_cast<std::uint16_t>(number == first_memory ? RecordType::memory : RecordType::epoch);
+    record.index = static_cast<std::uint16_t>(number == first_memory ? 0 : number - first_memory - 1);
+    return record;
+  }
   record.type = static_cast<std::uint16_t>(number < kFirstSegment ? number + 1 : std::uint32_t(RecordType::segment));
   if (number >= kFirstSegment) record.index = static_cast<std::uint16_t>(nth_kept(number - kFirstSegment));
   return record;
@@ -25,6 +31,8 @@ void DeviceRecords::visit(const RecordInfo& record, Fields* fields) {
     case RecordType::identity: return Stored::identity(fields, Stored::options(device_));
     case RecordType::numbers: return Stored::numbers(fields, &numbers_);
     case RecordType::results: return Stored::results(fields, device_);
+    case RecordType::memory: return Stored::memory(fields, device_);
+    case RecordType::epoch: return Stored::epoch(fields, device_, record.index);
     default: return Stored::segment(fields, Stored::slot(device_, record.index));
   }
 }
@@ -34,7 +42,7 @@ RecordSource DeviceRecords::source() {
   revision_ = Stored::revision(*device_);
   RecordSource source;
   source.context = this;
-  source.count = kFirstSegment + static_cast<std::uint32_t>(device_->database().size());
+  source.count = kFirstSegment + static_cast<std::uint32_t>(device_->database().size()) + memories();
   source.info = [](void* context, std::uint32_t number) {
     RecordInfo record = self(context).info(number);
     record.bytes = self(context).size(record);
@@ -51,9 +59,12 @@ RecordSource DeviceRecords::source() {
   return source;
 }
 
-/// The first three records in their order, then segments; what a newer minor format adds is passed over.
+/// The first three records in their order, then segments, then epochs; what a newer minor format adds is passed over.
 bool DeviceRecords::expected(const RecordInfo& record) const {
   if (taken_ < kFirstSegment) return record.type == taken_ + 1;
+  if (record.type == std::uint16_t(RecordType::epoch) && kEpochs > 0) {
+    return record.index == device_->epochs().count() && record.index < kEpochs;
+  }
   return record.type != std::uint16_t(RecordType::segment) ||
          (record.index < Database<Real>::kSlots && !device_->database().kept(record.index));
 }
@@ -68,12 +79,14 @@ RecordSink DeviceRecords::sink() {
     r.taken_ = 0;
     r.difference_ = nullptr;
   };
-  sink.record = [](void* context, const RecordInfo& record) {
+  sink.record = [](void* context, const RecordInfo& record) -> int {
     DeviceRecords& r = self(context);
     r.record_ = record;
     r.sound_ = true;
-    r.skips_ = record.type > std::uint16_t(RecordType::segment) || record.type == 0;
-    return r.expected(record) ? SEGCAL_OK : RecordSink::kNotThis;
+    r.skips_ = record.type > std::uint16_t(kEpochs > 0 ? RecordType::epoch : RecordType::segment) || record.type == 0;
+    if (!r.expected(record)) return RecordSink::kNotThis;
+    if (record.type == std::uint16_t(RecordType::epoch)) Stored::begin_epoch(r.device_, record.index);
+    return SEGCAL_OK;
   };
   sink.bytes = [](void* context, std::uint32_t offset, const std::uint8_t* bytes, std::uint32_t n) {
     return self(context).take(offset, bytes, n);
@@ -110,6 +123,7 @@ int DeviceRecords::close() {
     return SEGCAL_ERROR_CONFIG;
   }
   if (!sound_ || record_.bytes != size(record_)) return RecordSink::kNotThis;
+  if (record_.type == std::uint16_t(RecordType::epoch)) return Stored::keep_epoch(device_, record_.index) ? SEGCAL_OK : RecordSink::kNotThis;
   if (record_.type != std::uint16_t(RecordType::segment)) return SEGCAL_OK;
   if (!Stored::sound(*Stored::slot(device_, record_.index), device_->theta())) return RecordSink::kNotThis;
   Stored::keep(device_, record_.index);

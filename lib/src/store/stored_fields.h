@@ -158,6 +158,39 @@ struct StoredFields {
     return true;
   }
 
+  /// Whether segments go into epochs, and how many of those there are.
+  static void memory(Fields* f, Device<S>* d) {
+    f->flag(&d->condensing_);
+    f->flag(&d->new_epoch_);
+    f->number(&d->misfits_);
+    if constexpr (kEpochs > 0) f->number(&d->d_.epochs.outdated_segments_);
+  }
+  /// Of a build without epochs there is none.
+  static void epoch(Fields* f, Device<S>* d, int index) {
+    if constexpr (kEpochs > 0) {
+      Epoch<S>& e = d->d_.epochs.epoch_[index];
+      for (std::int32_t* v : {&e.segments, &e.image_points, &e.between_dof}) f->number(v);
+      for (std::uint32_t* v : {&e.first_session, &e.last_session, &e.last_serial}) f->number(v);
+      for (S* v : {&e.between, &e.dof}) f->number(v);
+      calibration(f, &e.theta);
+      f->number(&e.theta.effects.time_zero_ns);
+      f->count(&e.information.n_theta, kMaxTheta);
+      f->array(e.information.data, packed_size(e.information.n_theta + 1));
+    }
+  }
+  /// Before an epoch's fields are taken: cameras and terms are the configuration's.
+  static void begin_epoch(Device<S>* d, int index) {
+    if constexpr (kEpochs > 0) d->d_.epochs.epoch_[index].theta = d->theta_;
+  }
+  static bool keep_epoch(Device<S>* d, int index) {
+    if constexpr (kEpochs > 0) {
+      const Epoch<S>& e = d->d_.epochs.epoch_[index];
+      d->d_.epochs.count_ = index + 1;
+      return e.information.n_theta == d->theta_.columns() && e.segments > 0;
+    }
+    return false;
+  }
+
   // What the fields above do not reach: where they come from, and where they go.
   static bool at_rest(const Device<S>& d) { return d.finished_ && !d.pending(); }
   static bool untouched(const Device<S>& d) {

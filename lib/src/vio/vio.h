@@ -145,8 +145,11 @@ void Vio<S>::forget() {
 
 template <class S>
 void Vio<S>::set_calibration(const Calibration<S>& theta) {
-  window_.replace_calibration(theta);
-  if (running_) replace_sensor_priors(&window_, options_);
+  if (running_) {
+    take_calibration(theta, options_, &window_);
+  } else {
+    window_.replace_calibration(theta);
+  }
 }
 
 template <class S>

@@ -349,4 +349,30 @@ void replace_sensor_priors(Window<S>* w, const VioOptions<S>& options) {
   }
 }
 
+/// Takes a calibration from outside while the filter runs. What it has estimated beside (motion, and biases above all, which took up
+/// what the old calibration left) goes where the window's information puts it for the new one: the mean of R's other rows given a step
+/// of the sensors. Without that the links of the next seconds would be broken by tens of sigmas.
+template <class S>
+void take_calibration(const Calibration<S>& theta, const VioOptions<S>& options, Window<S>* w) {
+  S delta[kMaxCameraColumns * kMaxCameras + kImuColumns];
+  difference(w->theta, theta, delta);
+  PackedTriangle<S> R = w->R();
+  const S* from = delta;
+  const auto put = [&](int first, int n) {
+    for (int j = first; j < first + n; ++j) {
+      S* r = R.row(j);
+      for (int c = j; c < w->columns(); ++c) r[c] = c == j ? S(1) : S(0);
+      r[w->columns()] = *from++;
+    }
+  };
+  for (int j = camera_column(0); j < w->imu_column(); ++j) {
+    for (int c = j; c <= w->columns(); ++c) R.row(j)[c] = S(0);   // a lens with fewer columns leaves some
+  }
+  for (int c = 0; c < theta.n_cameras; ++c) put(camera_column(c), theta.camera[c].columns());
+  put(w->imu_column(), kImuColumns);
+  apply_update(w);
+  w->replace_calibration(theta);
+  replace_sensor_priors(w, options);
+}
+
 }  // namespace SEGCAL_NS

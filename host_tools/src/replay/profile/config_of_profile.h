@@ -118,9 +118,11 @@ inline segcal_config_t config_of(const CoreOptions& options) {
   c.strategy = options.multi_session ? SEGCAL_MULTI_SESSION : SEGCAL_SINGLE_SESSION;
   c.seed = options.seed;
   c.outdated_level = options.outdated_level;
-  c.trigger_fraction = options.trigger_fraction > 0 ? options.trigger_fraction : -1;
+  c.trigger_fraction = options.trigger_fraction > 0 ? options.trigger_fraction : options.condense ? 0 : -1;
   c.filter_share = options.hold_calibration ? 1e-3 : 1;
   for (std::size_t i = 0; i < options.sigma_ref.size() && i < SEGCAL_MAX_PARAMETERS; ++i) c.sigma_ref[i] = options.sigma_ref[i];
+  c.condense = options.condense ? 1 : 0;
+  if (options.condense) c.calibration_window = 1;   // a host is done at once: no segment is missed meanwhile but one
   c.joint_filter = options.joint_ekf ? 1 : 0;
   configure_effects(options, &c);
   return c;

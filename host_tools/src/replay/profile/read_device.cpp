@@ -71,6 +71,10 @@ CoreResult result_of(const segcal_t* device) {
     out.mean.clear();
     out.covariance.clear();
   }
+  segcal_epoch_t e;
+  for (int i = 0; segcal_get_epoch(device, i, &e) == SEGCAL_OK; ++i) {
+    out.epochs.push_back({e.segments, e.first_session, e.last_session, {e.value, e.value + e.n_parameters}, {e.sigma, e.sigma + e.n_parameters}});
+  }
   return out;
 }
 

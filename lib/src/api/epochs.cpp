@@ -1,0 +1,51 @@
+// The C API's view of epochs: what each alone says about the calibration.
+#include "api/handle.h"
+#include "information/marginal.h"
+
+namespace SEGCAL_NS {
+namespace {
+
+/// The optimum of the prior and the epoch, and its sigmas as printed, for the noise of the last release.
+void read_epoch(const Device<Real>& device, const Epoch<Real>& epoch, segcal_epoch_t* out) {
+  const ThetaPrior<Real>& prior = device.options().prior;
+  const int n = epoch.columns();
+  Real data[packed_size(kMaxTheta + 1)], row[kMaxTheta + 1], work[kMaxTheta + 1];
+  const Real none[kMaxTheta] = {};
+  PackedTriangle<Real> T(data, n + 1);
+  write_prior(prior, epoch.theta, &T);
+  for (int i = 0; i < n; ++i) {
+    epoch.row_at(none, i, row);
+    fold_rows(T, row, 1, n + 1, i, n + 1);
+  }
+  Calibration<Real> theta = epoch.theta;
+  for (int i = 0; i < n; ++i) row[i] = T(i, n);
+  back_substitute(T, n, row);
+  add_step(&theta, row);
+  parameter_values(prior.mean, theta, out->value);
+  for (int i = 0; i < n; ++i) {
+    const PrintedValue<Real> value = printed_value(prior.mean, theta, i);
+    const Real sigma = marginal_sigma(T, n, value.first, value.weight, value.count, work) * device.report().release.noise_scale;
+    const Real before = sigma_before(value, prior.sigma);
+    out->sigma[i] = static_cast<double>(sigma < before ? sigma : before);
+  }
+  out->n_parameters = n;
+  out->segments = epoch.segments;
+  out->first_session = epoch.first_session;
+  out->last_session = epoch.last_session;
+}
+
+}  // namespace
+}  // namespace SEGCAL_NS
+
+using namespace SEGCAL_NS;
+
+extern "C" int segcal_get_epoch(const segcal_t* device, int32_t index, segcal_epoch_t* out) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  const Epoch<Real>* epoch = d ? d->device.epochs().find(index) : nullptr;
+  if (!epoch) return SEGCAL_ERROR_STATE;
+  if (!d->device.epochs_at_rest()) return SEGCAL_ERROR_BUSY;
+  *out = segcal_epoch_t{};
+  read_epoch(d->device, *epoch, out);
+  return SEGCAL_OK;
+}

@@ -1,0 +1,207 @@
+// What segments said about theta that are kept no longer: epochs.
+//
+// A segment whose states and landmarks are eliminated says |R delta - d|^2 + rho^2 about delta = theta [-] theta_0, near the
+// theta_0 where it was linearised. Such rows of many segments fold into one triangle of n (n + 3) / 2 numbers, whatever their
+// number: that is an epoch. It cannot be linearised again. A calibration takes epochs beside the segments that can, as it takes
+// its prior, as long as theta stays near theta_0.
+//
+// Folding a segment's n rows lets rho^2 of the triangle grow by what the segment says otherwise than those before it: chi-square with
+// n degrees of freedom if noise is as stated, wherever theta is. The sum of it tells, as scatter.h does of the segments that are
+// kept, by how much sigmas are to be scaled, and what a comparison with other epochs must exceed.
+#pragma once
+
+#include "calibration/prior.h"
+#include "information/segment_information.h"
+
+namespace SEGCAL_NS {
+
+constexpr int kEpochs = SEGCAL_MAX_EPOCHS;
+
+template <class S>
+struct Epoch {
+  std::int32_t segments = 0, image_points = 0;
+  std::uint32_t first_session = 0, last_session = 0;
+  std::uint32_t last_serial = 0;          ///< of its newest segment
+  S between = S(0);                       ///< what segments disagree by about theta: chi-square of between_dof if noise is as stated
+  std::int32_t between_dof = 0;
+  S dof = S(0);                           ///< residuals minus states and landmarks, theta not counted
+  Calibration<S> theta;                   ///< theta_0
+  SegmentInformation<S> information;      ///< over [theta | rhs]; its own dof is not used
+
+  int columns() const { return theta.columns(); }
+
+  void begin(const Calibration<S>& at, std::uint32_t session) {
+    segments = image_points = 0;
+    first_session = last_session = session;
+    last_serial = 0;
+    dof = between = S(0);
+    between_dof = 0;
+    theta = at;
+    information.n_theta = at.columns();
+    information.triangle().clear();
+  }
+
+  /// Takes the rows of one segment at theta_0: the triangle over [theta | rhs], `residual_dof` for dof.
+  void add(const PackedTriangle<S>& rows, S residual_dof, std::uint32_t session, std::uint32_t serial) {
+    const int n = columns();
+    const S before = rho2();
+    fold_rows_of(rows, 0, n);
+    between += rho2() - before;
+    between_dof += segments > 0 ? n : 0;
+    fold_rows_of(rows, n, n + 1);
+    dof += residual_dof;
+    last_session = session;
+    last_serial = serial;
+    ++segments;
+  }
+
+  /// Takes in another epoch, whose rows are moved to this one's theta_0.
+  void merge(const Epoch& other) {
+    const int n = columns();
+    S offset[kMaxTheta], row[kMaxTheta + 1];
+    difference(other.theta, theta, offset);
+    PackedTriangle<S> T = information.triangle();
+    for (int i = 0; i <= n; ++i) {
+      other.row_at(offset, i, row);
+      fold_rows(T, row, 1, n + 1, i, n + 1);
+    }
+    segments += other.segments;
+    image_points += other.image_points;
+    dof += other.dof;
+    between += other.between;
+    between_dof += other.between_dof;
+    first_session = other.first_session < first_session ? other.first_session : first_session;
+    last_session = other.last_session > last_session ? other.last_session : last_session;
+    last_serial = other.last_serial > last_serial ? other.last_serial : last_serial;
+  }
+
+  /// Row i of [R | d - R offset | ...], 0 <= i <= n: what the epoch says about theta [-] (theta_0 [+] offset).
+  void row_at(const S* offset, int i, S* row) const {
+    const int n = columns();
+    for (int c = 0; c <= n; ++c) row[c] = c < i ? S(0) : information.R(i, c);
+    for (int c = i; c < n; ++c) row[n] -= information.R(i, c) * offset[c];
+  }
+
+  /// The same rows as a segment's information at `at`.
+  void move_to(const Calibration<S>& at, SegmentInformation<S>* out) const {
+    const int n = columns();
+    S offset[kMaxTheta], row[kMaxTheta + 1];
+    difference(theta, at, offset);
+    out->n_theta = n;
+    out->dof = static_cast<std::int32_t>(dof);
+    PackedTriangle<S> T = out->triangle();
+    T.clear();
+    for (int i = 0; i <= n; ++i) {
+      row_at(offset, i, row);
+      for (int c = i; c <= n; ++c) T.row(i)[c] = row[c];
+    }
+  }
+
+  /// Its cost at theta, without rho^2, which nothing can lower.
+  S cost(const Calibration<S>& at) const {
+    const int n = columns();
+    S offset[kMaxTheta], row[kMaxTheta + 1], sum = S(0);
+    difference(theta, at, offset);
+    for (int i = 0; i < n; ++i) {
+      row_at(offset, i, row);
+      sum += row[n] * row[n];
+    }
+    return sum;
+  }
+
+ private:
+  S rho2() const { return information.rho2(); }
+  void fold_rows_of(const PackedTriangle<S>& rows, int from, int until) {
+    const int n = columns();
+    PackedTriangle<S> T = information.triangle();
+    S row[kMaxTheta + 1];
+    for (int i = from; i < until; ++i) {
+      for (int c = 0; c <= n; ++c) row[c] = c < i ? S(0) : rows(i, c);
+      fold_rows(T, row, 1, n + 1, i, n + 1);
+    }
+  }
+};
+
+template <class S>
+struct StoredFields;   // store/stored_fields.h
+
+/// The epochs of a device, oldest first. When there is no place for another, the two oldest become one.
+template <class S>
+class Epochs {
+  friend struct StoredFields<S>;
+
+ public:
+  void clear() { count_ = outdated_segments_ = 0; }
+  int count() const { return count_; }
+  const Epoch<S>& epoch(int i) const { return epoch_[i]; }
+  /// Null if there is none.
+  const Epoch<S>* find(int i) const { return i >= 0 && i < count_ ? &epoch_[i] : nullptr; }
+  Epoch<S>& newest() { return epoch_[count_ - 1]; }
+  int segments() const {
+    int n = 0;
+    for (int i = 0; i < count_; ++i) n += epoch_[i].segments;
+    return n;
+  }
+
+  Epoch<S>& begin(const Calibration<S>& theta, std::uint32_t session) {
+    if (count_ > 0 && newest().segments == 0) --count_;
+    if (count_ == kEpochs) {
+      epoch_[1].merge(epoch_[0]);
+      drop(0);
+    }
+    epoch_[count_].begin(theta, session);
+    return epoch_[count_++];
+  }
+  void drop(int i) {
+    for (--count_; i < count_; ++i) epoch_[i] = epoch_[i + 1];
+  }
+  /// Drops an epoch that newer data contradict.
+  void outdate(int i) {
+    outdated_segments_ += epoch_[i].segments;
+    drop(i);
+  }
+  std::int32_t outdated_segments() const { return outdated_segments_; }
+
+  std::int32_t image_points() const {
+    std::int32_t n = 0;
+    for (int i = 0; i < count_; ++i) n += epoch_[i].image_points;
+    return n;
+  }
+
+  S cost(const Calibration<S>& theta) const {
+    S sum = S(0);
+    for (int i = 0; i < count_; ++i) sum += epoch_[i].cost(theta);
+    return sum;
+  }
+  S dof() const {
+    S sum = S(0);
+    for (int i = 0; i < count_; ++i) sum += epoch_[i].dof;
+    return sum;
+  }
+  /// Folds row i of each epoch, 0 <= i <= n, into a triangle over [theta | rhs].
+  void fold_into(const Calibration<S>& theta, PackedTriangle<S>* T) const {
+    const int n = theta.columns();
+    S offset[kMaxTheta], row[kMaxTheta + 1];
+    for (int e = 0; e < count_; ++e) {
+      difference(epoch_[e].theta, theta, offset);
+      for (int i = 0; i <= n; ++i) {
+        epoch_[e].row_at(offset, i, row);
+        fold_rows(*T, row, 1, n + 1, i, n + 1);
+      }
+    }
+  }
+
+ private:
+  std::int32_t count_ = 0, outdated_segments_ = 0;
+  Epoch<S> epoch_[kEpochs > 0 ? kEpochs : 1];
+};
+
+/// Of a build without epochs.
+template <class S>
+struct NoEpochs {
+  void clear() {}
+  static constexpr int count() { return 0; }
+  const Epoch<S>* find(int) const { return nullptr; }
+};
+
+}  // namespace SEGCAL_NS

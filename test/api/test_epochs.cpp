@@ -1,0 +1,122 @@
+// A device that condenses: what it remembers, that it knows more by it, and that no schedule of its background changes a bit.
+#include "api_fixture.h"
+
+extern "C" void setUp() {}
+extern "C" void tearDown() {}
+
+namespace {
+
+using namespace test;
+
+const SyntheticStream& stream_of_30_s() { return long_stream<30>(); }
+
+segcal_config_t config(bool condense) {
+  segcal_config_t c = SyntheticStream::config();   // keeps 2 segments of 2 s
+  c.strategy = SEGCAL_MULTI_SESSION;
+  c.condense = condense ? 1 : 0;
+  c.calibration_window = 1;
+  return c;
+}
+
+void feed(segcal_t* device, int slices) {
+  for (std::size_t i = 0; i < stream_of_30_s().imu.size(); ++i) {
+    segcal_push_imu(device, &stream_of_30_s().imu[i]);
+    if (i % 20 == 0) push_frame(device, stream_of_30_s().frames[i / 20], Way::tracks);
+    segcal_background(device, slices);
+  }
+  segcal_flush(device);
+  segcal_calibrate(device);
+}
+
+segcal_result_t result_of(segcal_t* device) {
+  segcal_result_t r;
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_result(device, &r));
+  return r;
+}
+
+int condensed_segments(segcal_t* device) {
+  int n = 0;
+  segcal_epoch_t e;
+  for (int i = 0; segcal_get_epoch(device, i, &e) == SEGCAL_OK; ++i) n += e.segments;
+  return n;
+}
+
+void test_more_is_known_and_honestly() {
+  Storage plain(0), condensing(0);
+  segcal_t *a = create(&plain, config(false)), *b = create(&condensing, config(true));
+  feed(a, 1000000);
+  feed(b, 1000000);
+  const segcal_result_t two = result_of(a), all = result_of(b);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_CALIBRATED, all.status);
+  // 15 segments in 30 s, of which the filter's start takes some: two are kept, one is missed beside each calibration of the device's own,
+  // and that it makes when three times as many were condensed as were kept.
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(6, condensed_segments(b));
+  segcal_epoch_t e;
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_epoch(b, 0, &e));
+  TEST_ASSERT_EQUAL_INT(all.n_parameters, e.n_parameters);
+  double ratio = 0, squares = 0;
+  for (int i = 0; i < all.n_parameters; ++i) {
+    const Id id = Id().add("parameter", all.parameter[i].name);
+    ratio += all.parameter[i].sigma / two.parameter[i].sigma / all.n_parameters;
+    // The device is the nominal one: values as in the configuration.
+    const double error = (all.parameter[i].value - all.parameter[i].initial) / all.parameter[i].sigma;
+    check_between(id, "error in sigmas", -5, error, 5);
+    squares += error * error / all.n_parameters;
+    // What an epoch alone tells cannot be better than all.
+    check_between(id, "sigma of the epoch over that of all", 1, 1.001 * e.sigma[i] / all.parameter[i].sigma, 1e6);
+  }
+  // Two of at least eight segments: sigmas would fall to 0.45 if all were alike; the best two were kept.
+  check_between(Id(), "mean ratio of sigmas", 0.3, ratio, 0.75);
+  check_between(Id(), "mean squared error in sigmas", 0.2, squares, 2.5);
+}
+
+void test_no_schedule_changes_a_bit() {
+  std::uint64_t first = 0;
+  for (int slices : {40, 300, 1000000}) {
+    Storage storage(0xA5);
+    segcal_t* device = create(&storage, config(true));
+    feed(device, slices);
+    const std::uint64_t hash = segcal_result_hash(device);
+    if (first == 0) first = hash;
+    const Id id = Id().add("slices", slices);
+    check_true(id, "another hash", hash == first);
+    check_true(id, "nothing condensed", condensed_segments(device) > 0);
+  }
+}
+
+void test_what_is_not_there_is_refused() {
+  Storage storage(0);
+  segcal_config_t c = config(true);
+  c.condense = 2;
+  segcal_t* device = nullptr;
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_CONFIG, segcal_create(&device, &c, storage.data, segcal_storage_bytes()));
+  device = create(&storage, config(true));
+  segcal_epoch_t e;
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_get_epoch(device, 0, &e));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_get_epoch(device, -1, &e));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_get_epoch(nullptr, 0, &e));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_get_epoch(device, 0, nullptr));
+}
+
+/// A session of its own starts with an empty memory.
+void test_single_sessions_forget() {
+  Storage storage(0);
+  segcal_config_t c = config(true);
+  c.strategy = SEGCAL_SINGLE_SESSION;
+  segcal_t* device = create(&storage, c);
+  feed(device, 1000000);
+  TEST_ASSERT_GREATER_THAN_INT(0, condensed_segments(device));
+  segcal_new_session(device);
+  TEST_ASSERT_EQUAL_INT(0, condensed_segments(device));
+}
+
+}  // namespace
+
+int main() {
+  UNITY_BEGIN();
+  RUN_TEST(test_more_is_known_and_honestly);
+  RUN_TEST(test_no_schedule_changes_a_bit);
+  RUN_TEST(test_what_is_not_there_is_refused);
+  RUN_TEST(test_single_sessions_forget);
+  return UNITY_END();
+}
