@@ -60,6 +60,7 @@ class CalibrateJob {
   bool drop_misfits_step(DeviceParts<S>* d);
   bool measure_residuals_step(DeviceParts<S>* d);
   void add_residuals(DeviceParts<S>* d, const Segment<S>& s);
+  bool drop_far_epochs(DeviceParts<S>* d);
   template <class Add>
   static void add_spread_of_epochs(DeviceParts<S>* d, Add add) {
     if constexpr (kEpochs > 0) {
@@ -90,10 +91,11 @@ bool CalibrateJob<S>::calibrate_step(DeviceParts<S>* d) {
     for (round_ = 0;; ++round_) {
       SEGCAL_AWAIT(place_, fit_step(d));
       SEGCAL_AWAIT(place_, score_alone_step(d));
-      if (round_ == kOutdatedRounds) break;
+      if (round_ >= kOutdatedRounds) break;
       // Without the outdated ones theta is another, and there may be more that do not agree with that.
       SEGCAL_AWAIT(place_, drop_outdated_step(d));
-      if (!dropped_) break;
+      // Only then: where theta is another, it is the newest that is far from where it was linearised, and right.
+      if (!dropped_ && !drop_far_epochs(d)) break;
       n_ = d->database.in_order(segment_);
     }
     SEGCAL_PAUSE(place_);
@@ -127,6 +129,20 @@ bool CalibrateJob<S>::fit_step(DeviceParts<S>* d) {
     SEGCAL_AWAIT(inner_, calibrator.run_step(CalibratorOptions{}, &d->work.eliminator()));
   }
   SEGCAL_SLICES_END(inner_);
+}
+
+/// Drops epochs that theta has left (Epoch::holds_at); true if there were any, and theta is to be found again.
+template <class S>
+bool CalibrateJob<S>::drop_far_epochs(DeviceParts<S>* d) {
+  bool dropped = false;
+  if constexpr (kEpochs > 0) {
+    for (int i = d->epochs.count() - 1; i >= 0 && d->calibrator.fit().converged; --i) {
+      if (d->epochs.epoch(i).holds_at(d->calibrator.theta(), d->prior(), d->work.agreement_scratch())) continue;
+      d->epochs.outdate(i);
+      dropped = dropped_any_ = true;
+    }
+  }
+  return dropped;
 }
 
 /// All segments' information at the calibrated theta, each alone: what a segment says must not come from its neighbours.

@@ -11,11 +11,15 @@
 #pragma once
 
 #include "calibration/prior.h"
+#include "information/marginal.h"
 #include "information/segment_information.h"
 
 namespace SEGCAL_NS {
 
 constexpr int kEpochs = SEGCAL_MAX_EPOCHS;
+/// Of an epoch's own sigmas that theta may be from theta_0. What the quadratic lacks grows with the square: at 29 of them (the device
+/// fell: 0.5 deg, 5 mm) it moved theta by up to ten, at five it is a third of one.
+constexpr double kFarthest = 5;
 
 template <class S>
 struct Epoch {
@@ -95,6 +99,24 @@ struct Epoch {
       row_at(offset, i, row);
       for (int c = i; c <= n; ++c) T.row(i)[c] = row[c];
     }
+  }
+
+  /// Whether theta is where the quadratic holds. `scratch`: packed_size(n + 1) numbers.
+  bool holds_at(const Calibration<S>& at, const ThetaPrior<S>& prior, S* scratch) const {
+    const int n = columns();
+    S offset[kMaxTheta], row[kMaxTheta + 1];
+    difference(theta, at, offset);
+    PackedTriangle<S> T(scratch, n + 1);
+    write_prior(prior, theta, &T);
+    for (int i = 0; i < n; ++i) {
+      for (int c = 0; c <= n; ++c) row[c] = c < i ? S(0) : information.R(i, c);
+      fold_rows(T, row, 1, n + 1, i, n + 1);
+    }
+    for (int i = 0; i < n; ++i) {
+      const S one = S(1);
+      if (absolute(offset[i]) > S(kFarthest) * marginal_sigma(T, n, i, &one, 1, row)) return false;
+    }
+    return true;
   }
 
   /// Its cost at theta, without rho^2, which nothing can lower.
