@@ -95,7 +95,7 @@ struct Grouping {
   explicit Grouping(const SyntheticSession& session) : count(static_cast<int>(session.segments.size())) {
     for (int i = 0; i < count; ++i) {
       segment[i] = session.segments[i].get();
-      if (i > 0) link[i] = link_between(*segment[i - 1], *segment[i]);
+      if (i > 0) link[i] = link_after(end_of(*segment[i - 1]), *segment[i]);
     }
     partitions.form(segment, link, count, session.nominal, session.model);
   }

@@ -147,7 +147,7 @@ DenseProblem dense_chain(const std::vector<const Segment<double>*>& segments, co
                          const MeasurementModel<double>& model, const CandidateTerms& c) {
   DenseProblem dense(segments, theta, model, 0, {}, c);
   for (int s = 0; s < static_cast<int>(segments.size()); ++s) {
-    const SegmentLink<double> link = s > 0 ? link_between(*segments[s - 1], *segments[s]) : SegmentLink<double>{};
+    const SegmentLink<double> link = s > 0 ? link_after(end_of(*segments[s - 1]), *segments[s]) : SegmentLink<double>{};
     if (link.join != Join::imu) dense.hold_gauge(s);
     if (link.join == Join::none) dense.add_bias_prior(s);
     if (link.join != Join::none) dense.join(s, link.join, link.gap_s);

@@ -161,7 +161,10 @@ class Review {
     } else if (!odometry_stayed()) {
       what = used_words();
     } else if (out_.kept.empty()) {
-      what = text("no segment told enough to be kept: %zu scored", out_.segments.size());
+      what = !core_.outdated().empty()
+                 ? text("the calibration changed: %zu kept segments contradict later ones, which had been condensed at the old one; the next session shows the new one",
+                        core_.outdated().size())
+                 : text("no segment told enough to be kept: %zu scored", out_.segments.size());
     } else {
       const auto observed = std::count_if(r.parameters.begin(), r.parameters.end(), [](const CoreParameter& p) { return p.verdict == "observed"; });
       what = text("the motion tells %d of %zu parameters, half are needed: move and turn about all axes", static_cast<int>(observed), r.parameters.size());
