@@ -91,10 +91,11 @@ void test_no_field_is_forgotten() {
 void test_older_configuration_has_defaults_behind_its_end() {
   const std::vector<std::uint8_t> bytes = encoded(log_config());
   segcal_config_t config;
-  const std::size_t newest = 4 + 8 + 4;   // has_temperature, track_walk, calibration_window
+  const std::size_t newest = 4 + 8 + 4 + 4;   // has_temperature, track_walk, calibration_window, condense
   TEST_ASSERT_TRUE(SEGCAL_NS::read_config(bytes.data(), bytes.size() - newest, &config));
   TEST_ASSERT_EQUAL_INT(0, config.has_temperature);
   TEST_ASSERT_EQUAL_DOUBLE(0, config.track_walk);
+  TEST_ASSERT_EQUAL_INT(0, config.condense);
   TEST_ASSERT_TRUE(config.seed == log_config().seed);
   std::vector<std::uint8_t> newer = bytes;
   newer.push_back(1);
