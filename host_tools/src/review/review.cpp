@@ -21,7 +21,8 @@ constexpr double kMostBias = 3;          // sigmas that a missing effect may mov
 constexpr double kObserved = 0.3, kWeak = 0.5;  // as in lib/src/api/release.h
 
 /// chi2/dof beyond which residuals are not the stated noise made larger (a factor of two), but something else: spikes in 0.5 % of the
-/// readings give 4 to 6, with answers 7 sigma off; drones, phones and effects of the catalogue's sizes stay below 3.
+/// readings give 4 to 6, with answers 7 sigma off; drones, phones and effects of the catalogue's sizes stay below 3. The core goes on to
+/// 6, since a fit that failed shows no residuals, and it is they that tell what was stated wrong.
 constexpr double kMostRatio = 4;
 const char* const kOneSegment = "one segment alone cannot show whether what is left in it is noise: two that agree are needed";
 
@@ -51,7 +52,6 @@ class Review {
     const bool fitted = out_.calibrated && out_.result.dof > 0 && out_.kept.size() >= 2 && out_.result.status != "failed";
     if (fitted) judge_fit();
     find_notes();
-    if (out_.result.status == "calibrated" && out_.kept.size() == 1 && out_.result.epochs.empty()) refuse("insufficient", kOneSegment);
     if (out_.result.status != "calibrated" && out_.cause.empty()) out_.cause = reason();
   }
 
@@ -165,6 +165,8 @@ class Review {
                  ? text("the calibration changed: %zu kept segments contradict later ones, which had been condensed at the old one; the next session shows the new one",
                         core_.outdated().size())
                  : text("no segment told enough to be kept: %zu scored", out_.segments.size());
+    } else if (out_.kept.size() == 1 && r.epochs.empty()) {
+      what = kOneSegment;
     } else {
       const auto observed = std::count_if(r.parameters.begin(), r.parameters.end(), [](const CoreParameter& p) { return p.verdict == "observed"; });
       what = text("the motion tells %d of %zu parameters, half are needed: move and turn about all axes", static_cast<int>(observed), r.parameters.size());

@@ -149,6 +149,9 @@
 #ifndef SEGCAL_MAX_EPOCHS
 #define SEGCAL_MAX_EPOCHS SEGCAL_DEFAULT_EPOCHS
 #endif
+#if SEGCAL_MAX_EPOCHS == 1
+#error "SEGCAL_MAX_EPOCHS: 0, or at least 2: when there is no place for another epoch, the two oldest become one"
+#endif
 /* Tracks in common from which on two segments of one map are put into one frame. Position and rotation about gravity
    are four unknowns and three landmarks of known depth fix them; in a short look at a scene about every second track has
    that, so that eight leave a choice and one or two mistaken ones do not decide. */

@@ -454,7 +454,7 @@ int segcal_get_filter_calibration(segcal_t *device, segcal_result_t *result);
    numbers. Returns n; SEGCAL_ERROR_STATE without a result. */
 int segcal_get_posterior(const segcal_t *device, double *mean, double *covariance, int32_t capacity);
 /* Epoch `index`, 0: the oldest. SEGCAL_ERROR_STATE: there is none; SEGCAL_ERROR_BUSY: while work is pending. */
-int segcal_get_epoch(const segcal_t *device, int32_t index, segcal_epoch_t *out);
+int segcal_get_epoch(segcal_t *device, int32_t index, segcal_epoch_t *out);
 int segcal_get_direction(const segcal_t *device, int32_t index, segcal_direction_t *direction);
 /* The segment scored last (index -1) or slot `index` of the database, 0..SEGCAL_MAX_SEGMENTS. SEGCAL_ERROR_STATE if empty.
    A slot whose segment was dropped as outdated answers, with `kept` 0, until a new segment needs it. */

@@ -61,14 +61,18 @@ class CalibrateJob {
   bool measure_residuals_step(DeviceParts<S>* d);
   void add_residuals(DeviceParts<S>* d, const Segment<S>& s);
   bool drop_far_epochs(DeviceParts<S>* d);
-  template <class Add>
-  static void add_spread_of_epochs(DeviceParts<S>* d, Add add) {
-    if constexpr (kEpochs > 0) {
-      for (int i = 0; i < d->epochs.count(); ++i) add(d->epochs.epoch(i).between, d->epochs.epoch(i).between_dof);
-    }
+  static void outdate_epoch(int i, DeviceParts<S>* d) {
+    d->faults.segments_outdated += static_cast<std::uint32_t>(d->epochs.epoch(i).segments);
+    d->epochs.drop(i);
+  }
+  /// Segments that took part, condensed ones included.
+  int told_by(DeviceParts<S>* d) const {
+    if constexpr (kEpochs > 0) return n_ + d->epochs.segments();
+    return n_;
   }
   bool epoch_is_newer(DeviceParts<S>* d) const;
   const SegmentInformation<S>& compared(DeviceParts<S>* d);
+  void know_spread(DeviceParts<S>* d);
   void drop_outdated(DeviceParts<S>* d);
   void begin_agreement(DeviceParts<S>* d);
 
@@ -104,7 +108,7 @@ bool CalibrateJob<S>::calibrate_step(DeviceParts<S>* d) {
     begin_analysis_with_prior(d->calibrator.theta_triangle(), d->prior().sigma, d->work.new_analysis());
     SEGCAL_AWAIT(place_, analyse_with_prior_step(theta_.columns(), d->work.analysis_under_way()));
     SEGCAL_PAUSE(place_);
-    judge(&d->calibrator, d->prior(), ReleaseRules<S>{}, scatter_.variance(), d->work.release());
+    judge(&d->calibrator, d->prior(), ReleaseRules<S>{}, scatter_.variance(), told_by(d), d->work.release());
     if (d->work.release()->status == Status::failed) SEGCAL_AWAIT(place_, drop_misfits_step(d));
   }
   SEGCAL_SLICES_END(place_);
@@ -138,7 +142,7 @@ bool CalibrateJob<S>::drop_far_epochs(DeviceParts<S>* d) {
   if constexpr (kEpochs > 0) {
     for (int i = d->epochs.count() - 1; i >= 0 && d->calibrator.fit().converged; --i) {
       if (d->epochs.epoch(i).holds_at(d->calibrator.theta(), d->prior(), d->work.agreement_scratch())) continue;
-      d->epochs.outdate(i);
+      outdate_epoch(i, d);
       dropped = dropped_any_ = true;
     }
   }
@@ -169,6 +173,7 @@ bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
       epoch_ = d->epochs.count() - 1;
       for (i_ = n_ - 1; i_ >= 0 || epoch_ >= 0; epoch_is_newer(d) ? --epoch_ : --i_) {
         SEGCAL_AWAIT(inner_, agreement_.take_step(compared(d)));
+        if (!agreement_.outdated()) know_spread(d);
         if (!agreement_.outdated()) continue;
         drop_outdated(d);
         dropped_ = dropped_any_ = true;
@@ -192,10 +197,20 @@ const SegmentInformation<S>& CalibrateJob<S>::compared(DeviceParts<S>* d) {
   return *d->work.moved();
 }
 
+/// What the segments of an epoch disagree by among themselves: one of several may convict the next older item, though it is one item.
+template <class S>
+void CalibrateJob<S>::know_spread(DeviceParts<S>* d) {
+  if constexpr (kEpochs > 0) {
+    if (!epoch_is_newer(d)) return;
+    const Epoch<S>& e = d->epochs.epoch(epoch_);
+    agreement_.know_spread(e.between, e.between_dof);
+  }
+}
+
 template <class S>
 void CalibrateJob<S>::drop_outdated(DeviceParts<S>* d) {
   if (epoch_is_newer(d)) {
-    if constexpr (kEpochs > 0) d->epochs.outdate(epoch_);
+    if constexpr (kEpochs > 0) outdate_epoch(epoch_, d);
   } else {
     d->database.drop_outdated(segment_[i_]);
     ++d->faults.segments_outdated;
@@ -210,7 +225,9 @@ bool CalibrateJob<S>::measure_scatter_step(DeviceParts<S>* d) {
     for (i_ = 0; d->calibrator.fit().converged && n_ >= 2 && i_ < n_; ++i_) {
       SEGCAL_AWAIT(inner_, scatter_.take_step(segment_[i_]->information));
     }
-    add_spread_of_epochs(d, [this](S found, std::int32_t degrees) { scatter_.add(found, S(degrees)); });
+    if constexpr (kEpochs > 0) {
+      for (int i = 0; i < d->epochs.count(); ++i) scatter_.add(d->epochs.epoch(i).between, S(d->epochs.epoch(i).between_dof));
+    }
   }
   SEGCAL_SLICES_END(inner_);
 }
@@ -222,8 +239,6 @@ void CalibrateJob<S>::begin_agreement(DeviceParts<S>* d) {
   const S comparisons = S(n_ + d->epochs.count() - 1);
   agreement_ = Agreement<S>(d->prior(), d->calibrator.theta(), d->options.outdated_level / comparisons, noise_of(information, n_),
                             d->work.new_analysis(), d->work.agreement_scratch());
-  // An epoch may convict the next older item, which has no neighbours of its own yet.
-  add_spread_of_epochs(d, [this](S found, std::int32_t degrees) { agreement_.know_spread(found, degrees); });
 }
 
 /// After a failed calibration: segments that do not fit even alone leave the database, and collecting goes on.

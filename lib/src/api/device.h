@@ -79,6 +79,8 @@ class Device {
   const auto& epochs() const { return d_.epochs; }
   /// None is being added to, compared or moved.
   bool epochs_at_rest() const { return !pending(); }
+  /// Memory for a triangle over [theta | rhs], while nothing is pending.
+  S* idle_scratch() { return d_.work.agreement_scratch(); }
   /// A score or a calibration is under way, or a calibration waits for its moment.
   bool pending() const { return score_.active() || calibration_.pending(); }
   /// The kept segments are as a calibration or their builder left them, not half moved.

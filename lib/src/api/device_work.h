@@ -41,6 +41,7 @@ void Device<S>::end_score() {
 template <class S>
 void Device<S>::begin_calibration(const Calibration<S>& theta) {
   wanted_then_ = false;
+  finished_ = false;
   calibration_.begin(theta, &d_);
   window_ = d_.options.calibration_window;
 }
@@ -91,6 +92,7 @@ void Device<S>::set_condensing() {
 /// linearised again, goes on collecting.
 template <class S>
 void Device<S>::count_misfits() {
+  if (!score_.judged()) return;
   if constexpr (kEpochs > 0) misfits_ = d_.condenser.condensed() ? 0 : misfits_ + 1;
   if (misfits_ < kMostMisfits) return;
   misfits_ = 0;

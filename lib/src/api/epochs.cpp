@@ -6,12 +6,12 @@ namespace SEGCAL_NS {
 namespace {
 
 /// The optimum of the prior and the epoch, and its sigmas as printed, for the noise of the last release.
-void read_epoch(const Device<Real>& device, const Epoch<Real>& epoch, segcal_epoch_t* out) {
+void read_epoch(const Epoch<Real>& epoch, Device<Real>& device, segcal_epoch_t* out) {
   const ThetaPrior<Real>& prior = device.options().prior;
   const int n = epoch.columns();
-  Real data[packed_size(kMaxTheta + 1)], row[kMaxTheta + 1], work[kMaxTheta + 1];
+  Real row[kMaxTheta + 1], work[kMaxTheta + 1];
   const Real none[kMaxTheta] = {};
-  PackedTriangle<Real> T(data, n + 1);
+  PackedTriangle<Real> T(device.idle_scratch(), n + 1);
   write_prior(prior, epoch.theta, &T);
   for (int i = 0; i < n; ++i) {
     epoch.row_at(none, i, row);
@@ -39,13 +39,13 @@ void read_epoch(const Device<Real>& device, const Epoch<Real>& epoch, segcal_epo
 
 using namespace SEGCAL_NS;
 
-extern "C" int segcal_get_epoch(const segcal_t* device, int32_t index, segcal_epoch_t* out) {
+extern "C" int segcal_get_epoch(segcal_t* device, int32_t index, segcal_epoch_t* out) {
   if (!out) return SEGCAL_ERROR_NULL;
-  const CDevice* d = open(device);
+  CDevice* d = open(device);
   const Epoch<Real>* epoch = d ? d->device.epochs().find(index) : nullptr;
   if (!epoch) return SEGCAL_ERROR_STATE;
   if (!d->device.epochs_at_rest()) return SEGCAL_ERROR_BUSY;
   *out = segcal_epoch_t{};
-  read_epoch(d->device, *epoch, out);
+  read_epoch(*epoch, d->device, out);
   return SEGCAL_OK;
 }

@@ -18,6 +18,7 @@ class ScoreJob {
   Segment<S>* begin(const Calibration<S>& theta, bool condense, DeviceParts<S>* d) {
     active_ = true;
     condense_ = condense;
+    judged_ = false;
     d->condenser.restart();
     place_ = 0;
     theta_ = theta;
@@ -37,8 +38,9 @@ class ScoreJob {
     d->work.give_back();
     active_ = false;
   }
-  /// The scored segment goes into an epoch.
+  /// The scored segment was to go into an epoch; and it told enough for that to be tried.
   bool condenses() const { return condense_; }
+  bool judged() const { return judged_; }
   /// theta as known when the segment ended.
   const Calibration<S>& theta() const { return theta_; }
   /// The scored segment was kept.
@@ -51,7 +53,7 @@ class ScoreJob {
   void settle(DeviceParts<S>* d, const Segment<S>& segment);
   void publish(DeviceParts<S>* d, ScoreReport<S>* report);
 
-  bool active_ = false, settled_ = false, kept_ = false, condense_ = false;
+  bool active_ = false, settled_ = false, kept_ = false, condense_ = false, judged_ = false;
   Place place_ = 0, inner_ = 0;
   Calibration<S> theta_;
   LargestEigenvalue<S> largest_;
@@ -88,6 +90,7 @@ bool ScoreJob<S>::score_step(DeviceParts<S>* d, ScoreReport<S>* report) {
       publish(d, report);
       SEGCAL_AWAIT(place_, condense_step(d));
     } else {
+      d->condenser.break_chain();
       ++d->faults.segments_discarded;
     }
   }
@@ -134,6 +137,7 @@ template <class S>
 bool ScoreJob<S>::condense_step(DeviceParts<S>* d) {
   if constexpr (kEpochs > 0) {
     SEGCAL_SLICES(inner_) {
+      judged_ = condense_;
       if (condense_ && !settled_) d->condenser.break_chain();
       if (condense_ && settled_) {
         memory_ = d->calibrator.lend_condense_memory(&d->work.eliminator());

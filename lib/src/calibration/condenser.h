@@ -128,7 +128,7 @@ class Condenser {
     chained_ = condensed_;
     if (!condensed_) return;
     epoch->add(rows, dof, segment->session, segment->serial);
-    epoch->image_points += counts.image_points;
+    if (epoch->image_points < 1000000000) epoch->image_points += counts.image_points;
     m.chain->hand_on(&left_);
     end_ = end_of(*segment);
     last_ = segment->states.x[segment->n_keyframes - 1];

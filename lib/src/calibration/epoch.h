@@ -48,11 +48,15 @@ struct Epoch {
   /// Takes the rows of one segment at theta_0: the triangle over [theta | rhs], `residual_dof` for dof.
   void add(const PackedTriangle<S>& rows, S residual_dof, std::uint32_t session, std::uint32_t serial) {
     const int n = columns();
-    const S before = rho2();
+    // Beside what is there already: in a large sum float would lose what one segment adds.
+    PackedTriangle<S> T = information.triangle();
+    const S before = T(n, n);
+    T.row(n)[n] = S(0);
     fold_rows_of(rows, 0, n);
-    between += rho2() - before;
+    between += T(n, n) * T(n, n);
     between_dof += segments > 0 ? n : 0;
     fold_rows_of(rows, n, n + 1);
+    T.row(n)[n] = square_root(before * before + T(n, n) * T(n, n));
     dof += residual_dof;
     last_session = session;
     last_serial = serial;
@@ -92,7 +96,7 @@ struct Epoch {
     S offset[kMaxTheta], row[kMaxTheta + 1];
     difference(theta, at, offset);
     out->n_theta = n;
-    out->dof = static_cast<std::int32_t>(dof);
+    out->dof = static_cast<std::int32_t>(dof < S(1e9) ? dof : S(1e9));
     PackedTriangle<S> T = out->triangle();
     T.clear();
     for (int i = 0; i <= n; ++i) {
@@ -132,7 +136,6 @@ struct Epoch {
   }
 
  private:
-  S rho2() const { return information.rho2(); }
   void fold_rows_of(const PackedTriangle<S>& rows, int from, int until) {
     const int n = columns();
     PackedTriangle<S> T = information.triangle();
@@ -153,7 +156,7 @@ class Epochs {
   friend struct StoredFields<S>;
 
  public:
-  void clear() { count_ = outdated_segments_ = 0; }
+  void clear() { count_ = 0; }
   int count() const { return count_; }
   const Epoch<S>& epoch(int i) const { return epoch_[i]; }
   /// Null if there is none.
@@ -177,12 +180,6 @@ class Epochs {
   void drop(int i) {
     for (--count_; i < count_; ++i) epoch_[i] = epoch_[i + 1];
   }
-  /// Drops an epoch that newer data contradict.
-  void outdate(int i) {
-    outdated_segments_ += epoch_[i].segments;
-    drop(i);
-  }
-  std::int32_t outdated_segments() const { return outdated_segments_; }
 
   std::int32_t image_points() const {
     std::int32_t n = 0;
@@ -214,7 +211,7 @@ class Epochs {
   }
 
  private:
-  std::int32_t count_ = 0, outdated_segments_ = 0;
+  std::int32_t count_ = 0;
   Epoch<S> epoch_[kEpochs > 0 ? kEpochs : 1];
 };
 

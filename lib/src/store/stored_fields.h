@@ -163,7 +163,6 @@ struct StoredFields {
     f->flag(&d->condensing_);
     f->flag(&d->new_epoch_);
     f->number(&d->misfits_);
-    if constexpr (kEpochs > 0) f->number(&d->d_.epochs.outdated_segments_);
   }
   /// Of a build without epochs there is none.
   static void epoch(Fields* f, Device<S>* d, int index) {
@@ -186,7 +185,7 @@ struct StoredFields {
     if constexpr (kEpochs > 0) {
       const Epoch<S>& e = d->d_.epochs.epoch_[index];
       d->d_.epochs.count_ = index + 1;
-      return e.information.n_theta == d->theta_.columns() && e.segments > 0;
+      return e.information.n_theta == d->theta_.columns() && e.segments >= 0;   // the newest may have just begun
     }
     return false;
   }
@@ -254,6 +253,7 @@ struct StoredFields {
     d->knew_enough_ = n.knew_enough;
     d->own_odometry_ = n.own_odometry;
     d->calibrated_ = n.calibrated;
+    d->condensing_ = d->condensing_ && d->d_.options.condense;   // who restores may have switched it off
     const std::int64_t zero = d->theta_.effects.time_zero_ns;
     d->d_.options.prior.mean.effects.time_zero_ns = d->report_.theta.effects.time_zero_ns = zero;
     d->report_.release.theta.effects.time_zero_ns = zero;

@@ -39,7 +39,7 @@ CoreDirection direction_of(const segcal_direction_t& d, int n) {
   return {std::vector<double>(d.weight, d.weight + n), d.relative_sigma};
 }
 
-CoreResult result_of(const segcal_t* device) {
+CoreResult result_of(segcal_t* device) {
   segcal_result_t r;
   CoreResult out;
   if (segcal_get_result(device, &r) != SEGCAL_OK) return out;
@@ -73,6 +73,7 @@ CoreResult result_of(const segcal_t* device) {
   }
   segcal_epoch_t e;
   for (int i = 0; segcal_get_epoch(device, i, &e) == SEGCAL_OK; ++i) {
+    if (e.segments == 0) continue;   // it has just begun
     out.epochs.push_back({e.segments, e.first_session, e.last_session, {e.value, e.value + e.n_parameters}, {e.sigma, e.sigma + e.n_parameters}});
   }
   return out;

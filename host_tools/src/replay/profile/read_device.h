@@ -11,7 +11,7 @@ CoreSegment segment_of(const segcal_segment_t& s);
 /// `n`: parameters that the direction has weights for.
 CoreDirection direction_of(const segcal_direction_t& d, int n);
 /// "insufficient" and empty while there is no result.
-CoreResult result_of(const segcal_t* device);
+CoreResult result_of(segcal_t* device);
 /// The kept segment of a slot, with all that the last calibration had of it.
 CoreKept kept_of(const segcal_t* device, int slot, const segcal_segment_t& s);
 
