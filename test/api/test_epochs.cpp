@@ -110,6 +110,37 @@ void test_single_sessions_forget() {
   TEST_ASSERT_EQUAL_INT(0, condensed_segments(device));
 }
 
+/// Samples [from, until) of the stream, with the caller's odometry; images are `off_px` beside where they should be.
+void feed_keyframes(segcal_t* device, std::size_t from, std::size_t until, float off_px) {
+  for (std::size_t i = from; i < until; ++i) {
+    segcal_push_imu(device, &stream_of_30_s().imu[i]);
+    if (i % 20 == 0) {
+      SyntheticStream::Frame frame = stream_of_30_s().frames[i / 20];
+      for (segcal_point_t& p : frame.points) p.u += off_px;
+      push_frame(device, frame, Way::keyframes);
+    }
+    segcal_background(device, 1000000);
+  }
+  segcal_flush(device);
+  segcal_calibrate(device);
+}
+
+/// Two seconds of images beside their place fit, with another principal point; all that is older contradicts them.
+void test_one_segment_convicts_nobody() {
+  Storage storage(0);
+  segcal_config_t c = config(true);
+  c.keep_segments = 6;
+  segcal_t* device = create(&storage, c);
+  feed_keyframes(device, 0, 5000, 0);
+  segcal_counters_t before, after;
+  segcal_get_counters(device, &before);
+  feed_keyframes(device, 5000, 5405, 2);
+  segcal_get_counters(device, &after);
+  TEST_ASSERT_EQUAL_UINT32(before.segments_outdated, after.segments_outdated);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_CALIBRATED, result_of(device).status);
+  TEST_ASSERT_EQUAL_INT(6, result_of(device).segments);
+}
+
 }  // namespace
 
 int main() {
@@ -118,5 +149,6 @@ int main() {
   RUN_TEST(test_no_schedule_changes_a_bit);
   RUN_TEST(test_what_is_not_there_is_refused);
   RUN_TEST(test_single_sessions_forget);
+  RUN_TEST(test_one_segment_convicts_nobody);
   return UNITY_END();
 }

@@ -52,6 +52,7 @@ class Review {
     const bool fitted = out_.calibrated && out_.result.dof > 0 && out_.kept.size() >= 2 && out_.result.status != "failed";
     if (fitted) judge_fit();
     find_notes();
+    if (out_.result.status == "calibrated" && out_.kept.size() == 1 && out_.result.epochs.empty()) refuse("insufficient", kOneSegment);
     if (out_.result.status != "calibrated" && out_.cause.empty()) out_.cause = reason();
   }
 
@@ -165,8 +166,6 @@ class Review {
                  ? text("the calibration changed: %zu kept segments contradict later ones, which had been condensed at the old one; the next session shows the new one",
                         core_.outdated().size())
                  : text("no segment told enough to be kept: %zu scored", out_.segments.size());
-    } else if (out_.kept.size() == 1 && r.epochs.empty()) {
-      what = kOneSegment;
     } else {
       const auto observed = std::count_if(r.parameters.begin(), r.parameters.end(), [](const CoreParameter& p) { return p.verdict == "observed"; });
       what = text("the motion tells %d of %zu parameters, half are needed: move and turn about all axes", static_cast<int>(observed), r.parameters.size());

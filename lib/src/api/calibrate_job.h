@@ -65,11 +65,6 @@ class CalibrateJob {
     d->faults.segments_outdated += static_cast<std::uint32_t>(d->epochs.epoch(i).segments);
     d->epochs.drop(i);
   }
-  /// Segments that took part, condensed ones included.
-  int told_by(DeviceParts<S>* d) const {
-    if constexpr (kEpochs > 0) return n_ + d->epochs.segments();
-    return n_;
-  }
   bool epoch_is_newer(DeviceParts<S>* d) const;
   const SegmentInformation<S>& compared(DeviceParts<S>* d);
   void know_spread(DeviceParts<S>* d);
@@ -108,7 +103,7 @@ bool CalibrateJob<S>::calibrate_step(DeviceParts<S>* d) {
     begin_analysis_with_prior(d->calibrator.theta_triangle(), d->prior().sigma, d->work.new_analysis());
     SEGCAL_AWAIT(place_, analyse_with_prior_step(theta_.columns(), d->work.analysis_under_way()));
     SEGCAL_PAUSE(place_);
-    judge(&d->calibrator, d->prior(), ReleaseRules<S>{}, scatter_.variance(), told_by(d), d->work.release());
+    judge(&d->calibrator, d->prior(), ReleaseRules<S>{}, scatter_.variance(), d->work.release());
     if (d->work.release()->status == Status::failed) SEGCAL_AWAIT(place_, drop_misfits_step(d));
   }
   SEGCAL_SLICES_END(place_);

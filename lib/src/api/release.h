@@ -197,10 +197,9 @@ int judge_parameters(const PackedTriangle<S>& R, const Calibration<S>& theta, co
 }
 
 /// Verdicts, sigmas and status from the finished fit. `scatter`: variance of what segments say, in units of stated noise; 0 if
-/// not known. Sigmas are for the largest of that, of what residuals show, and of the stated noise. `segments`: that took part; one alone
-/// cannot show whether what is left in it is noise.
+/// not known. Sigmas are for the largest of that, of what residuals show, and of the stated noise.
 template <class S>
-void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseRules<S>& rules, S scatter, int segments, Release<S>* out) {
+void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseRules<S>& rules, S scatter, Release<S>* out) {
   PackedTriangle<S> R = calibrator->theta_triangle();
   const CalibrationFit<S>& fit = calibrator->fit();
   const int n = calibrator->theta().columns();
@@ -216,7 +215,7 @@ void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseR
   } else if (!plausible || !fell || !fit.converged) {
     out->status = Status::failed;
   } else {
-    out->status = 2 * observed >= n && segments >= 2 ? Status::calibrated : Status::insufficient;
+    out->status = 2 * observed >= n ? Status::calibrated : Status::insufficient;
   }
   if (out->status == Status::failed) {
     out->theta = prior.mean;
