@@ -141,6 +141,41 @@ void test_one_segment_convicts_nobody() {
   TEST_ASSERT_EQUAL_INT(6, result_of(device).segments);
 }
 
+/// While a calibration that was asked for moves the kept segments, they are in nobody's hash.
+void test_an_asked_calibration_shows_when_it_is_done() {
+  Storage storage(0);
+  segcal_t* device = create(&storage, config(true));
+  feed(device, 1000000);
+  std::uint64_t last = segcal_result_hash(device);
+  int changes = 0, answer = 1;
+  segcal_request_calibration(device);
+  while (answer == 1) {
+    answer = segcal_flush_slices(device, 20);
+    const std::uint64_t hash = segcal_result_hash(device);
+    changes += hash != last ? 1 : 0;
+    last = hash;
+  }
+  TEST_ASSERT_EQUAL_INT(0, answer);
+  // When it begins, the segments leave the hash; when it takes effect, its result comes in; at the end, the segments.
+  TEST_ASSERT_LESS_OR_EQUAL_INT(3, changes);
+}
+
+/// joint_filter calibrates by its filter alone, also beside the caller's own odometry.
+void test_a_joint_filter_calibrates_no_segments() {
+  Storage storage(0);
+  segcal_config_t c = config(false);
+  c.joint_filter = 1;
+  segcal_t* device = create(&storage, c);
+  for (std::size_t i = 0; i < 5000; ++i) {
+    segcal_push_imu(device, &stream_of_30_s().imu[i]);
+    if (i % 20 == 0) push_frame(device, stream_of_30_s().frames[i / 20], Way::keyframes);
+    segcal_background(device, 1000000);
+  }
+  segcal_counters_t counters;
+  segcal_get_counters(device, &counters);
+  TEST_ASSERT_EQUAL_UINT32(0, counters.calibrations);
+}
+
 }  // namespace
 
 int main() {
@@ -150,5 +185,7 @@ int main() {
   RUN_TEST(test_what_is_not_there_is_refused);
   RUN_TEST(test_single_sessions_forget);
   RUN_TEST(test_one_segment_convicts_nobody);
+  RUN_TEST(test_an_asked_calibration_shows_when_it_is_done);
+  RUN_TEST(test_a_joint_filter_calibrates_no_segments);
   return UNITY_END();
 }

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "../support/cases.h"
+#include "../support/cast.h"
 #include "../support/synthetic_segments.h"
 #include "calibration/calibrator.h"
 
@@ -179,6 +180,50 @@ void test_a_full_ring_merges_the_oldest() {
   TEST_ASSERT_EQUAL_INT(3, epochs.epoch(0).segments);
 }
 
+/// Where the quadratic is believed: up to five of the epoch's own sigmas from theta_0, in each entry.
+void test_an_epoch_holds_near_its_theta() {
+  const SyntheticSession session(device(4));
+  ThetaPrior<double> prior;
+  prior.mean = session.nominal;
+  default_prior_sigmas(prior.mean, prior.sigma);
+  test::Random random(9);
+  const Epoch<double> epoch = random_epoch(&random, session.nominal, 5);
+  const int n = epoch.columns();
+  const Matrix P = covariance(epoch, prior);
+  std::vector<double> scratch(packed_size(n + 1));
+  for (int i = 0; i < n; ++i) {
+    for (const double sigmas : {-5.01, -4.99, 4.99, 5.01}) {
+      Vector step = Vector::Zero(n);
+      step(i) = sigmas * std::sqrt(P(i, i));
+      Calibration<double> at = session.nominal;
+      add_step(&at, step.data());
+      test::check_true(Id().add("column", i).add("sigmas", sigmas), "believed or not", epoch.holds_at(at, prior, scratch.data()) == (std::abs(sigmas) < 5));
+    }
+  }
+}
+
+/// White rows beside many residuals, in float: what a segment adds must not drown in what is there already.
+void test_sums_of_a_day_hold_in_float() {
+  const SyntheticSession session(device(3));
+  const auto theta = test::cast<float>(session.nominal);
+  const int n = theta.columns();
+  test::Random random(8);
+  auto epoch = std::make_unique<Epoch<float>>();
+  epoch->begin(theta, 0);
+  std::vector<float> data(packed_size(n + 1));
+  double before = 0;
+  for (int s = 0; s < 8000; ++s) {   // segments of 4 s: nine hours
+    for (float& v : data) v = static_cast<float>(random.normal(1));
+    data.back() = std::sqrt(3000.f);
+    epoch->add(PackedTriangle<float>(data.data(), n + 1), 3000, 0, static_cast<std::uint32_t>(s));
+    if (s == 7499) before = double(epoch->between);
+  }
+  // chi2 of 500 n degrees of freedom: five of its sigmas; and a float sum of 2e5 has steps of 1/64.
+  const double spread = 5 * std::sqrt(2.0 / (500 * n)) + 0.01;
+  test::check_between(Id(), "what segments disagree by, per degree of freedom", 1 - spread, (double(epoch->between) - before) / (500 * n), 1 + spread);
+  TEST_ASSERT_FLOAT_WITHIN(0.01f * 8000 * 3000, 8000.f * (3000 + n), epoch->information.rho2());
+}
+
 }  // namespace
 
 int main() {
@@ -187,5 +232,7 @@ int main() {
   RUN_TEST(test_optimum_of_an_epoch_is_that_of_the_fit);
   RUN_TEST(test_merged_epochs_say_what_both_said);
   RUN_TEST(test_a_full_ring_merges_the_oldest);
+  RUN_TEST(test_an_epoch_holds_near_its_theta);
+  RUN_TEST(test_sums_of_a_day_hold_in_float);
   return UNITY_END();
 }

@@ -342,12 +342,68 @@ void test_feeding_while_it_saves() {
   }
 }
 
+/// A device that condenses, whose last segments were no good: the newest epoch has begun and is empty.
+segcal_t* with_an_empty_epoch(Storage* storage) {
+  segcal_config_t c = config();
+  c.condense = 1;
+  c.calibration_window = 1;
+  segcal_t* device = create(storage, c);
+  for (std::size_t i = 0; i < 3000; ++i) {
+    segcal_push_imu(device, &long_stream<30>().imu[i]);
+    segcal_background(device, 1000000);
+    if (i % 20 != 0) continue;
+    SyntheticStream::Frame frame = long_stream<30>().frames[i / 20];
+    if (i == 2400) {
+      segcal_flush(device);
+      segcal_calibrate(device);
+    }
+    if (i >= 2400) frame.state.p_GI[0] += 0.5 * static_cast<double>(i / 20 % 3);   // an odometry that has lost its way
+    push_frame(device, frame, Way::keyframes);
+  }
+  segcal_flush(device);
+  return device;
+}
+
+void test_an_epoch_that_has_just_begun() {
+  if (SEGCAL_MAX_EPOCHS == 0) return;
+  Storage storage(0x11), again(0x22), plain(0x33);
+  segcal_t* device = with_an_empty_epoch(&storage);
+  segcal_epoch_t e;
+  int epochs = 0;
+  while (segcal_get_epoch(device, epochs, &e) == SEGCAL_OK) ++epochs;
+  TEST_ASSERT_GREATER_THAN_INT(0, epochs);
+  TEST_ASSERT_EQUAL_INT(0, e.segments);
+  FakeFlash flash = new_flash();
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, save(&flash, device));
+  segcal_config_t c = config();
+  c.condense = 1;
+  c.calibration_window = 1;
+  segcal_t* restored = create(&again, c);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, restore(&flash, restored));
+  segcal_new_session(device);
+  TEST_ASSERT_TRUE(segcal_result_hash(device) == segcal_result_hash(restored));
+  // Who restores without condensing does not go on with it.
+  c.condense = 0;
+  segcal_t* other = create(&plain, c);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, restore(&flash, other));
+  const auto condensed = [&e](segcal_t* d) {
+    int n = 0;
+    for (int i = 0; segcal_get_epoch(d, i, &e) == SEGCAL_OK; ++i) n += e.segments;
+    return n;
+  };
+  const int before = condensed(other);
+  feed(other, 1, Way::keyframes);
+  segcal_flush(other);
+  TEST_ASSERT_EQUAL_INT(before, condensed(other));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   select_cases(argc, argv);
   UNITY_BEGIN();
   RUN_TEST(test_the_same_bits_as_without_the_stop);
+  RUN_TEST(test_an_epoch_that_has_just_begun);
   RUN_TEST(test_results_come_back);
   RUN_TEST(test_another_configuration_is_refused);
   RUN_TEST(test_calls_at_the_wrong_time);

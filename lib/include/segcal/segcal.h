@@ -364,8 +364,9 @@ typedef struct {
   float u, v;                      /* px */
 } segcal_measured_point_t;
 
-/* What segments that are kept no longer said about the calibration (segcal_config_t.condense), all of them one by one: values as those
-   segments alone tell, with the prior, and their sigmas, scaled as those of the last release. In the order of segcal_result_t.parameter. */
+/* An epoch: what segments that were condensed said about the calibration (segcal_config_t.condense). Values and sigmas are those that
+   these segments and the prior give, without the kept segments and the other epochs; sigmas are scaled like the last release's. Order and
+   units of segcal_result_t.parameter. */
 typedef struct {
   int32_t segments;
   uint32_t first_session, last_session;  /* from 0: sessions since segcal_create */
@@ -378,13 +379,13 @@ typedef struct segcal segcal_t;
 
 /* The capacities of this header, for segcal_create_for: those of config.h that change the layout of any struct above or the meaning
    of a call. */
-#define SEGCAL_N_CAPACITIES 17
+#define SEGCAL_N_CAPACITIES 18
 #define SEGCAL_CAPACITIES                                                                                              \
   {                                                                                                                    \
     SEGCAL_MAX_CAMERAS, SEGCAL_MAX_SEGMENTS, SEGCAL_MAX_KEYFRAMES, SEGCAL_MAX_LANDMARKS, SEGCAL_MAX_OBSERVATIONS,      \
         SEGCAL_MAX_IMU_SAMPLES, SEGCAL_MAX_CLONES, SEGCAL_MAX_TRACKS, SEGCAL_FRAME_FEATURES, SEGCAL_START_DELAY_MS,    \
         SEGCAL_WAITING_FRAMES, SEGCAL_MAX_TIES, SEGCAL_SHARED_LANDMARKS, SEGCAL_IMU_HISTORY,                           \
-        SEGCAL_MAX_EFFECT_ESTIMATES, SEGCAL_MAX_EFFECT_COLUMNS, SEGCAL_PIXEL_BITS                                      \
+        SEGCAL_MAX_EFFECT_ESTIMATES, SEGCAL_MAX_EFFECT_COLUMNS, SEGCAL_PIXEL_BITS, SEGCAL_MAX_EPOCHS                   \
   }
 
 /* segcal_create for a caller that says what capacities it was compiled with (SEGCAL_N_CAPACITIES numbers): for other languages. */
@@ -436,7 +437,8 @@ int segcal_flush(segcal_t *device);
 int segcal_flush_slices(segcal_t *device, int32_t slices);
 /* Ends the session: as segcal_flush, then the filter starts again; the database is emptied if single session. */
 int segcal_new_session(segcal_t *device);
-/* Calibrates from the kept segments, at once: seconds of work on a microcontroller; only a result that is `calibrated` moves theta and the filter. With none kept the
+/* Calibrates from the kept segments, at once: seconds of work on a microcontroller. Only a result that is `calibrated` moves theta and
+   the filter. With none kept the
    result is `insufficient`, and every direction is named as not excited. With joint_filter: takes what the filter knows at
    this moment; a new session goes on from it, with all of its information. */
 int segcal_calibrate(segcal_t *device);
@@ -465,7 +467,8 @@ int segcal_get_segment_directions(const segcal_t *device, segcal_direction_t *ou
    their number. What sigma_ref is measured from. */
 int segcal_get_segment_sigmas(const segcal_t *device, double *sigma, int32_t capacity);
 int segcal_get_counters(const segcal_t *device, segcal_counters_t *counters);
-/* What keeps the odometry from running at this moment, by what came since it used a frame the last time: SEGCAL_HEALTH_* (segcal/health.h has a sentence for each), or an
+/* What keeps the odometry from running at this moment, by what came since it used a frame the last time: SEGCAL_HEALTH_*
+   (segcal/health.h has a sentence for each), or an
    error code. Work of a few dozen instructions: may be asked after every image. */
 int segcal_get_health(const segcal_t *device);
 /* Residuals of kept slot `index` after calibration; fill up to `capacity`, return their number. */

@@ -1,4 +1,5 @@
-// segcal for C++17 (namespace segcal_cpp, since segcal is the tag of segcal_t): the C API with its own memory, no heap, no exceptions. A thin cover: names, units and rules are those of segcal.h.
+// segcal for C++17 (namespace segcal_cpp, since segcal is the tag of segcal_t): the C API with its own memory, no heap, no exceptions.
+// A thin cover: names, units and rules are those of segcal.h.
 //
 //   static segcal_cpp::Device device(config);          // too large for a stack
 //   if (device.error()) puts(segcal_code_words(device.error()));

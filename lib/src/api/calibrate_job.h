@@ -65,10 +65,8 @@ class CalibrateJob {
     d->faults.segments_outdated += static_cast<std::uint32_t>(d->epochs.epoch(i).segments);
     d->epochs.drop(i);
   }
-  bool epoch_is_newer(DeviceParts<S>* d) const;
-  const SegmentInformation<S>& compared(DeviceParts<S>* d);
-  void know_spread(DeviceParts<S>* d);
-  void drop_outdated(DeviceParts<S>* d);
+  void compare_next(DeviceParts<S>* d);
+  void take_verdict(DeviceParts<S>* d);
   void begin_agreement(DeviceParts<S>* d);
 
   Stage stage_ = Stage::idle;
@@ -76,7 +74,7 @@ class CalibrateJob {
   Calibration<S> theta_;               ///< where it begins
   Segment<S>* segment_[kMaxSegments];  ///< that take part, in order of time
   std::int32_t n_ = 0, i_ = 0, epoch_ = 0, round_ = 0;
-  bool dropped_ = false, dropped_any_ = false;
+  bool dropped_ = false, dropped_any_ = false, compares_epoch_ = false;
   Agreement<S> agreement_;
   SegmentScatter<S> scatter_;
   ReprojectionFigures<S> reprojection_;
@@ -166,47 +164,40 @@ bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
     if (n_ + d->epochs.count() >= 3 && d->calibrator.fit().converged && d->options.outdated_level > S(0)) {
       begin_agreement(d);
       epoch_ = d->epochs.count() - 1;
-      for (i_ = n_ - 1; i_ >= 0 || epoch_ >= 0; epoch_is_newer(d) ? --epoch_ : --i_) {
-        SEGCAL_AWAIT(inner_, agreement_.take_step(compared(d)));
-        if (!agreement_.outdated()) know_spread(d);
-        if (!agreement_.outdated()) continue;
-        drop_outdated(d);
-        dropped_ = dropped_any_ = true;
+      for (i_ = n_ - 1; i_ >= 0 || epoch_ >= 0; compares_epoch_ ? --epoch_ : --i_) {
+        compare_next(d);
+        SEGCAL_AWAIT(inner_, agreement_.take_step(compares_epoch_ ? *d->work.moved() : segment_[i_]->information));
+        take_verdict(d);
       }
     }
   }
   SEGCAL_SLICES_END(inner_);
 }
 
-/// Of epoch_ and i_, the next to be compared is the epoch.
+/// Of segment i_ and epoch_, the newer one is next.
 template <class S>
-bool CalibrateJob<S>::epoch_is_newer(DeviceParts<S>* d) const {
-  if constexpr (kEpochs > 0) return epoch_ >= 0 && (i_ < 0 || d->epochs.epoch(epoch_).last_serial > segment_[i_]->serial);
-  return false;
-}
-
-template <class S>
-const SegmentInformation<S>& CalibrateJob<S>::compared(DeviceParts<S>* d) {
-  if (!epoch_is_newer(d)) return segment_[i_]->information;
-  if constexpr (kEpochs > 0) d->epochs.epoch(epoch_).move_to(d->calibrator.theta(), d->work.moved());
-  return *d->work.moved();
-}
-
-/// What the segments of an epoch disagree by among themselves: one of several may convict the next older item, though it is one item.
-template <class S>
-void CalibrateJob<S>::know_spread(DeviceParts<S>* d) {
+void CalibrateJob<S>::compare_next(DeviceParts<S>* d) {
+  compares_epoch_ = false;
   if constexpr (kEpochs > 0) {
-    if (!epoch_is_newer(d)) return;
-    const Epoch<S>& e = d->epochs.epoch(epoch_);
-    agreement_.know_spread(e.between, e.between_dof);
+    compares_epoch_ = epoch_ >= 0 && (i_ < 0 || d->epochs.epoch(epoch_).last_serial > segment_[i_]->serial);
+    if (compares_epoch_) d->epochs.epoch(epoch_).move_to(d->calibrator.theta(), d->work.moved());
   }
 }
 
+/// What is outdated goes. An epoch that agrees tells what its segments disagree by among themselves: one of several may convict the
+/// next older item, though it is one item.
 template <class S>
-void CalibrateJob<S>::drop_outdated(DeviceParts<S>* d) {
-  if (epoch_is_newer(d)) {
-    if constexpr (kEpochs > 0) outdate_epoch(epoch_, d);
-  } else {
+void CalibrateJob<S>::take_verdict(DeviceParts<S>* d) {
+  const bool outdated = agreement_.outdated();
+  dropped_ = dropped_ || outdated;
+  dropped_any_ = dropped_any_ || outdated;
+  if (compares_epoch_) {
+    if constexpr (kEpochs > 0) {
+      const Epoch<S>& e = d->epochs.epoch(epoch_);
+      if (!outdated) agreement_.know_spread(e.between, e.between_dof);
+      if (outdated) outdate_epoch(epoch_, d);
+    }
+  } else if (outdated) {
     d->database.drop_outdated(segment_[i_]);
     ++d->faults.segments_outdated;
   }

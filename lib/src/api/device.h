@@ -133,6 +133,7 @@ class Device {
   void begin_segment(bool continues);
   void hand_over();
   void set_condensing();
+  void forget_epochs();
   void count_misfits();
   bool worth_a_calibration();
   Segment<S>& open_slot() { return score_.active() ? *spare_ : d_.database.building(); }

@@ -32,6 +32,7 @@ int Device<S>::background(int slices) {
 template <class S>
 void Device<S>::end_score() {
   builder().move_to(&d_.database.building());
+  if (d_.options.joint_filter) return;   // segments of the caller's own odometry are scored, no more
   if (score_.condenses()) count_misfits();
   const bool enough = worth_a_calibration();
   knew_enough_ = knew_enough_ || enough;
@@ -63,8 +64,8 @@ void Device<S>::finish_score() {
   while (score_.active()) step();
 }
 
-/// Does what is left of the calibration under way (nobody scores while there is one), and lets it take effect. The open segment must be empty, or end here: a
-/// segment has one shift of stamps for all of its keyframes.
+/// Does what is left of the calibration under way (nobody scores while there is one), and lets it take effect. The open segment
+/// must be empty, or end here: a segment has one shift of stamps for all of its keyframes.
 template <class S>
 void Device<S>::publish_calibration() {
   window_ = 0;
@@ -81,11 +82,17 @@ void Device<S>::publish_calibration() {
 /// nothing else remembers. Where theta cannot be released, epochs are no help to find out why.
 template <class S>
 void Device<S>::set_condensing() {
-  if (report_.release.status == Status::failed) d_.epochs.clear();
+  if (report_.release.status == Status::failed) forget_epochs();
   condensing_ = kEpochs > 0 && d_.options.condense && report_.release.status == Status::calibrated && knows_enough(&d_);
   new_epoch_ = true;
   misfits_ = 0;
   d_.condenser.break_chain();
+}
+
+template <class S>
+void Device<S>::forget_epochs() {
+  if constexpr (kEpochs > 0) d_.faults.segments_outdated += static_cast<std::uint32_t>(d_.epochs.segments());
+  d_.epochs.clear();
 }
 
 /// Where one segment after the other fits no longer, theta is another than epochs were made at: the database, whose segments can be

@@ -354,7 +354,7 @@ void replace_sensor_priors(Window<S>* w, const VioOptions<S>& options) {
 /// of the sensors. Without that the links of the next seconds would be broken by tens of sigmas.
 template <class S>
 void take_calibration(const Calibration<S>& theta, const VioOptions<S>& options, Window<S>* w) {
-  S delta[kMaxCameraColumns * kMaxCameras + kImuColumns];
+  S delta[kMaxTheta];   // effects behind the sensors included: the filter takes them as they are
   difference(w->theta, theta, delta);
   PackedTriangle<S> R = w->R();
   const S* from = delta;
