@@ -141,6 +141,37 @@ void test_one_segment_convicts_nobody() {
   TEST_ASSERT_EQUAL_INT(6, result_of(device).segments);
 }
 
+/// Segments in which nothing is seen say nothing about whether theta is still what it was: one that did not fit, and a hand over the
+/// lens, do not end the condensing.
+void test_a_covered_camera_is_no_misfit() {
+  Storage storage(0);
+  segcal_t* device = create(&storage, config(true));
+  feed_keyframes(device, 0, 3000, 0);
+  const auto feed_part = [device](std::size_t from, std::size_t until, bool lost, bool covered) {
+    for (std::size_t i = from; i < until; ++i) {
+      segcal_push_imu(device, &stream_of_30_s().imu[i]);
+      segcal_background(device, 1000000);
+      if (i % 20 != 0) continue;
+      SyntheticStream::Frame frame = stream_of_30_s().frames[i / 20];
+      if (lost) frame.state.p_GI[0] += 0.5 * static_cast<double>(i / 20 % 3);
+      if (covered) frame.points.clear();
+      push_frame(device, frame, Way::keyframes);
+    }
+    segcal_flush(device);
+  };
+  feed_part(3000, 3400, true, false);
+  feed_part(3400, 4600, false, true);
+  const int before = condensed_segments(device);
+  segcal_counters_t dark, good;
+  segcal_get_counters(device, &dark);
+  TEST_ASSERT_EQUAL_UINT32(1, dark.segments_unsettled);
+  TEST_ASSERT_EQUAL_UINT32(3, dark.segments_discarded);
+  feed_part(4600, 6000, false, false);
+  segcal_get_counters(device, &good);
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(before + 3, condensed_segments(device));   // 7 s of segments of 2 s
+  TEST_ASSERT_EQUAL_UINT32(dark.calibrations_published, good.calibrations_published);   // the database did not collect
+}
+
 /// While a calibration that was asked for moves the kept segments, they are in nobody's hash.
 void test_an_asked_calibration_shows_when_it_is_done() {
   Storage storage(0);
@@ -185,6 +216,7 @@ int main() {
   RUN_TEST(test_what_is_not_there_is_refused);
   RUN_TEST(test_single_sessions_forget);
   RUN_TEST(test_one_segment_convicts_nobody);
+  RUN_TEST(test_a_covered_camera_is_no_misfit);
   RUN_TEST(test_an_asked_calibration_shows_when_it_is_done);
   RUN_TEST(test_a_joint_filter_calibrates_no_segments);
   return UNITY_END();

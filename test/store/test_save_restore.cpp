@@ -86,7 +86,7 @@ const Kind kKinds[] = {
     {"adaptive", [](segcal_config_t* c) { c->least_segment_s = 1.5; c->most_segment_s = 3; }, Way::tracks, 0},
     {"odometry", [](segcal_config_t*) {}, Way::keyframes, 0},
     {"time_offset", [](segcal_config_t* c) { if (SEGCAL_MAX_EFFECT_ESTIMATES >= 1) c->estimate_effects = SEGCAL_EFFECT_TIME_OFFSET; }, Way::tracks, 4000000},
-    {"condensing", [](segcal_config_t* c) { c->keep_segments = 2; c->condense = SEGCAL_MAX_EPOCHS > 0 ? 1 : 0; c->calibration_window = 1; }, Way::tracks, 0},
+    {"condensing", [](segcal_config_t* c) { c->keep_segments = 3; c->condense = SEGCAL_MAX_EPOCHS > 0 ? 1 : 0; c->calibration_window = 1; }, Way::tracks, 0},
     {"watching", [](segcal_config_t* c) { if (SEGCAL_MAX_EFFECT_COLUMNS >= 3) c->watch_effects = SEGCAL_EFFECT_ROLLING_SHUTTER; }, Way::tracks, 0}};
 
 struct Hashes {
@@ -342,59 +342,75 @@ void test_feeding_while_it_saves() {
   }
 }
 
-/// A device that condenses, whose last segments were no good: the newest epoch has begun and is empty.
-segcal_t* with_an_empty_epoch(Storage* storage) {
+segcal_config_t condensing(bool on) {
   segcal_config_t c = config();
-  c.condense = 1;
+  c.condense = on ? 1 : 0;
   c.calibration_window = 1;
-  segcal_t* device = create(storage, c);
-  for (std::size_t i = 0; i < 3000; ++i) {
+  return c;
+}
+
+/// Samples [from, until) of 30 s, with the caller's odometry. `lost`: it has lost its way, and no segment fits.
+void feed_part(segcal_t* device, std::size_t from, std::size_t until, bool lost) {
+  for (std::size_t i = from; i < until; ++i) {
     segcal_push_imu(device, &long_stream<30>().imu[i]);
     segcal_background(device, 1000000);
     if (i % 20 != 0) continue;
     SyntheticStream::Frame frame = long_stream<30>().frames[i / 20];
-    if (i == 2400) {
-      segcal_flush(device);
-      segcal_calibrate(device);
-    }
-    if (i >= 2400) frame.state.p_GI[0] += 0.5 * static_cast<double>(i / 20 % 3);   // an odometry that has lost its way
+    if (lost) frame.state.p_GI[0] += 0.5 * static_cast<double>(i / 20 % 3);
     push_frame(device, frame, Way::keyframes);
   }
   segcal_flush(device);
-  return device;
 }
 
-void test_an_epoch_that_has_just_begun() {
-  if (SEGCAL_MAX_EPOCHS == 0) return;
-  Storage storage(0x11), again(0x22), plain(0x33);
-  segcal_t* device = with_an_empty_epoch(&storage);
+/// Segments in the epochs, and in the newest.
+std::pair<int, int> condensed(segcal_t* device) {
+  std::pair<int, int> n = {0, -1};
   segcal_epoch_t e;
-  int epochs = 0;
-  while (segcal_get_epoch(device, epochs, &e) == SEGCAL_OK) ++epochs;
-  TEST_ASSERT_GREATER_THAN_INT(0, epochs);
-  TEST_ASSERT_EQUAL_INT(0, e.segments);
+  for (int i = 0; segcal_get_epoch(device, i, &e) == SEGCAL_OK; ++i) n = {n.first + e.segments, e.segments};
+  return n;
+}
+
+/// Saved at the end of a session and restored: what comes later has the same bits as in the device that went on.
+void check_goes_on(segcal_t* device, const Id& id) {
+  Storage again(0x22);
   FakeFlash flash = new_flash();
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, save(&flash, device));
-  segcal_config_t c = config();
-  c.condense = 1;
-  c.calibration_window = 1;
-  segcal_t* restored = create(&again, c);
+  segcal_t* restored = create(&again, condensing(true));
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, restore(&flash, restored));
   segcal_new_session(device);
-  TEST_ASSERT_TRUE(segcal_result_hash(device) == segcal_result_hash(restored));
+  check_true(id, "another state", segcal_result_hash(device) == segcal_result_hash(restored));
+  for (segcal_t* d : {device, restored}) {
+    feed_part(d, 0, 500, true);   // one segment more that does not fit, then good ones
+    feed_part(d, 500, 2500, false);
+  }
+  check_true(id, "another state later", segcal_result_hash(device) == segcal_result_hash(restored));
+}
+
+void test_epochs_go_on() {
+  if (SEGCAL_MAX_EPOCHS == 0) return;
+  {
+    Storage storage(0x11);
+    segcal_t* device = create(&storage, condensing(true));
+    feed_part(device, 0, 3400, false);
+    TEST_ASSERT_GREATER_THAN_INT(0, condensed(device).second);
+    check_goes_on(device, Id().add("newest", "open"));
+  }
+  Storage storage(0x11), plain(0x33);
+  segcal_t* device = create(&storage, condensing(true));
+  feed_part(device, 0, 2400, false);
+  segcal_calibrate(device);
+  feed_part(device, 2400, 3000, true);
+  TEST_ASSERT_EQUAL_INT(0, condensed(device).second);   // begun, and nothing came into it
+  FakeFlash flash = new_flash();
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, save(&flash, device));
+  check_goes_on(device, Id().add("newest", "empty"));
   // Who restores without condensing does not go on with it.
-  c.condense = 0;
-  segcal_t* other = create(&plain, c);
+  segcal_t* other = create(&plain, condensing(false));
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, restore(&flash, other));
-  const auto condensed = [&e](segcal_t* d) {
-    int n = 0;
-    for (int i = 0; segcal_get_epoch(d, i, &e) == SEGCAL_OK; ++i) n += e.segments;
-    return n;
-  };
-  const int before = condensed(other);
+  const int before = condensed(other).first;
   feed(other, 1, Way::keyframes);
   segcal_flush(other);
-  TEST_ASSERT_EQUAL_INT(before, condensed(other));
+  TEST_ASSERT_EQUAL_INT(before, condensed(other).first);
 }
 
 }  // namespace
@@ -403,7 +419,7 @@ int main(int argc, char** argv) {
   select_cases(argc, argv);
   UNITY_BEGIN();
   RUN_TEST(test_the_same_bits_as_without_the_stop);
-  RUN_TEST(test_an_epoch_that_has_just_begun);
+  RUN_TEST(test_epochs_go_on);
   RUN_TEST(test_results_come_back);
   RUN_TEST(test_another_configuration_is_refused);
   RUN_TEST(test_calls_at_the_wrong_time);
