@@ -36,10 +36,11 @@ def parse_lines(text):
 
 
 def entries(result, lines):
-    """[{name: (value, sigma)}] over time: epochs of the device where the result has them, else its calibrations."""
+    """[{name: (value, sigma)}] over time: epochs of the device where the result has several, else its calibrations."""
     epochs = result.get("epochs") or []
     if len(epochs) > 1:
-        return [values(e["parameters"]) for e in epochs]
+        names = [p["name"] for p in result["parameters"]]
+        return [dict(zip(names, zip(e["value"], e["sigma"]))) for e in epochs]
     return [values(line["parameters"]) for line in lines]
 
 

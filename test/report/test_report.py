@@ -40,9 +40,11 @@ def simulated(name, *options):
 def make_folders():
     """One of each kind that a page is made of: (folder, sections with a figure, words at the top)."""
     rich = ["--scenario", "rich", "--seconds"]
-    first, second = (simulated(f"rec_{s}", *rich, 13, "--seed", s, "--device-seed", 1, "--cameras", 2) for s in (1, 2))
+    sessions = [simulated(f"rec_{s}", *rich, 13, "--seed", s, "--device-seed", 1, "--cameras", 2) for s in (1, 2, 3)]
     small = ["--segments", 4, "--segment-seconds", 3]
-    segcal("replay", first, second, *small, "--cameras", 2, "--out", FOLDER / "sessions", codes=(0, 1))
+    # Two epochs and more, so that they are what is drawn over time.
+    segcal("replay", *sessions, "--segments", 3, "--segment-seconds", 2, "--condense", "--cameras", 2, "--out", FOLDER / "sessions")
+    assert len(json.loads((FOLDER / "sessions" / "result.json").read_text())["epochs"]) > 1
     yield "sessions", [*COMMON, *OF_KEPT, "Theta over calibrations"], "Calibrated"
     segcal("replay", simulated("rec_still", "--scenario", "still", "--seconds", 8), *small, "--out", FOLDER / "refused", codes=(1,))
     yield "refused", COMMON, "Not enough information"

@@ -22,7 +22,7 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> recordings;
-  std::string calibration, out, model, config, strategy = "single", verify_hash, device_id;
+  std::string calibration, out, model, config, strategy, verify_hash, device_id;
   std::vector<std::string> effects;
   int cameras = 1;
   bool json = false, no_calibration = false, keep_outdated = false, hash = false, smooth_stamps = false, keep_clock = false;
@@ -50,8 +50,11 @@ void print_summary(const ReplayResult& r) {
   for (const Note& n : r.health.notes) {
     if (r.cause.find(n.words) == std::string::npos) std::printf("note: %s\n", n.words.c_str());
   }
-  std::printf("%s: %d of %zu segments kept, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n",
-              c.status.c_str(), c.segments, r.segments.size(), c.dof > 0 ? c.chi2 / c.dof : 0.0, c.reprojection_rms_px,
+  int condensed = 0;
+  for (const CoreEpoch& e : c.epochs) condensed += e.segments;
+  const std::string more = condensed > 0 ? ", " + std::to_string(condensed) + " in epochs" : "";
+  std::printf("%s: %d of %zu segments kept%s, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n",
+              c.status.c_str(), c.segments, r.segments.size(), more.c_str(), c.dof > 0 ? c.chi2 / c.dof : 0.0, c.reprojection_rms_px,
               c.reprojection_median_px, c.iterations);
   for (const ReplayCalibration& done : r.calibrations) {
     if (done.by_targets) std::printf("targets reached at %.2f s with %d segments: %s\n", 1e-9 * static_cast<double>(done.t_ns),
@@ -208,7 +211,7 @@ int run(Arguments a) {
   a.replay.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
   a.replay.core.noise = sessions.front().imu.noise;
   if (!a.config.empty()) apply_config(&a, &sessions);
-  a.replay.core.multi_session = a.strategy == "multi";
+  a.replay.core.multi_session = a.strategy == "multi" || (a.strategy.empty() && a.replay.core.condense);
   a.replay.calibrate = !a.no_calibration;
   a.replay.core.has_temperature = true;
   for (const Recording& r : sessions) a.replay.core.has_temperature &= r.imu.has_temperature;
@@ -258,13 +261,13 @@ void add_database_options(CLI::App* sub, Arguments* a) {
   sub->add_option("--segment-seconds", core.segment_s, "length of a segment, s")->capture_default_str()->check(CLI::Range(1.0, 30.0));
   sub->add_flag("--adaptive-segments", core.adaptive_segments,
                 "end quiet segments from half that length on, let lively ones go on up to twice");
-  sub->add_option("--strategy", a->strategy, "single: each session starts with an empty database; multi: the best of all stay")
-      ->capture_default_str()->check(CLI::IsMember({"single", "multi"}));
+  sub->add_option("--strategy", a->strategy, "single: each session starts with an empty database; multi: the best of all stay (default: single, with --condense multi)")
+      ->check(CLI::IsMember({"single", "multi"}));
   sub->add_option("--seed", core.seed, "of the random metric")->capture_default_str();
   sub->add_option("--trigger-sigma", core.trigger_fraction,
                   "calibrate in between, as soon as all predicted sigmas are below this fraction of the prior's; 0: at the end only")
       ->capture_default_str()->check(CLI::Range(0.0, 0.99));
-  sub->add_flag("--condense", core.condense, "condense segments that end after a release into epochs: nothing that was seen is lost");
+  sub->add_flag("--condense", core.condense, "condense segments that end after a release into epochs, so that nothing that was seen is lost; sessions follow one another (--strategy multi)");
   sub->add_flag("--keep-outdated", a->keep_outdated, "keep segments that newer ones contradict: theta is taken as constant");
   sub->add_flag("--no-calibration", a->no_calibration, "odometry only: the trajectory with the starting calibration");
 }

@@ -275,7 +275,7 @@ typedef struct {
   uint32_t filter_restarts, standstill_frames, features_used, features_gated;
   uint32_t segments_closed, segments_discarded, segments_unsettled, segments_ended_early;
   uint32_t landmarks_left_out, points_left_out;
-  uint32_t segments_outdated;
+  uint32_t segments_outdated;      /* dropped by a calibration: contradicted by newer ones, or condensed at a theta that it left */
   uint32_t segments_missed;        /* ended while a calibration was under way */
   uint32_t slices_late;            /* times that a score, a calibration or the filter's start was due and segcal_background had not
                                       done its slices: see there */
