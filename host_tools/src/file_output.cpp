@@ -1,5 +1,6 @@
 #include "file_output.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <charconv>
@@ -34,11 +35,16 @@ void make_folder_of(const fs::path& file) {
   if (error) refuse(file, error.message());
 }
 
-}  // namespace
+/// Waits until the disk has a file or a folder.
+bool sync(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool done = ::fsync(descriptor) == 0;
+  ::close(descriptor);
+  return done;
+}
 
-void listen_to_writes(WriteListener* new_listener) { listener = new_listener; }
-
-void write_file(const fs::path& file, std::string_view text) {
+void write(const fs::path& file, std::string_view text, bool synced) {
   make_folder_of(file);
   if (listener) listener->before_write(file);
   const fs::path part = temporary_name(file);
@@ -47,7 +53,7 @@ void write_file(const fs::path& file, std::string_view text) {
   stream.close();
 
   std::error_code error;
-  if (!stream) {
+  if (!stream || (synced && !sync(part))) {
     fs::remove(part, error);
     refuse(file, "the folder is read-only or the disk is full");
   }
@@ -57,8 +63,16 @@ void write_file(const fs::path& file, std::string_view text) {
     fs::remove(part, ignored);
     refuse(file, error.message());
   }
+  if (synced) sync(file.has_parent_path() ? file.parent_path() : fs::path("."));
   if (listener) listener->after_write(file, text);
 }
+
+}  // namespace
+
+void listen_to_writes(WriteListener* new_listener) { listener = new_listener; }
+
+void write_file(const fs::path& file, std::string_view text) { write(file, text, false); }
+void write_file_synced(const fs::path& file, std::string_view text) { write(file, text, true); }
 
 void append_number(std::string& text, double value) {
   if (std::isnan(value)) {

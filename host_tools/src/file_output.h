@@ -11,6 +11,8 @@ namespace host {
 /// Writes `text` to `file`, creating missing folders. A reader sees the old file or the new one, never a part.
 /// Throws InputError, naming the file, when the folder cannot be made or the disk refuses; nothing is left behind then.
 void write_file(const std::filesystem::path& file, std::string_view text);
+/// The same, and on the disk when it returns: a power cut leaves the old file or the new one too.
+void write_file_synced(const std::filesystem::path& file, std::string_view text);
 
 /// Hears of what write_file does: before a file changes, and when it has its new text.
 class WriteListener {

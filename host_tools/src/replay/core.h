@@ -9,6 +9,7 @@
 
 #include "calibration_file.h"
 #include "recording.h"
+#include "state/flash_image.h"
 
 namespace host {
 
@@ -194,6 +195,11 @@ class Core {
   /// Data faults and other counters, by name.
   virtual std::vector<std::pair<std::string, std::uint32_t>> counters() const = 0;
   virtual CoreMemory memory() const = 0;
+  /// Before anything is pushed: goes on, in a new session, where the device that saved into this flash ended. Throws InputError
+  /// without a file's name if that device's configuration or capacities were others, or if nothing whole is stored.
+  virtual void restore(FlashImage* flash) = 0;
+  /// After flush() or calibrate(): what outlives power. An empty image is made as large as this profile needs.
+  virtual void save(FlashImage* flash) = 0;
   /// Over all bits of what was found (segcal_result_hash).
   virtual std::uint64_t result_hash() const = 0;
 };

@@ -55,6 +55,12 @@ std::string sha256_of_logs(const std::vector<LogIdentity>& logs) {
   return sha256_of_text(lines);
 }
 
+std::string sha256_of_rates(const ImuData& imu) {
+  std::string bytes;
+  for (const ImuSample& sample : imu.samples) bytes.append(reinterpret_cast<const char*>(sample.gyro.data()), 3 * sizeof(double));
+  return sha256_of_text(bytes);
+}
+
 std::optional<std::array<double, 2>> temperature_range(const std::vector<Recording>& sessions) {
   std::optional<std::array<double, 2>> range;
   for (const Recording& session : sessions) {

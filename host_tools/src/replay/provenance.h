@@ -16,6 +16,7 @@ struct LogIdentity {
 struct Provenance {
   std::string device_id, device_model;  ///< empty: not known
   std::vector<LogIdentity> logs;     ///< one for each recording, in order
+  std::optional<std::vector<LogIdentity>> earlier_logs;  ///< that the state had seen before; none: no state
   nlohmann::ordered_json configuration = nlohmann::ordered_json::object();
   std::optional<std::array<double, 2>> temperature_degC;  ///< lowest and highest; none: the logs do not tell it
 };
@@ -28,6 +29,9 @@ Provenance device_of(const std::filesystem::path& recording);
 std::string sha256_of_log(const std::filesystem::path& log, int n_cameras);
 /// Of all logs of a result: the digits of the one, or of the text of all digits, a line each.
 std::string sha256_of_logs(const std::vector<LogIdentity>& logs);
+
+/// Of a recording's rotation rates, all bits.
+std::string sha256_of_rates(const ImuData& imu);
 
 std::optional<std::array<double, 2>> temperature_range(const std::vector<Recording>& sessions);
 

@@ -118,6 +118,25 @@ bool calibrates_at_end(const Recording& recording) {
          std::none_of(std::find_if(calls.rbegin(), calls.rend(), is(DeviceCall::frame)).base(), calls.end(), is(DeviceCall::calibrate));
 }
 
+using Counters = std::vector<std::pair<std::string, std::uint32_t>>;
+
+Counters difference(Counters now, const Counters& before) {
+  for (std::size_t i = 0; i < now.size(); ++i) now[i].second -= before[i].second;
+  return now;
+}
+
+/// The device of the state file, unless that is new.
+void go_on_from(StateFile* state, const std::string& profile, Core* core) {
+  if (state->is_new()) return;
+  const std::string name = state->path().string() + ": ";
+  if (state->profile != profile) throw InputError(name + "saved with --profile " + state->profile + "; expected the same, found " + profile);
+  try {
+    core->restore(&state->flash);
+  } catch (const InputError& error) {
+    throw InputError(name + error.what());
+  }
+}
+
 /// A second time, with the noise that the first one's tracks show; the first one's result where they show nothing.
 ReplayResult replay_with_track_noise(const std::vector<Recording>& sessions, ReplayOptions options) {
   options.estimate_track_noise = false;
@@ -176,6 +195,8 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   core_options.joint_ekf = options.joint_ekf;
   if (!options.calibrate) core_options.trigger_fraction = 0;
   std::unique_ptr<Core> core = make_core(options.profile, core_options);
+  if (options.state) go_on_from(options.state, options.profile, core.get());
+  const Counters counters_before = core->counters();
   ReplayResult out;
   out.noise = options.core.noise;
   if (options.core.device_config.empty()) out.config = config_yaml(options.core);
@@ -196,13 +217,17 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   out.model = core->model();
   out.track_noise = estimate_track_noise(out.kept, out.calibration, out.model);
   out.start = options.core.calibration;
-  out.counters = core->counters();
+  out.counters = difference(core->counters(), counters_before);
   out.memory = core->memory();
   out.result_hash = core->result_hash();
   out.timing.vio_ms_median = quantile(session.frame_ms, 0.5);
   out.timing.vio_ms_p95 = quantile(session.frame_ms, 0.95);
   out.timing.score_ms_median = quantile(session.score_ms, 0.5);
   mark_kept(out);
+  if (options.state) {
+    core->save(&options.state->flash);
+    options.state->profile = options.profile;
+  }
   out.clocks = options.clocks;
   if (options.review) review::review(sessions, core_options, *core, &out);
   if (options.keep_core) *options.keep_core = std::move(core);

@@ -6,6 +6,7 @@
 #include "clock/clock_search.h"
 #include "replay/core.h"
 #include "replay/track_noise.h"
+#include "state/state_file.h"
 
 namespace host {
 
@@ -19,6 +20,7 @@ struct ReplayOptions {
   bool calibrate = true;             ///< false: odometry only, the calibration stays as it is
   /// Called after each session with what has been found so far; may be empty. The number counts from 0.
   std::function<void(std::size_t, const CoreResult&, const Calibration&)> after_session;
+  StateFile* state = nullptr;        ///< the first session goes on from there; at the end it has this device's state, not written yet
   std::unique_ptr<Core>* keep_core = nullptr;  ///< takes the core over when the replay is done, to ask it further things
   std::function<void(double)> progress;  ///< called with the fraction done, 0..1; may be empty
 };
@@ -85,7 +87,7 @@ struct ReplayResult {
   std::vector<CoreState> trajectory; ///< at each processed frame
   std::vector<CoreSegment> segments; ///< every segment scored, `kept` as at the end
   std::vector<CoreKept> kept;
-  std::vector<std::pair<std::string, std::uint32_t>> counters;
+  std::vector<std::pair<std::string, std::uint32_t>> counters;  ///< of these sessions, not of those before a restored state
   CoreMemory memory;
   TrackNoise track_noise;            ///< that the kept segments' tracks show
   ReplayTiming timing;

@@ -13,6 +13,7 @@
 #include "files/sha256.h"
 #include "replay/config_file.h"
 #include "replay/model_file.h"
+#include "replay/replay_state.h"
 #include "replay/result_files.h"
 #include "replay/sessions.h"
 #include "replay/words.h"
@@ -22,7 +23,7 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> recordings;
-  std::string calibration, out, model, config, strategy, verify_hash, device_id;
+  std::string calibration, out, model, config, strategy, verify_hash, device_id, state;
   std::vector<std::string> effects;
   int cameras = 1;
   bool json = false, no_calibration = false, keep_outdated = false, hash = false, smooth_stamps = false, keep_clock = false;
@@ -41,7 +42,16 @@ void show_progress(double fraction) {
   std::cerr << (terminal ? "\r" : "") << "replay " << percent << " %" << (!terminal || percent == 100 ? "\n" : "") << std::flush;
 }
 
-void print_summary(const ReplayResult& r) {
+/// "5 of 12 segments kept, 30 in epochs"; those of a state's earlier sessions are not among the 12.
+std::string words_on_segments(const ReplayResult& r, bool went_on) {
+  int condensed = 0;
+  for (const CoreEpoch& e : r.result.epochs) condensed += e.segments;
+  const std::string kept = std::to_string(r.result.segments), scored = std::to_string(r.segments.size());
+  return (went_on ? kept + " segments kept, " + scored + " scored in this run" : kept + " of " + scored + " segments kept") +
+         (condensed > 0 ? ", " + std::to_string(condensed) + " in epochs" : "");
+}
+
+void print_summary(const ReplayResult& r, bool went_on) {
   const CoreResult& c = r.result;
   if (!r.cause.empty()) std::printf("not calibrated: %s\n", r.cause.c_str());
   for (const Suspect& s : r.health.suspects) {
@@ -50,11 +60,8 @@ void print_summary(const ReplayResult& r) {
   for (const Note& n : r.health.notes) {
     if (r.cause.find(n.words) == std::string::npos) std::printf("note: %s\n", n.words.c_str());
   }
-  int condensed = 0;
-  for (const CoreEpoch& e : c.epochs) condensed += e.segments;
-  const std::string more = condensed > 0 ? ", " + std::to_string(condensed) + " in epochs" : "";
-  std::printf("%s: %d of %zu segments kept%s, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n",
-              c.status.c_str(), c.segments, r.segments.size(), more.c_str(), c.dof > 0 ? c.chi2 / c.dof : 0.0, c.reprojection_rms_px,
+  std::printf("%s: %s, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n",
+              c.status.c_str(), words_on_segments(r, went_on).c_str(), c.dof > 0 ? c.chi2 / c.dof : 0.0, c.reprojection_rms_px,
               c.reprojection_median_px, c.iterations);
   for (const ReplayCalibration& done : r.calibrations) {
     if (done.by_targets) std::printf("targets reached at %.2f s with %d segments: %s\n", 1e-9 * static_cast<double>(done.t_ns),
@@ -207,11 +214,15 @@ void count_offset_from_recording(double offset, ReplayResult* result) {
 
 int run(Arguments a) {
   expect_output_folder(a.out, "replay");
+  std::unique_ptr<StateFile> state;
+  if (!a.state.empty()) state = std::make_unique<StateFile>(a.state);
+  a.replay.state = state.get();
   std::vector<Recording> sessions = sessions_of(&a);
+  if (state) expect_new_sessions(sessions, *state);
   a.replay.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
   a.replay.core.noise = sessions.front().imu.noise;
   if (!a.config.empty()) apply_config(&a, &sessions);
-  a.replay.core.multi_session = a.strategy == "multi" || (a.strategy.empty() && a.replay.core.condense);
+  a.replay.core.multi_session = a.strategy == "multi" || (a.strategy.empty() && (a.replay.core.condense || state));
   a.replay.calibrate = !a.no_calibration;
   a.replay.core.has_temperature = true;
   for (const Recording& r : sessions) a.replay.core.has_temperature &= r.imu.has_temperature;
@@ -226,12 +237,14 @@ int run(Arguments a) {
   if (!a.verify_hash.empty()) read_hashes(a.verify_hash);  // a file without one is found out before the work
   ReplayResult result = replay(sessions, a.replay);
   if (!sessions.front().device) count_offset_from_recording(offset, &result);
-  const Provenance from = provenance_of(a, sessions);
+  Provenance from = provenance_of(a, sessions);
+  if (state) from.earlier_logs = seen_logs(*state);
   write_result_files(a.out, result, from, sessions.back().truth);
+  if (state) write_state(sessions, from.logs, state.get());  // last: a run that was stopped is run again from the same state
   if (a.json) {
     std::cout << result_json(result, from).dump(1) << std::endl;
   } else {
-    print_summary(result);
+    print_summary(result, from.earlier_logs && !from.earlier_logs->empty());
     if (a.hash) std::printf("result_hash %s\n", hash_text(result.result_hash).c_str());
   }
   if (!a.verify_hash.empty()) return same_hash(a, result) ? 0 : 1;
@@ -245,6 +258,9 @@ void add_files(CLI::App* sub, Arguments* a) {
   sub->add_option("--calib", a->calibration, "starting calibration, Kalibr's camchain-imucam.yaml (default: the recording's own)");
   sub->add_option("--out", a->out,
                   "folder for result.json, calibration.jsonl, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml, config.yaml, kept_segments.json")->required();
+  sub->add_option("--state", a->state,
+                  "what the device keeps over power-off: go on where the last replay with this file ended, and save to it (made where there is none)")
+      ->type_name("FILE");
   sub->add_option("--device-id", a->device_id, "name of the device in result.json (default: REC/device.yaml's device_id)");
   sub->add_flag("--json", a->json, "print result.json on standard output");
 }
@@ -261,7 +277,7 @@ void add_database_options(CLI::App* sub, Arguments* a) {
   sub->add_option("--segment-seconds", core.segment_s, "length of a segment, s")->capture_default_str()->check(CLI::Range(1.0, 30.0));
   sub->add_flag("--adaptive-segments", core.adaptive_segments,
                 "end quiet segments from half that length on, let lively ones go on up to twice");
-  sub->add_option("--strategy", a->strategy, "single: each session starts with an empty database; multi: the best of all stay (default: single, with --condense multi)")
+  sub->add_option("--strategy", a->strategy, "single: each session starts with an empty database; multi: the best of all stay (default: single; with --condense or --state multi)")
       ->check(CLI::IsMember({"single", "multi"}));
   sub->add_option("--seed", core.seed, "of the random metric")->capture_default_str();
   sub->add_option("--trigger-sigma", core.trigger_fraction,
@@ -320,6 +336,12 @@ a wrong start does not spoil the trajectory. That estimate stays inside the filt
 replaces it. With --joint-ekf the filter has the result's prior and the stated pixel noise, its estimate at the end of a
 session is the result, and the next session goes on from it with all of its information.
 
+With --state each run is the next session of the same device: two runs give the bits of one run over both recordings. The file
+holds the kept segments, epochs and calibration; the options, priors and start must be those of the run that made it. OUT holds the
+calibration from all that the device remembers, and the trajectory and segments of this run:
+  segcal replay monday --state device.state --out mon
+  segcal replay tuesday --state device.state --calib monday/camchain-imucam.yaml --out tue
+
 A device log (made with segcal/log.h, or by segcal convert) is replayed with the configuration in it and the calls that the
 device made, so that it gives the device's bits:
   segcal replay flight.segcal --out out --verify-hash flight.segcal
@@ -343,6 +365,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
                            "--seed", "--trigger-sigma", "--hold-calibration", "--joint-ekf", "--keep-outdated"}) {
     a->of_device.push_back(sub->get_option(name));
   }
+  for (const char* name : {"--joint-ekf", "--estimate-track-noise", "--no-calibration"}) sub->get_option("--state")->excludes(sub->get_option(name));
   sub->footer(replay_help());
   sub->callback([a, &exit_code] { exit_code = run(*a); });
 }

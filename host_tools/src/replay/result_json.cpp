@@ -48,9 +48,9 @@ void add_origin(const Provenance& from, Json* json) {
   (*json)["library_version"] = SEGCAL_PROGRAM_VERSION;
 }
 
-Json logs_json(const Provenance& from) {
+Json logs_json(const std::vector<LogIdentity>& logs) {
   Json json = Json::array();
-  for (const LogIdentity& log : from.logs) json.push_back({{"name", log.name}, {"sha256", log.sha256}});
+  for (const LogIdentity& log : logs) json.push_back({{"name", log.name}, {"sha256", log.sha256}});
   return json;
 }
 
@@ -75,7 +75,8 @@ Json result_json(const ReplayResult& out, const Provenance& from) {
   json["status"] = r.status;
   if (!out.cause.empty()) json["cause"] = out.cause;
   add_origin(from, &json);
-  json["logs"] = logs_json(from);
+  json["logs"] = logs_json(from.logs);
+  if (from.earlier_logs) json["earlier_logs"] = logs_json(*from.earlier_logs);
   json["configuration"] = from.configuration;
   json["temperature_degC"] = from.temperature_degC ? Json(*from.temperature_degC) : Json();
   json["health"] = health_json(out.health);

@@ -7,6 +7,7 @@
 
 #include "replay/profile/config_of_profile.h"
 #include "replay/profile/read_device.h"
+#include "replay/profile/store_of_profile.h"
 
 #define SEGCAL_FACTORY_2(profile) make_core_##profile
 #define SEGCAL_FACTORY_1(profile) SEGCAL_FACTORY_2(profile)
@@ -173,6 +174,11 @@ class ProfileCore final : public Core {
             {"clock_restarts", c.clock_restarts}};
   }
 
+  void restore(FlashImage* flash) override {
+    restore_device(device_, flash);
+    seen_calibrations_ = published_calibrations();
+  }
+  void save(FlashImage* flash) override { save_device(device_, flash); }
   std::uint64_t result_hash() const override { return segcal_result_hash(device_); }
 
   CoreMemory memory() const override {

@@ -1,0 +1,40 @@
+#include "state/flash_image.h"
+
+#include <cstring>
+
+namespace host {
+namespace {
+
+/// Where n bytes of a block begin; null: beyond the flash.
+char* place(void* context, std::uint32_t block, std::uint32_t offset, std::uint32_t n) {
+  std::string& bytes = static_cast<FlashImage*>(context)->bytes;
+  const std::size_t at = std::size_t(block) * FlashImage::kEraseBytes + offset;
+  return at + n <= bytes.size() ? bytes.data() + at : nullptr;
+}
+
+int read(void* context, std::uint32_t block, std::uint32_t offset, void* to, std::uint32_t n) {
+  const char* from = place(context, block, offset, n);
+  if (from) std::memcpy(to, from, n);
+  return from ? 0 : -1;
+}
+
+int program(void* context, std::uint32_t block, std::uint32_t offset, const void* from, std::uint32_t n) {
+  char* to = place(context, block, offset, n);
+  if (to) std::memcpy(to, from, n);
+  return to ? 0 : -1;
+}
+
+int erase(void* context, std::uint32_t block) {
+  char* to = place(context, block, 0, FlashImage::kEraseBytes);
+  if (to) std::memset(to, 0xFF, FlashImage::kEraseBytes);
+  return to ? 0 : -1;
+}
+
+}  // namespace
+
+segcal_flash_t FlashImage::port() {
+  return {this, kProgramBytes, kEraseBytes, static_cast<std::uint32_t>(bytes.size() / kEraseBytes), read, program, erase,
+          [](void*) { return 0; }};
+}
+
+}  // namespace host
