@@ -127,6 +127,31 @@ void test_odometry_that_diverges() {
   TEST_ASSERT_TRUE_MESSAGE(d.sentence.find("odometry diverges") != std::string::npos, d.sentence.c_str());
 }
 
+/// Dropped samples end a diagnosis, unless they are accepted: then the effect beside them is found, and they are named too.
+void test_accepted_faults_are_said() {
+  host::SimulationOptions options;
+  options.scenario = "rich";
+  options.seconds = 40;
+  options.effects.push_back(host::sim::parse_effect("time_offset=0.003"));
+  host::SimulationResult session = host::simulate(options);
+  std::vector<host::ImuSample>& samples = session.recording.imu.samples;
+  for (long at = 7600; at > 0; at -= 400) samples.erase(samples.begin() + at, samples.begin() + at + 5);   // 25 ms every 2 s
+  host::DiagnoseOptions diagnose;
+  diagnose.core.calibration = session.nominal;
+  diagnose.core.noise = session.recording.imu.noise;
+  const Diagnosis refused = host::diagnose({session.recording}, diagnose);
+  TEST_ASSERT_EQUAL_STRING("bad_data", refused.verdict.c_str());
+  TEST_ASSERT_TRUE(refused.effects.empty());
+  diagnose.accept_faults = true;
+  const Diagnosis d = host::diagnose({session.recording}, diagnose);
+  TEST_ASSERT_EQUAL_STRING_MESSAGE("explained", d.verdict.c_str(), d.sentence.c_str());
+  double sigma = 0;
+  const double offset = value_of(d, "time_offset.t_d", &sigma);
+  TEST_ASSERT_DOUBLE_WITHIN(3 * sigma, 0.003, offset);
+  TEST_ASSERT_EQUAL_UINT(1, d.faults.size());
+  TEST_ASSERT_TRUE_MESSAGE(d.sentence.find(d.faults[0].words) != std::string::npos, d.sentence.c_str());
+}
+
 void test_still_is_not_judged() {
   const Diagnosis d = diagnosed("still", 20, 1, "time_offset=0.003");
   TEST_ASSERT_FALSE(d.judged);
@@ -149,6 +174,7 @@ int main() {
   RUN_TEST(test_heading_has_words_of_its_own);
   RUN_TEST(test_likeness_is_no_name);
   RUN_TEST(test_odometry_that_diverges);
+  RUN_TEST(test_accepted_faults_are_said);
   RUN_TEST(test_still_is_not_judged);
   return UNITY_END();
 }

@@ -188,14 +188,7 @@ void say_cut_short(Diagnosis* d) {
   d->sentence += ". The search ended at its " + std::to_string(decision::kFits) + " fits: more may be there";
 }
 
-}  // namespace
-
-void conclude(Diagnosis* d) {
-  if (!d->faults.empty()) {
-    d->verdict = "bad_data";
-    d->sentence = fault_words(*d);
-    return;
-  }
+void conclude_fits(Diagnosis* d) {
   if (!d->judged) {
     d->verdict = "consistent";
     return;
@@ -217,6 +210,18 @@ void conclude(Diagnosis* d) {
   d->verdict = open ? "partly_explained" : "explained";
   d->sentence = effects_in_words(*d) + ". " + gap_words(*d) + (open ? "; the rest has no name here" + where_words(*d) : "");
   say_cut_short(d);
+}
+
+}  // namespace
+
+void conclude(Diagnosis* d) {
+  if (!d->faults.empty() && !d->faults_accepted) {
+    d->verdict = "bad_data";
+    d->sentence = fault_words(*d);
+    return;
+  }
+  conclude_fits(d);
+  if (!d->faults.empty()) d->sentence += ". The data are at fault, which may be behind this or hide more: " + fault_words(*d);
 }
 
 }  // namespace host::diagnosis

@@ -91,7 +91,8 @@ class Diagnoser {
       const std::vector<Fault> found = find_faults(r, options_.core.calibration);
       out_.faults.insert(out_.faults.end(), found.begin(), found.end());
     }
-    return options_.check_faults && !out_.faults.empty();
+    out_.faults_accepted = options_.accept_faults;
+    return !out_.faults.empty() && !options_.accept_faults;
   }
 
   /// Noise above the stated one is an effect of its own; the fits below are weighted with what was found.

@@ -16,7 +16,7 @@ namespace host {
 struct DiagnoseOptions {
   CoreOptions core;                  ///< starting calibration, stated noise, effects that are known already
   std::string profile = "host";      ///< keeps up to 64 segments: four minutes; of longer recordings the most informative
-  bool check_faults = true;          ///< false: fits even where the data are bad
+  bool accept_faults = false;        ///< fits even where the data are bad
   bool dictionary = true;            ///< look beyond the catalogue where a gap stays open
   std::function<void(const std::string& step, double fraction)> progress;  ///< may be empty
 };
@@ -84,6 +84,7 @@ struct Diagnosis {
   ImuNoise noise;                    ///< with the factors that were found
   double pixel_sigma = 0.5;          ///< px, with the factor that was found
   std::vector<Fault> faults;
+  bool faults_accepted = false;      ///< asked to go on in spite of them
   RawNoise raw_noise;
   diagnosis::PixelNoise pixels;
   ReplayResult fit_before, fit_after;  ///< without and with the effects; empty with bad_data

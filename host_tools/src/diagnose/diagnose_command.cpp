@@ -108,6 +108,8 @@ void add_diagnose_command(CLI::App& app, int& exit_code) {
   sub->add_option("--pixel-sigma", a->diagnose.core.pixel_sigma, "stated noise of a tracked corner per axis, px")
       ->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_flag("--smooth-stamps", a->smooth_stamps, "stamps were taken in callbacks: smooth them first, as segcal replay does");
+  sub->add_flag("--accept-faults", a->diagnose.accept_faults,
+                "go on where the samples themselves are at fault (bad_data); what is wrong with them is said all the same");
   sub->add_flag("--json", a->json, "print diagnosis.json on standard output");
   sub->footer(R"(Example:
   segcal simulate --out late --scenario rich --seconds 60 --seed 1 --effect time_offset=0.003
@@ -115,7 +117,7 @@ void add_diagnose_command(CLI::App& app, int& exit_code) {
 
 Verdicts: consistent, nothing is missing; explained, the named effects close the gap; partly_explained, some of it stays
 open; unexplained, something is missing that has no name here: `where` says in which sensor and what it follows; bad_data,
-the samples themselves are at fault.
+the samples themselves are at fault (segcal replay goes on with such data, and names the faults among its suspects).
 
 A name is given where the effect is significant after correction for the number of candidates, both halves of the recording
 tell the same value, and the value from one half removes the excess of the other. Exit code 1: too short or too still to

@@ -88,6 +88,7 @@ std::string diagnosis_json(const Diagnosis& d) {
   json["scores"] = scores_json(d.scores);
   json["noise"] = noise_json(d);
   json["faults"] = faults_json(d.faults);
+  json["faults_accepted"] = d.faults_accepted;
   json["model"] = d.model.empty() ? "" : "model.yaml";
   json["seconds"] = d.seconds;
   return json.dump(1);
