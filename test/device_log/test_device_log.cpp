@@ -53,7 +53,7 @@ void test_configuration_comes_back() {
 void test_every_capacity_counts() {
   LoggedCalls log;
   log.end();
-  const std::size_t payload = SEGCAL_NS::kLogMagicBytes + SEGCAL_NS::kBlockHead, numbers = 19;
+  const std::size_t payload = SEGCAL_NS::kLogMagicBytes + SEGCAL_NS::kBlockHead, numbers = 21;
   for (std::size_t i = 2; i < numbers; ++i) {
     std::vector<std::uint8_t> bytes = log.bytes;
     bytes[payload + 4 * i] ^= 1;

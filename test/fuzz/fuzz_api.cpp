@@ -1,5 +1,6 @@
 // Any sequence of calls of the C API, with data of any kind: bytes become calls. A realistic session is fed in between, so that
 // segments, scores and calibrations are reached, and what is mutated are its samples, its images and the configuration.
+#include <segcal/health.h>
 #include <segcal/segcal.h>
 
 #include <algorithm>
@@ -29,6 +30,7 @@ class Session {
     segcal_config_t config = SyntheticStream::config();
     config.estimate_effects = in_.flag() ? std::uint32_t(SEGCAL_EFFECT_TIME_OFFSET) : 0u;
     config.metric = in_.below(5);
+    config.condense = SEGCAL_MAX_EPOCHS > 0 && in_.flag() ? 1 : 0;
     for (int n = in_.below(8) - 5; n > 0; --n) in_.spoil(&config);   // three of eight sessions
     if (segcal_create(&device_, &config, storage_.data(), storage_.size() * sizeof(std::max_align_t)) != SEGCAL_OK) return;
     while (!in_.empty()) step();
@@ -120,7 +122,43 @@ class Session {
     segcal_get_segment_directions(device_, as((segcal_direction_t*)nullptr), capacity);
     segcal_get_segment_sigmas(device_, as((double*)nullptr), capacity);
     segcal_get_effect_scores(device_, as((segcal_effect_score_t*)nullptr), capacity);
+    segcal_get_model(device_, as((segcal_model_t*)nullptr));
+    segcal_get_camera(device_, slot, as((segcal_camera_t*)nullptr));
+    segcal_get_imu_calibration(device_, as((segcal_imu_calibration_t*)nullptr));
+    segcal_get_epoch(device_, slot, as((segcal_epoch_t*)nullptr));
+    segcal_progress(device_, as((segcal_progress_t*)nullptr));
+    segcal_health_words(segcal_get_health(device_));
     segcal_result_hash(device_);
+    ask_for_arrays(capacity);
+  }
+
+  /// Their capacities are what they are, or too small.
+  void ask_for_arrays(int capacity) {
+    static std::vector<double> mean(SEGCAL_MAX_PARAMETERS), covariance(SEGCAL_MAX_PARAMETERS * SEGCAL_MAX_PARAMETERS);
+    segcal_get_posterior(device_, mean.data(), covariance.data(), in_.flag() ? capacity : std::int32_t(covariance.size()));
+    segcal_term_t term[SEGCAL_MAX_EFFECT_ESTIMATES + 1];
+    double value[SEGCAL_MAX_EFFECT_ESTIMATES + 1];
+    segcal_get_terms(device_, term, value, capacity < SEGCAL_MAX_EFFECT_ESTIMATES ? capacity : SEGCAL_MAX_EFFECT_ESTIMATES);
+    if (in_.below(4) == 0) linearise();
+  }
+
+  /// With candidates of the catalogue, some of them spoilt.
+  void linearise() {
+    std::vector<std::uint8_t> use(SEGCAL_MAX_SEGMENTS + 1);
+    for (std::uint8_t& slot : use) slot = in_.flag() ? 1 : 0;
+    std::vector<segcal_term_t> candidates(SEGCAL_MAX_EFFECT_COLUMNS + 16);
+    int n = 0;
+    for (int effects = in_.below(4); effects > 0 && n <= SEGCAL_MAX_EFFECT_COLUMNS; --effects) {
+      const int terms = segcal_effect_terms(in_.below(20) - 1, &candidates[std::size_t(n)]);
+      n += terms > 0 ? terms : 0;
+    }
+    if (n > 0 && in_.below(3) == 0) in_.spoil(&candidates[std::size_t(in_.below(n))]);
+    segcal_parameter_t description;
+    for (int i = 0; i < n; ++i) segcal_describe_term(&candidates[std::size_t(i)], &description);
+    const std::size_t columns = SEGCAL_MAX_PARAMETERS + SEGCAL_MAX_EFFECT_COLUMNS + 1;
+    static std::vector<double> triangle(columns * (columns + 1) / 2);
+    std::int32_t n_theta, n_terms, dof;
+    segcal_linearise(device_, use.data(), candidates.data(), n, triangle.data(), std::int32_t(triangle.size()), &n_theta, &n_terms, &dof);
   }
 
   FuzzBytes& in_;

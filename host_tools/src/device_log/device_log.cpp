@@ -23,16 +23,17 @@ std::vector<std::uint8_t> bytes_of(const fs::path& file) {
   throw InputError(name.string() + ": byte " + std::to_string(offset) + ": " + found);
 }
 
-constexpr int kCapacities = 17;
+/// The last two are not in the headers of older writers, which are taken to be as the profile is.
+constexpr int kCapacities = 19, kFewestCapacities = 17;
 struct Capacities {
   const char* profile;
   std::uint32_t numbers[kCapacities];  // as the header has them, from the size of a number on
 };
 constexpr Capacities kProfiles[] = {
-    {"mcu", {4, 1, 8, 12, 40, 360, 852, 8, 40, 4, 8, 300, 1, 3, 6, 500, 16}},
-    {"mobile", {4, 2, 15, 20, 120, 2000, 2000, 11, 160, 8, 8, 1000, 36, 36, 30, 0, 32}},
-    {"host", {4, 2, 64, 32, 256, 6000, 8400, 11, 256, 16, 8, 2000, 64, 64, 30, 0, 32}},
-    {"mobile_double", {8, 2, 15, 20, 120, 2000, 2000, 11, 160, 8, 8, 1000, 36, 36, 30, 0, 32}}};
+    {"mcu", {4, 1, 8, 12, 40, 360, 852, 8, 40, 4, 8, 300, 1, 3, 6, 500, 16, 3, 0}},
+    {"mobile", {4, 2, 15, 20, 120, 2000, 2000, 11, 160, 8, 8, 1000, 36, 36, 30, 0, 32, 4, 4}},
+    {"host", {4, 2, 64, 32, 256, 6000, 8400, 11, 256, 16, 8, 2000, 64, 64, 30, 0, 32, 4, 4}},
+    {"mobile_double", {8, 2, 15, 20, 120, 2000, 2000, 11, 160, 8, 8, 1000, 36, 36, 30, 0, 32, 4, 4}}};
 
 Eigen::Matrix3d rotation(const double* q) {
   const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
@@ -114,10 +115,11 @@ class Decoder {
       fail(name_, block.offset, "expected log format " + std::to_string(SEGCAL_LOG_FORMAT) + ", found " + std::to_string(format));
     }
     in->integer<std::uint32_t>();  // version of the library
+    const int n = in->left() == kFewestCapacities * sizeof(std::uint32_t) ? kFewestCapacities : kCapacities;
     std::uint32_t numbers[kCapacities];
-    for (std::uint32_t& n : numbers) n = in->integer<std::uint32_t>();
+    for (int i = 0; i < n; ++i) numbers[i] = in->integer<std::uint32_t>();
     for (const Capacities& c : kProfiles) {
-      if (std::equal(numbers, numbers + kCapacities, c.numbers)) profile_ = c.profile;
+      if (std::equal(numbers, numbers + n, c.numbers)) profile_ = c.profile;
     }
   }
 

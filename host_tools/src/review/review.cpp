@@ -155,7 +155,7 @@ class Review {
   /// Why there is no calibration, the most certain reason first.
   std::string reason() const {
     const CoreResult& r = out_.result;
-    const std::string clock = words_on_clocks();
+    const ClockSearch clock = clocks();
     std::string what;
     if (r.status == "failed") {
       what = r.dof > 0 && r.converged ? text("the fit leaves %.1f times the stated noise (chi2/dof %.2f)", std::sqrt(r.chi2 / r.dof), r.chi2 / r.dof) : "the fit did not settle";
@@ -171,20 +171,23 @@ class Review {
       what = text("the motion tells %d of %zu parameters, half are needed: move and turn about all axes", static_cast<int>(observed), r.parameters.size());
     }
     if (faults_ > 0) return what + ": " + health_.suspects.front().words;
-    if (!clock.empty()) return what + ": " + clock;
-    const std::string trouble = core_.trouble();
-    if (!trouble.empty() && !odometry_stayed()) return what + ": " + trouble;
+    const std::string trouble = odometry_stayed() ? "" : core_.trouble();
+    // Clocks that could not be compared are no cause where another one is known.
+    const bool compared = clock.correlation != 0;
+    if (!clock.words.empty() && (compared || trouble.empty())) return what + ": " + clock.words;
+    if (!trouble.empty()) return what + ": " + trouble;
     if (!health_.suspects.empty()) return what + ": " + health_.suspects.front().words;
     for (const Note& note : health_.notes)
       if (note.name != "gravity" && note.factor > 1) return what + ": " + note.words;
     return what;
   }
 
-  /// What the images and the gyroscope say of the clocks, where that may be why odometry or fit went wrong.
-  std::string words_on_clocks() const {
-    if (!out_.clocks.empty()) return out_.clocks.front().judged ? "" : out_.clocks.front().words;
-    const ClockSearch found = search_clock(sessions_.front(), options_.calibration.cameras.front(), 0);
-    return !found.judged || found.differs_from(0) ? found.words : "";
+  /// What the images and the gyroscope say of the clocks; without words where that is not why odometry or fit went wrong.
+  ClockSearch clocks() const {
+    const bool moved = !out_.clocks.empty();   // the stamps, to what was found
+    ClockSearch found = moved ? out_.clocks.front() : search_clock(sessions_.front(), options_.calibration.cameras.front(), 0);
+    if (found.judged && (moved || !found.differs_from(0))) found.words.clear();
+    return found;
   }
 
   const std::vector<Recording>& sessions_;

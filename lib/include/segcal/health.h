@@ -24,8 +24,8 @@ static inline const char *segcal_health_words(int health) {
     case SEGCAL_HEALTH_STARTING:
       return "the odometry collects frames for its start";
     case SEGCAL_HEALTH_FRAMES_TOO_FAR:
-      return "frames are too far apart for the IMU samples that this build keeps: more frames per second, fewer IMU samples per second, "
-             "or a larger SEGCAL_IMU_HISTORY";
+      return "frames are more than 0.6 s apart, or too far apart for the IMU samples that this build keeps: more frames per second, fewer "
+             "IMU samples per second, or a larger SEGCAL_IMU_HISTORY";
     case SEGCAL_HEALTH_NO_START:
       return "the odometry finds no motion that fits images and IMU: check the clocks' offset, R_CI, the axes and units of the IMU, and "
              "the focal length";
@@ -33,6 +33,9 @@ static inline const char *segcal_health_words(int health) {
       return "the odometry is lost within seconds of each start: check the clocks' offset, R_CI and the lens";
     case SEGCAL_HEALTH_SATURATED:
       return "more than one IMU sample in a hundred is at full scale: choose a larger range";
+    case SEGCAL_HEALTH_FRAMES_CROWDED:
+      return "most frames are dropped because their IMU samples come too late: shorter blocks of samples, a longer frame_interval_s, or a "
+             "larger SEGCAL_WAITING_FRAMES";
     default:
       return "unknown";
   }

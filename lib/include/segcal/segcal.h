@@ -308,10 +308,11 @@ enum {
   SEGCAL_HEALTH_FRAMES_REFUSED = 5,   /* most frames' stamps do not grow */
   SEGCAL_HEALTH_FEW_TRACKS = 6,       /* most frames have too few points that go on */
   SEGCAL_HEALTH_STARTING = 7,         /* nothing is wrong yet: the filter collects frames */
-  SEGCAL_HEALTH_FRAMES_TOO_FAR = 8,   /* too far apart for the IMU samples that the profile keeps: no start was tried */
+  SEGCAL_HEALTH_FRAMES_TOO_FAR = 8,   /* over 0.6 s apart, or too far for the IMU samples that the profile keeps: no start was tried */
   SEGCAL_HEALTH_NO_START = 9,         /* several starts were tried and none fits the motion */
   SEGCAL_HEALTH_LOST_OFTEN = 10,      /* the filter starts, and is lost again within ten seconds on average */
-  SEGCAL_HEALTH_SATURATED = 11        /* runs, but more than one IMU sample in a hundred is at full scale */
+  SEGCAL_HEALTH_SATURATED = 11,       /* runs, but more than one IMU sample in a hundred is at full scale */
+  SEGCAL_HEALTH_FRAMES_CROWDED = 12   /* does not run: most frames find no place to wait for their IMU samples, which come in long blocks */
 };
 
 /* A whitened residual of the last calibration. */

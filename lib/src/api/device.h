@@ -101,6 +101,13 @@ class Device {
   /// What had come when the odometry used a frame with enough points the last time.
   const StreamCounts& counts_at_last_use() const { return last_use_; }
   const VioStatistics& vio_statistics() const { return vio_.statistics(); }
+  /// Frames that found no place to wait for their IMU samples.
+  std::uint32_t frames_crowded_out() const { return crowded_out_; }
+  /// s between the frames that the odometry is offered: the camera's period, or frame_interval_s where that is longer.
+  S frame_distance_s() const {
+    const S period = S(frame_period_) * S(1e-9);
+    return period > d_.options.frame_interval_s ? period : d_.options.frame_interval_s;
+  }
   const BuilderCounts& builder_counts() const { return d_.builder.counts(); }
   static constexpr std::size_t workspace_bytes() {
     return sizeof(Workspace<S>) + sizeof(Calibrator<S>) + 2 * sizeof(Directions<S>);
@@ -175,7 +182,7 @@ class Device {
   Hash trajectory_;        ///< of all states so far
   std::int64_t state_time_, last_imu_, last_frame_, last_offered_, next_keyframe_, frame_period_;
   Segment<S>* spare_;      ///< where the open segment stands while the one before is scored
-  std::uint32_t session_, serial_, frame_;
+  std::uint32_t session_, serial_, frame_, crowded_out_;
   std::int32_t window_;          ///< > 0: segment ends until a calibration takes effect, if it is done then
   std::int32_t misfits_;         ///< segments in a row that could not be condensed
   std::int32_t thinned_;         ///< how often the open segment was

@@ -5,6 +5,10 @@
 
 namespace SEGCAL_NS {
 
+/// Keyframes that are less than this behind their time belong to one segment, whatever its grid: slow cameras, and odometries that
+/// choose their keyframes.
+constexpr std::int64_t kKeyframeGapNs = 1000000000;
+
 /// theta for triangulation and scoring: the extrinsics are the filter's (paper, Sec. IV-B).
 template <class S>
 Calibration<S> Device<S>::working_theta() const {
@@ -40,7 +44,8 @@ template <class S>
 void Device<S>::take_keyframe(const Frame<S>& frame, const State<S>& state) {
   const std::int64_t t_ns = frame.time_ns();
   const std::int64_t base = static_cast<std::int64_t>(d_.options.segment_s * S(1e9)) / kMaxKeyframes;
-  const bool late = has_next_keyframe_ && t_ns > next_keyframe_ + 4 * (base << thinned_);
+  const std::int64_t gap = 4 * (base << thinned_);
+  const bool late = has_next_keyframe_ && t_ns > next_keyframe_ + (gap > kKeyframeGapNs ? gap : kKeyframeGapNs);
   if (late) end_segment(false);
   if (!builder().empty() && segment_complete(t_ns, base << thinned_)) end_segment(true);
   if (builder().full() && d_.options.most_segment_s > d_.options.segment_s) {
@@ -49,7 +54,9 @@ void Device<S>::take_keyframe(const Frame<S>& frame, const State<S>& state) {
   }
   // A segment has one shift of stamps: after a new one was released, it begins with the first frame that came with it.
   const bool old_shift = frame.shift_ns != (own_odometry_ ? 0 : stamp_shift_ns_);
-  next_keyframe_ = (!has_next_keyframe_ || late ? t_ns : next_keyframe_) + (base << thinned_);
+  // A camera slower than the grid does not fall behind it: the grid begins anew at each of its frames.
+  const bool behind = has_next_keyframe_ && t_ns >= next_keyframe_ + (base << thinned_);
+  next_keyframe_ = (!has_next_keyframe_ || behind ? t_ns : next_keyframe_) + (base << thinned_);
   has_next_keyframe_ = true;
   if (builder().empty() && old_shift) return;
   if (builder().add_keyframe(t_ns, frame.shift_ns, state, origin_, frame.points, frame.n, imu_)) return;

@@ -26,6 +26,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   calibration_.reset();
   decimation_.begin(options.imu_group);
   frame_period_ = 0;
+  crowded_out_ = 0;
   session_ = serial_ = frame_ = 0;
   trajectory_ = Hash{};
   window_ = thinned_ = 0;
@@ -191,6 +192,7 @@ Taken Device<S>::push_tracks(std::int64_t t_ns, int n, Point point) {
   if (has_offered_ && S(t_ns - last_offered_) * S(1e-9) < d_.options.frame_interval_s - S(1e-3)) return Taken::skipped;
   if (frames_.full()) {
     ++d_.faults.frames_dropped;  // the IMU's samples are too late
+    ++crowded_out_;
     return Taken::skipped;
   }
   last_offered_ = t_ns;

@@ -36,9 +36,12 @@ int cause(const Device<Real>& device) {
   const VioStatistics& v = device.vio_statistics();
   const int stream = cause_in_stream(StreamCounts(f), device.counts_at_last_use(), device.options().imu_rate_hz);
   if (stream != SEGCAL_HEALTH_RUNNING) return stream;
-  const double seconds = static_cast<double>(f.frames_used) * static_cast<double>(device.options().frame_interval_s);
-  if (v.restarts >= 2 && seconds < kRunSeconds * v.restarts) return SEGCAL_HEALTH_LOST_OFTEN;
-  if (!device.odometry_runs()) return cause_of_waiting(v);
+  const double seconds = static_cast<double>(f.frames_used) * static_cast<double>(device.frame_distance_s());
+  const bool lost_often = v.restarts >= 2 && seconds < kRunSeconds * v.restarts;
+  if (lost_often || !device.odometry_runs()) {
+    if (most(device.frames_crowded_out(), f.frames, kFewFrames)) return SEGCAL_HEALTH_FRAMES_CROWDED;
+    return lost_often ? SEGCAL_HEALTH_LOST_OFTEN : cause_of_waiting(v);
+  }
   return f.imu_saturated > f.imu_samples / 100 ? SEGCAL_HEALTH_SATURATED : SEGCAL_HEALTH_RUNNING;
 }
 

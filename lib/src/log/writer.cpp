@@ -40,7 +40,7 @@ int write_header(segcal_log_t* log) {
                                    SEGCAL_MAX_CLONES,       SEGCAL_MAX_TRACKS,       SEGCAL_MAX_TIES,
                                    SEGCAL_SHARED_LANDMARKS, SEGCAL_IMU_HISTORY,      SEGCAL_MAX_EFFECT_ESTIMATES,
                                    SEGCAL_MAX_EFFECT_COLUMNS, SEGCAL_FRAME_FEATURES, SEGCAL_START_DELAY_MS,
-                                   SEGCAL_PIXEL_BITS};
+                                   SEGCAL_PIXEL_BITS,       SEGCAL_WAITING_FRAMES,   SEGCAL_MAX_EPOCHS};
   for (std::uint32_t n : numbers) out.integer(n);
   return write_block(log, LogBlock::header, out.size());
 }

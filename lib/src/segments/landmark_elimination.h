@@ -85,7 +85,7 @@ bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const O
   ReprojectionRows<S> rows;
   if (!point_rows(o, theta, exposure, l, segment.turned_only ? &p_first : nullptr, &rows)) return false;
   S scale = S(1);
-  if (track) {
+  if (kTrackWalk && track) {   // a build without walks has no code for them
     track->add(o.camera, segment.t_us[o.keyframe], rows.r, model);
   } else {
     const S inverse_sigma = S(1) / model.pixel_sigma;

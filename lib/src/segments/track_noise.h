@@ -29,7 +29,7 @@ class TrackNoise {
 
   void begin() { n_ = 0; }
   int points() const { return n_; }
-  /// The next point: its time in us, and its residual in px.
+  /// The next point: its time in us, and its residual in px. The builder takes one point per keyframe and camera, so that there is room.
   void add(int camera, std::int32_t t_us, const Vec2<S>& r, const MeasurementModel<S>& model);
   /// Robust weights, and what the points cost.
   S weigh(const MeasurementModel<S>& model);
@@ -62,6 +62,7 @@ class TrackNoise {
 
 template <class S>
 void TrackNoise<S>::add(int camera, std::int32_t t_us, const Vec2<S>& r, const MeasurementModel<S>& model) {
+  eigen_assert(n_ < kPoints);
   int before = n_ - 1;
   while (before >= 0 && camera_[before] != camera) --before;
   camera_[n_] = static_cast<std::int8_t>(camera);
