@@ -28,6 +28,8 @@ const std::vector<Experiment>& experiments() {
        measured_cells, measured_run, measured_gather},
       {"faults", "faults of sensors, stamps, trackers and loggers: is each named, and nothing wrong called calibrated?", false, faults_cells,
        faults_run, faults_gather},
+      {"soak", "a day of stream through one device, faults in every second session: does anything change with the hours?", false, soak_cells,
+       soak_run, soak_gather},
   };
   return all;
 }

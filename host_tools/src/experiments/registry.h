@@ -53,4 +53,8 @@ std::vector<Cell> faults_cells(const StudyOptions& options);
 Json faults_run(const Json& parameters);
 Findings faults_gather(const std::vector<CellResult>& cells);
 
+std::vector<Cell> soak_cells(const StudyOptions& options);
+Json soak_run(const Json& parameters);
+Findings soak_gather(const std::vector<CellResult>& cells);
+
 }  // namespace host::experiments
