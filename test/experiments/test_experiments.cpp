@@ -167,7 +167,7 @@ void test_the_true_calibration_serves_odometry_better() {
 void test_statistics() {
   const Id id = Id().add("check", "statistics");
   test::check_near(id, "median", 2.5, median({4, 1, 3, 2}), 1e-15);
-  test::check_near(id, "quartile", 2, quantile({1, 2, 3, 4, 5}, 0.25), 1e-15);
+  test::check_near(id, "quartile", 2, host::quantile({1, 2, 3, 4, 5}, 0.25), 1e-15);
   test::check_near(id, "deviation", std::sqrt(5.0 / 3), deviation({1, 2, 3, 4}), 1e-15);
   test::check_near(id, "geometric mean", 2, geometric_mean({1, 4}), 1e-15);
   test::check_near(id, "median ratio", 0.5, median_ratio({1, 2, 3}, {2, 4, 3}), 1e-15);

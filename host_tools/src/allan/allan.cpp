@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "diagnose/rest.h"
-#include "diagnose/spectrum.h"
+#include "quantile.h"
 
 namespace host {
 namespace {

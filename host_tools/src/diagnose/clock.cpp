@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnose/spectrum.h"
+#include "quantile.h"
 
 namespace host {
 namespace {

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "diagnose/fault.h"
+#include "quantile.h"
 
 namespace host {
 namespace {
@@ -12,12 +13,6 @@ constexpr std::size_t least_points = 1000;
 constexpr double most_beyond = 0.25;    // share of points outside: images of twice the size have 3/4 there, a lens far from its model 1/20
 constexpr double corner_share = 0.55;   // of width and height: images of half the size reach half of them
 constexpr double almost_all = 0.999;
-
-double quantile(std::vector<double> values, double q) {
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
 
 std::string rounded(double value) {
   char text[40];

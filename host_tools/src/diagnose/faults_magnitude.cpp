@@ -5,7 +5,7 @@
 
 #include "diagnose/fault.h"
 #include "diagnose/imu_noise.h"
-#include "diagnose/spectrum.h"
+#include "quantile.h"
 
 namespace host {
 namespace {

@@ -9,7 +9,7 @@
 #include "diagnose/fault.h"
 #include "diagnose/gyro_path.h"
 #include "diagnose/image_rotation.h"
-#include "diagnose/spectrum.h"
+#include "quantile.h"
 
 namespace host {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "diagnose/fault.h"
-#include "diagnose/spectrum.h"
+#include "quantile.h"
 
 namespace host {
 namespace {

@@ -183,38 +183,4 @@ void refuse_where_structure_is_left(const std::vector<Structure>& left, Diagnosi
   out->gap_closed = out->before.total > 0 ? std::clamp(1 - out->after.total / out->before.total, 0.0, 1.0) : 0;
 }
 
-NoiseEffect noise_effect(const std::string& name, const std::vector<DiagnosedParameter>& factors,
-                         const std::vector<std::array<double, 2>>& halves) {
-  NoiseEffect out{named_noise(name, factors), {}, {}};
-  for (std::size_t i = 0; i < factors.size(); ++i) {
-    const double excess = std::abs(factors[i].value * factors[i].value - 1);
-    const bool known = halves[i][0] > 0 && halves[i][1] > 0;
-    const double left = known ? std::abs(halves[i][0] * halves[i][0] - halves[i][1] * halves[i][1]) : excess;
-    const char sensor = factors[i].name[0];
-    const auto add = [sensor](SensorShares* s, double value) {
-      (sensor == 'p' ? s->camera : sensor == 'g' ? s->gyro : s->accel) += value;
-      s->total += value;
-    };
-    add(&out.before, excess);
-    add(&out.after, left);
-  }
-  out.effect.gap_closed = out.before.total > 0 ? std::clamp(1 - out.after.total / out.before.total, 0.0, 1.0) : 0;
-  return out;
-}
-
-void add_noise_gap(const std::vector<NoiseEffect>& noise, Diagnosis* out) {
-  const auto add = [](SensorShares* sum, const SensorShares& s) {
-    sum->total += s.total;
-    sum->camera += s.camera;
-    sum->gyro += s.gyro;
-    sum->accel += s.accel;
-  };
-  for (const NoiseEffect& n : noise) {
-    add(&out->before, n.before);
-    add(&out->after, n.after);
-    out->effects.push_back(n.effect);
-  }
-  out->gap_closed = out->before.total > 0 ? std::clamp(1 - out->after.total / out->before.total, 0.0, 1.0) : 0;
-}
-
 }  // namespace host::diagnosis

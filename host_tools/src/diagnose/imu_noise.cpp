@@ -6,6 +6,7 @@
 
 #include "diagnose/rest.h"
 #include "diagnose/spectrum.h"
+#include "quantile.h"
 
 namespace host {
 namespace {

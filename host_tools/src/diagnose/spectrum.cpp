@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "quantile.h"
+
 namespace host {
 namespace {
 
@@ -50,15 +52,6 @@ std::vector<double> band_levels(const std::vector<double>& signal, double rate_h
     if (std::isfinite(level)) levels.push_back(level);
   }
   return levels;
-}
-
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return std::nan("");
-  std::sort(values.begin(), values.end());
-  const double place = q * static_cast<double>(values.size() - 1);
-  const auto i = static_cast<std::size_t>(place);
-  const double share = place - static_cast<double>(i);
-  return i + 1 < values.size() ? (1 - share) * values[i] + share * values[i + 1] : values[i];
 }
 
 }  // namespace host

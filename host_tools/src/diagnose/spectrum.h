@@ -18,7 +18,4 @@ constexpr Band motion_band{0.04, 0.15};    // 8 to 30 Hz at 200 Hz: shaking; slo
 /// that white noise of density N gives N^2: narrow lines, from a rotor, do not count.
 std::vector<double> band_levels(const std::vector<double>& signal, double rate_hz, const Band& band);
 
-/// Value below which a share q lies; not-a-number for an empty list.
-double quantile(std::vector<double> values, double q);
-
 }  // namespace host

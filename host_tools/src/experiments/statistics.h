@@ -1,20 +1,12 @@
 // Small sums over lists.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
-namespace host::experiments {
+#include "quantile.h"
 
-inline double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return std::nan("");
-  std::sort(values.begin(), values.end());
-  const double place = q * static_cast<double>(values.size() - 1);
-  const auto i = static_cast<std::size_t>(place);
-  const double share = place - static_cast<double>(i);
-  return i + 1 < values.size() ? (1 - share) * values[i] + share * values[i + 1] : values[i];
-}
+namespace host::experiments {
 
 inline double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
 

@@ -1,96 +1,10 @@
 #include "reference/ceres_problem.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 
+#include "reference/prior_residuals.h"
+
 namespace host::reference {
-namespace {
-
-int lens_parameters(const CameraCalibration& camera) { return camera.model == DistortionModel::fov ? 1 : 4; }
-
-/// (values - about) / sigma, N at a time, from entry `first` of a block on.
-template <int Block, int N>
-struct WeakPrior {
-  int first;
-  double about[N], sigma[N];
-  template <class T>
-  bool operator()(const T* block, T* residual) const {
-    for (int i = 0; i < N; ++i) residual[i] = (block[first + i] - T(about[i])) / T(sigma[i]);
-    return true;
-  }
-};
-
-template <int Block, int N>
-ceres::CostFunction* weak_prior(int first, double about, double sigma) {
-  auto* f = new WeakPrior<Block, N>{first, {}, {}};
-  for (int i = 0; i < N; ++i) {
-    f->about[i] = about;
-    f->sigma[i] = sigma;
-  }
-  return new ceres::AutoDiffCostFunction<WeakPrior<Block, N>, N, Block>(f);
-}
-
-/// Log(Exp(turn) R0 mean') in the first three entries of `out`.
-template <class T>
-Vector3<T> turn_from(const T* turn, const Eigen::Matrix3d& R0, const Eigen::Matrix3d& mean) {
-  return rotation_vector<T>(turned_by(turn) * Eigen::Quaterniond(Eigen::Matrix3d(R0 * mean.transpose())).cast<T>());
-}
-
-struct CameraPrior {
-  CameraCalibration camera0, mean;
-  const double* sigma;
-  template <class T>
-  bool operator()(const T* camera, T* residual) const {
-    Eigen::Map<Vector3<T>>{residual} = turn_from(camera, camera0.R_CI, mean.R_CI);
-    for (int i = 0; i < 3; ++i) residual[3 + i] = camera[3 + i] - T(mean.p_CI(i));
-    for (int i = 0; i < 4; ++i) residual[6 + i] = camera[6 + i] - T(mean.intrinsics(i));
-    for (int i = 0; i < 4; ++i) residual[10 + i] = i < lens_parameters(mean) ? camera[10 + i] - T(mean.distortion(i)) : T(0);
-    for (int i = 0; i < camera_parameters(mean); ++i) residual[i] /= T(sigma[i]);
-    return true;
-  }
-};
-
-struct ImuPrior {
-  Eigen::Matrix3d R_AI0;
-  ImuCalibration mean;
-  const double* sigma;
-  template <class T>
-  bool operator()(const T* imu, T* residual) const {
-    double about[kImuSize];
-    imu_block(mean, about);
-    for (int i = 0; i < 12; ++i) residual[i] = imu[i] - T(about[i]);
-    Eigen::Map<Vector3<T>>{residual + 12} = turn_from(imu + 12, R_AI0, mean.R_AI);
-    for (int i = 0; i < kImuSize; ++i) residual[i] /= T(sigma[i]);
-    return true;
-  }
-};
-
-/// Where the world stands is exactly free, so that any weight holds it.
-struct Gauge {
-  const State& state;
-  template <class T>
-  bool operator()(const T* pose, T* residual) const {
-    constexpr double weight = 1e3;
-    for (int i = 0; i < 3; ++i) residual[i] = T(weight) * (pose[3 + i] - T(state.p_GI(i)));
-    const Vector3<T> turn_G = state.q_GI.cast<T>() * Vector3<T>(pose[0], pose[1], pose[2]);
-    residual[3] = T(weight) * turn_G.z();
-    return true;
-  }
-};
-
-struct BiasResidual {
-  double sigma_a, sigma_g;
-  template <class T>
-  bool operator()(const T* from, const T* to, T* residual) const {
-    for (int i = 0; i < 6; ++i) residual[i] = (to[3 + i] - from[3 + i]) / T(i < 3 ? sigma_a : sigma_g);
-    return true;
-  }
-};
-
-}  // namespace
-
-int camera_parameters(const CameraCalibration& camera) { return 10 + lens_parameters(camera); }
 
 CeresProblem::CeresProblem(const Problem& problem) : problem_(problem) {
   fill();
@@ -141,13 +55,6 @@ double* CeresProblem::add_drift(std::size_t point) {
 double CeresProblem::drift_variance(std::size_t from, std::size_t to) const {
   const auto time = [this](std::size_t i) { return problem_.states[static_cast<std::size_t>(problem_.points[i].state)].t_ns; };
   return std::pow(problem_.model.track_walk, 2) * 1e-9 * static_cast<double>(time(to) - time(from));
-}
-
-/// The same by its robust weight at the present estimate.
-double CeresProblem::step_variance(std::size_t from, std::size_t to) const {
-  const double variance = drift_variance(from, to);
-  const double e = std::hypot(drift_[to][0] - drift_[from][0], drift_[to][1] - drift_[from][1]) / std::sqrt(variance);
-  return variance * std::max(1.0, e / problem_.model.huber);
 }
 
 void CeresProblem::add_points() {
@@ -241,57 +148,6 @@ std::vector<const double*> CeresProblem::theta_blocks() const {
   for (const auto& c : camera_) out.push_back(c.data());
   out.push_back(imu_.data());
   return out;
-}
-
-/// Covariance of a landmark's image points in units of the pixel sigma squared, of one axis: white noise by its robust weight,
-/// and the walks of the tracks.
-Eigen::MatrixXd CeresProblem::point_covariance(const std::vector<std::size_t>& points, const std::vector<double>& weights) const {
-  const auto n = static_cast<Eigen::Index>(points.size());
-  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = 0; j < i; ++j) {
-      if (static_cast<int>(points[static_cast<std::size_t>(j)]) != drift_before_[points[static_cast<std::size_t>(i)]]) continue;
-      C.row(i).head(i) = C.row(j).head(i);
-      C(i, i) = C(j, j) + step_variance(points[static_cast<std::size_t>(j)], points[static_cast<std::size_t>(i)]) /
-                              std::pow(problem_.model.pixel_sigma, 2);
-      C.col(i).head(i) = C.row(i).head(i);
-    }
-  }
-  for (Eigen::Index i = 0; i < n; ++i) C(i, i) += 1 / weights[static_cast<std::size_t>(i)];
-  return C;
-}
-
-/// Part of what is known of a landmark's inverse distance that comes from its prior: so much of an unknown is not fitted.
-double CeresProblem::prior_share(std::size_t landmark) const {
-  const double sigma = problem_.landmarks[landmark].prior_sigma, prior = 1 / (sigma * sigma);
-  const std::vector<std::size_t>& points = used_points_[landmark];
-  std::vector<double> weights;
-  const auto n = static_cast<Eigen::Index>(points.size());
-  Eigen::MatrixXd J[2] = {Eigen::MatrixXd(n, 3), Eigen::MatrixXd(n, 3)};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    std::vector<double*> parameters;
-    ceres_.GetParameterBlocksForResidualBlock(block_[points[i]], &parameters);
-    double r[2];
-    Eigen::Matrix<double, 2, 3, Eigen::RowMajor> J_point;
-    double* jacobians[4] = {nullptr, J_point.data(), nullptr, nullptr};
-    ceres_.GetCostFunctionForResidualBlock(block_[points[i]])->Evaluate(parameters.data(), r, jacobians);
-    weights.push_back(std::min(1.0, problem_.model.huber / std::hypot(r[0], r[1])));
-    for (int axis = 0; axis < 2; ++axis) J[axis].row(static_cast<Eigen::Index>(i)) = J_point.row(axis);
-  }
-  const Eigen::LLT<Eigen::MatrixXd> C(point_covariance(points, weights));
-  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
-  H(2, 2) = prior;
-  for (const Eigen::MatrixXd& J_axis : J) H += J_axis.transpose() * C.solve(J_axis);
-  return std::min(1.0, prior * H.inverse()(2, 2));
-}
-
-double CeresProblem::degrees_of_freedom() const {
-  double residuals = 2.0 * image_points_ + kLinkRows * static_cast<double>(problem_.links.size()) + 6.0 * static_cast<double>(problem_.walks.size());
-  double unknowns = 15.0 * static_cast<double>(pose_.size()) + kImuSize;
-  unknowns -= 4.0 * static_cast<double>(problem_.gauges.size()) + 6.0 * static_cast<double>(problem_.chain_starts.size());
-  for (const CameraCalibration& c : problem_.theta.cameras) unknowns += camera_parameters(c);
-  for (std::size_t l = 0; l < landmark_.size(); ++l) unknowns += used(l) ? 3 - prior_share(l) : 0;
-  return residuals - unknowns;
 }
 
 void CeresProblem::take_over(Problem* problem) const {

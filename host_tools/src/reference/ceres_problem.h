@@ -57,7 +57,4 @@ class CeresProblem {
   int image_points_ = 0;
 };
 
-/// Parameters of a camera: 6 of its place, 4, and the lens.
-int camera_parameters(const CameraCalibration& camera);
-
 }  // namespace host::reference

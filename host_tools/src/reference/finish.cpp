@@ -1,6 +1,7 @@
 #include "reference/finish.h"
 
 #include "files/output_run.h"
+#include "reference/judged.h"
 #include "replay/result_files.h"
 
 namespace host {

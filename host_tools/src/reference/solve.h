@@ -39,8 +39,4 @@ bool point_residual(const Problem& problem, const Point& point, Eigen::Vector2d*
 /// Lengths of the residuals of the points in use, px.
 std::vector<double> reprojection_lengths(const Problem& problem);
 
-/// The result as replay has it: verdicts, sigmas scaled by what the fit shows, status. Parameters that are not observed go
-/// back to where they started, and the others follow (which moves the problem's estimate).
-CoreResult judged(Problem* problem, const Fit& fit, const SolveOptions& options);
-
 }  // namespace host::reference

@@ -1,5 +1,6 @@
 #include "replay/replay.h"
 
+#include "quantile.h"
 #include "review/review.h"
 
 #include <algorithm>
@@ -14,12 +15,8 @@ using Clock = std::chrono::steady_clock;
 
 double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
 
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  const std::size_t i = std::min(values.size() - 1, static_cast<std::size_t>(q * values.size()));
-  std::nth_element(values.begin(), values.begin() + i, values.end());
-  return values[i];
-}
+/// ms; 0 where there was none.
+double share_of_times(const std::vector<double>& ms, double q) { return ms.empty() ? 0 : quantile(ms, q); }
 
 class Session {
  public:
@@ -220,9 +217,9 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   out.counters = difference(core->counters(), counters_before);
   out.memory = core->memory();
   out.result_hash = core->result_hash();
-  out.timing.vio_ms_median = quantile(session.frame_ms, 0.5);
-  out.timing.vio_ms_p95 = quantile(session.frame_ms, 0.95);
-  out.timing.score_ms_median = quantile(session.score_ms, 0.5);
+  out.timing.vio_ms_median = share_of_times(session.frame_ms, 0.5);
+  out.timing.vio_ms_p95 = share_of_times(session.frame_ms, 0.95);
+  out.timing.score_ms_median = share_of_times(session.score_ms, 0.5);
   mark_kept(out);
   if (options.state) {
     core->save(&options.state->flash);

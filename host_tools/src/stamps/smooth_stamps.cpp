@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "quantile.h"
+
 namespace host {
 namespace {
 
@@ -12,12 +14,6 @@ constexpr double envelope_s = 0.15;    // longer than a callback is ever late
 constexpr double lag_s = 0.3;          // six times as long as a late callback holds up others
 constexpr std::size_t least_envelope = 5;
 constexpr int reweightings = 6;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// A stream of stamps in s from the first one, with the number of each event.
 class Stream {
@@ -52,7 +48,7 @@ class Stream {
       a = (wy - b * wx) / w0;
       off.clear();
       for (std::size_t k = 0; k < x.size(); ++k) off.push_back(std::abs(y[k] - a - b * x[k]));
-      scale = std::max(2 * median(off), 1e-6);
+      scale = std::max(2 * middle_of(off), 1e-6);
     }
     return a;
   }
@@ -70,7 +66,7 @@ class Stream {
     while (begin + lag < end && t_[begin + lag] - t_[begin] < lag_s) ++lag;
     std::vector<double> slopes;
     for (std::size_t j = begin; j + lag <= end; ++j) slopes.push_back((t_[j + lag] - t_[j]) / static_cast<double>(lag));
-    return slopes.empty() ? 0 : median(std::move(slopes));
+    return slopes.empty() ? 0 : middle_of(std::move(slopes));
   }
 
   /// Earliest stamp, less its number's share, of events from `first` on for `envelope_s`; numbers as if none was missing.
@@ -122,7 +118,7 @@ SmoothedStamps smooth_stamps(const std::vector<std::int64_t>& t_ns) {
     squares += moved * moved;
     out.moved_most_s = std::max(out.moved_most_s, std::abs(moved));
   }
-  out.period_s = median(std::move(intervals));
+  out.period_s = middle_of(std::move(intervals));
   out.moved_rms_s = std::sqrt(squares / static_cast<double>(t_ns.size()));
   out.missing = static_cast<std::size_t>(stream.missing());
   return out;

@@ -1,0 +1,62 @@
+#include "diagnose/searched_model.h"
+
+#include <algorithm>
+
+namespace host::diagnosis {
+
+SearchedModel::SearchedModel(const CoreOptions& given, bool has_temperature) {
+  Catalogue catalogue = core_catalogue(has_temperature);
+  terms = std::move(catalogue.terms);
+  candidates = std::move(catalogue.candidates);
+  start.assign(terms.size(), 0);
+  begin_with(given);
+  given_terms_ = terms.size();
+}
+
+void SearchedModel::begin_with(const CoreOptions& given) {
+  std::size_t next = 0;
+  const std::vector<double>& values = given.term_values;
+  const auto take = [this, &next, &values](std::size_t candidate) {
+    const TermGroup& g = candidates[candidate].columns;
+    known.push_back(static_cast<int>(candidate));
+    for (int i = 0; i < g.count; ++i) start[g.first + i] = next < values.size() ? values[next++] : 0;
+  };
+  const std::size_t listed = candidates.size();
+  for (std::size_t c = 0; c < listed; ++c) {
+    if ((given.effects >> terms[candidates[c].columns.first].bit & 1u) != 0) take(c);
+  }
+  for (const CoreTerm& term : given.terms) {
+    terms.push_back(term_info(term));
+    candidates.push_back({"unlisted", {static_cast<int>(terms.size()) - 1, 1}, {terms.back().size}, 1});
+    start.push_back(0);
+    take(candidates.size() - 1);
+  }
+}
+
+void SearchedModel::forget_additions() {
+  terms.resize(given_terms_);
+  start.resize(given_terms_);
+}
+
+void SearchedModel::begin_at(const Problem& last, const std::vector<int>& accepted) {
+  std::vector<TermGroup> groups;
+  for (int c : accepted) groups.push_back(candidates[c].columns);
+  const Solution s = solve(with_groups(with_prior(last.all, last.prior), last.n_theta, groups));
+  int at = last.n_theta;
+  for (const TermGroup& g : groups) {
+    for (int i = 0; i < g.count; ++i) {
+      const double most = 3 * terms[g.first + i].size;
+      start[g.first + i] = std::clamp(s.x(at++), -most, most);
+    }
+  }
+}
+
+std::vector<bool> SearchedModel::columns_of(const std::vector<int>& accepted) const {
+  std::vector<bool> out(terms.size(), false);
+  for (int c : accepted) {
+    for (int i = 0; i < candidates[c].columns.count; ++i) out[candidates[c].columns.first + i] = true;
+  }
+  return out;
+}
+
+}  // namespace host::diagnosis
