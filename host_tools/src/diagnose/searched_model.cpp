@@ -40,6 +40,7 @@ void SearchedModel::forget_additions() {
 
 void SearchedModel::begin_at(const Problem& last, const std::vector<int>& accepted) {
   std::vector<TermGroup> groups;
+  groups.reserve(accepted.size());
   for (int c : accepted) groups.push_back(candidates[c].columns);
   const Solution s = solve(with_groups(with_prior(last.all, last.prior), last.n_theta, groups));
   int at = last.n_theta;

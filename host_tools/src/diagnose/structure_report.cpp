@@ -14,6 +14,7 @@ constexpr double kStructure = -3, kAll = 1e9;
 
 void report_structure(const std::vector<Recording>& sessions, const ReplayResult& after, Diagnosis* out) {
   std::vector<ImuData> imu;
+  imu.reserve(sessions.size());
   for (const Recording& r : sessions) imu.push_back(r.imu);
   const auto lists_of = [&imu](const ReplayResult& fit) { return residual_lists(fit.kept, fit.model.pixel_sigma, imu); };
   out->where = find_structure(lists_of(out->fit_before), kStructure, 2);
