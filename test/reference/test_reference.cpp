@@ -93,6 +93,22 @@ void test_effects_are_refused() {
   }
 }
 
+/// Nor can epochs be solved again; a file that is silent about them would be another problem too.
+void test_epochs_are_refused() {
+  host::ReplayResult result;
+  result.result.epochs.resize(2);
+  result.result.epochs[0].segments = 7;
+  host::KeptSegments kept = host::kept_segments(result);
+  TEST_ASSERT_EQUAL_INT(7, kept.condensed);
+  kept.segments.resize(1);
+  try {
+    host::reference_segments(kept, {});
+    TEST_FAIL_MESSAGE("no error");
+  } catch (const host::InputError& error) {
+    TEST_ASSERT_NOT_NULL(std::strstr(error.what(), "7 more segments took part in that calibration as epochs"));
+  }
+}
+
 void test_missing_segments_are_an_input_error() {
   const test::TemporaryFolder folder("segcal_reference");
   try {
@@ -114,6 +130,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_recordings_with_rest);
   RUN_TEST(test_segments_survive_the_file);
   RUN_TEST(test_effects_are_refused);
+  RUN_TEST(test_epochs_are_refused);
   RUN_TEST(test_missing_segments_are_an_input_error);
   return UNITY_END();
 }

@@ -93,6 +93,10 @@ ReferenceResult reference_segments(const KeptSegments& kept, const ReferenceOpti
     throw InputError("kept_segments.json: that calibration estimated " + kept.effects.front() +
                      " as well, which the reference does not model; expected a replay without --enable and --model");
   }
+  if (kept.condensed > 0) {
+    throw InputError("kept_segments.json: " + std::to_string(kept.condensed) + " more segments took part in that calibration as epochs, of which no samples "
+                     "and points are left to solve it again from; expected a replay without --condense");
+  }
   reference::Problem problem = reference::problem_of(kept);
   if (options.start) problem.theta = *options.start;
   ReferenceResult out = reference::finish(&problem, options);

@@ -166,6 +166,7 @@ KeptSegments read(const Json& json) {
   if (out.prior_sigma.size() != parameter_names(out.start).size()) throw InputError("prior.sigma: expected one per parameter");
   out.effects = json.value("effects", std::vector<std::string>());
   out.scatter = json.value("segment_scatter", 1.0);
+  out.condensed = json.value("condensed", 0);
   for (const Json& s : json.at("segments")) out.segments.push_back(read_segment(s, out.start.cameras.size()));
   if (!out.segments.empty() && out.segments.front().join != "none") throw InputError("the first segment hangs on none");
   return out;
@@ -185,6 +186,7 @@ KeptSegments kept_segments(const ReplayResult& result) {
   const std::size_t n_theta = std::min(out.prior_sigma.size(), parameter_names(result.start).size());
   for (std::size_t i = n_theta; i < result.result.parameters.size(); ++i) out.effects.push_back(result.result.parameters[i].name);
   out.prior_sigma.resize(n_theta);
+  for (const CoreEpoch& e : r.epochs) out.condensed += e.segments;
   for (const CoreKept& k : result.kept) {
     if (k.place >= 0) out.segments.push_back(k);
   }
@@ -200,6 +202,7 @@ std::string kept_segments_json(const KeptSegments& kept) {
   json["prior"] = {{"mean", calibration_json(kept.start)}, {"names", parameter_names(kept.start)}, {"sigma", kept.prior_sigma}};
   json["effects"] = kept.effects;
   json["segment_scatter"] = kept.scatter;
+  json["condensed"] = kept.condensed;
   json["segments"] = Json::array();
   for (const CoreKept& k : kept.segments) json["segments"].push_back(segment_json(k));
   return json.dump() + "\n";

@@ -17,6 +17,7 @@ struct KeptSegments {
   ImuNoise noise;
   double scatter = 1;                 ///< variance that the segments' disagreement put into the sigmas; 1: no more than their residuals did
   std::vector<std::string> effects;   ///< parameters of effects that the calibration estimated as well; none is in `start`
+  int condensed = 0;                  ///< further segments that took part as epochs: of these nothing is left to repeat it from
   std::vector<CoreKept> segments;     ///< in the order of the calibration
 };
 

@@ -88,7 +88,7 @@ nlohmann::ordered_json configuration_json(const ReplayOptions& options) {
                {"gravity", core.gravity > 0 ? nlohmann::ordered_json(core.gravity) : nlohmann::ordered_json()}, {"strategy", core.multi_session ? "multi" : "single"}, {"pixel_sigma", core.pixel_sigma},
                {"track_walk", core.track_walk}, {"estimate_track_noise", options.estimate_track_noise}, {"seed", core.seed},
                {"trigger_sigma", core.trigger_fraction}, {"keep_outdated", core.outdated_level < 0}, {"condense", core.condense},
-               {"hold_calibration", core.hold_calibration}, {"joint_ekf", options.joint_ekf}, {"calibrate", options.calibrate}});
+               {"hold_calibration", core.hold_calibration}, {"joint_ekf", options.joint_ekf}, {"calibrate", options.calibrate}, {"passes", options.passes}});
   return json;
 }
 

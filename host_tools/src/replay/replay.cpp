@@ -46,6 +46,18 @@ class Session {
     }
   }
 
+  /// What was gathered so far is of a pass that another one follows.
+  void begin_pass() {
+    out_.segments.clear();
+    out_.trajectory.clear();
+    out_.calibrations.clear();
+    out_.hash_checks.clear();
+    out_.health.frames_offered = 0;
+    out_.calibrated = false;
+    frame_ms.clear();
+    score_ms.clear();
+  }
+
   void flush() {
     core_.flush();
     collect_segment();
@@ -134,6 +146,43 @@ void go_on_from(StateFile* state, const std::string& profile, Core* core) {
   }
 }
 
+/// One pass over all recordings.
+void run_all(const std::vector<Recording>& sessions, const ReplayOptions& options, bool goes_on, Core* core, Session* session) {
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    if (i > 0 || goes_on) core->new_session();
+    session->run(sessions[i], options.progress);
+    if (calibrates_at_end(sessions[i])) {
+      session->flush();
+      session->calibrate();
+    }
+    if (!options.calibrate) continue;
+    if (options.after_session) options.after_session(i, core->result(), core->calibration());
+  }
+}
+
+/// `out` is of the pass before but for what Session gathers.
+ReplayPass pass_of(const ReplayResult& out, const Counters& counters, const Core& core) {
+  const CoreResult now = core.result();
+  ReplayPass pass;
+  pass.status = out.calibrated ? now.status : "insufficient";
+  pass.segments = out.calibrated ? now.segments : 0;
+  pass.segments_scored = static_cast<int>(out.segments.size());
+  for (const auto& [name, n] : counters) {
+    if (name == "frames_used") pass.frames_used = n;
+    if (name == "filter_restarts") pass.filter_restarts = n;
+  }
+  if (!out.calibrated) return pass;
+  pass.chi2_per_dof = now.dof > 0 ? now.chi2 / now.dof : 0;
+  measure_step(now, out.passes.empty() ? nullptr : &out.result, &pass);
+  return pass;
+}
+
+/// Sessions of passes before the last count for nothing.
+void count_sessions_from(std::uint32_t first, ReplayResult* out) {
+  for (CoreSegment& s : out->segments) s.session -= first;
+  for (CoreKept& k : out->kept) k.segment.session -= first;
+}
+
 /// A second time, with the noise that the first one's tracks show; the first one's result where they show nothing.
 ReplayResult replay_with_track_noise(const std::vector<Recording>& sessions, ReplayOptions options) {
   options.estimate_track_noise = false;
@@ -193,22 +242,22 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   if (!options.calibrate) core_options.trigger_fraction = 0;
   std::unique_ptr<Core> core = make_core(options.profile, core_options);
   if (options.state) go_on_from(options.state, options.profile, core.get());
-  const Counters counters_before = core->counters();
   ReplayResult out;
   out.noise = options.core.noise;
   if (options.core.device_config.empty()) out.config = config_yaml(options.core);
   Session session(*core, out, options.calibrate);
-  for (std::size_t i = 0; i < sessions.size(); ++i) {
-    if (i > 0) core->new_session();
-    session.run(sessions[i], options.progress);
-    if (calibrates_at_end(sessions[i])) {
-      session.flush();
-      session.calibrate();
+  Counters counters_before = core->counters();
+  for (int pass = 0; pass < std::max(1, options.passes); ++pass) {
+    if (pass > 0) {
+      if (!out.passes.back().goes_on()) break;
+      counters_before = core->counters();
+      session.begin_pass();
     }
-    if (!options.calibrate) continue;
-    if (options.after_session) options.after_session(i, core->result(), core->calibration());
+    run_all(sessions, options, pass > 0, core.get(), &session);
+    out.passes.push_back(pass_of(out, difference(core->counters(), counters_before), *core));
+    out.result = core->result();   // measure_step compares the next pass with it
   }
-  out.result = core->result();
+  if (options.passes > 1 && !out.calibrated) out.result.status = "insufficient";   // the core still has the result of the pass before
   out.calibration = core->calibration();
   out.kept = core->kept();
   out.model = core->model();
@@ -220,6 +269,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   out.timing.vio_ms_median = share_of_times(session.frame_ms, 0.5);
   out.timing.vio_ms_p95 = share_of_times(session.frame_ms, 0.95);
   out.timing.score_ms_median = share_of_times(session.score_ms, 0.5);
+  count_sessions_from(static_cast<std::uint32_t>((out.passes.size() - 1) * sessions.size()), &out);
   mark_kept(out);
   if (options.state) {
     core->save(&options.state->flash);

@@ -5,6 +5,7 @@
 
 #include "clock/clock_search.h"
 #include "replay/core.h"
+#include "replay/passes.h"
 #include "replay/track_noise.h"
 #include "state/state_file.h"
 
@@ -17,6 +18,7 @@ struct ReplayOptions {
   bool review = false;               ///< judge the result and name causes (review/review.h)
   std::vector<ClockSearch> clocks;   ///< what was found of the sessions' clocks, one each; may be empty
   bool estimate_track_noise = false; ///< replays twice: pixel_sigma and track_walk are what the first one's tracks show
+  int passes = 1;                    ///< at most so many times over all recordings, each from the result of the one before; single-session only
   bool calibrate = true;             ///< false: odometry only, the calibration stays as it is
   /// Called after each session with what has been found so far; may be empty. The number counts from 0.
   std::function<void(std::size_t, const CoreResult&, const Calibration&)> after_session;
@@ -79,6 +81,7 @@ struct ReplayResult {
   CoreResult result;
   bool calibrated = false;           ///< a calibration ran
   std::vector<ReplayCalibration> calibrations;
+  std::vector<ReplayPass> passes;    ///< one for each; all else here is of the last one
   Calibration calibration;
   Calibration start;                 ///< where it started from, the mean of the prior
   ImuNoise noise;

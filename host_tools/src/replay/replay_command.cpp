@@ -53,6 +53,7 @@ std::string words_on_segments(const ReplayResult& r, bool went_on) {
 
 void print_summary(const ReplayResult& r, bool went_on) {
   const CoreResult& c = r.result;
+  for (std::size_t i = 0; r.passes.size() > 1 && i < r.passes.size(); ++i) std::printf("%s\n", in_words(r.passes[i], i + 1).c_str());
   if (!r.cause.empty()) std::printf("not calibrated: %s\n", r.cause.c_str());
   for (const Suspect& s : r.health.suspects) {
     if (r.cause.find(s.words) == std::string::npos) std::printf("suspect: %s\n", s.words.c_str());
@@ -223,6 +224,8 @@ int run(Arguments a) {
   a.replay.core.noise = sessions.front().imu.noise;
   if (!a.config.empty()) apply_config(&a, &sessions);
   a.replay.core.multi_session = a.strategy == "multi" || (a.strategy.empty() && (a.replay.core.condense || state));
+  if (a.replay.passes > 1 && sessions.front().device) throw InputError("--passes: expected recordings, found a device log, whose calls are the device's");
+  if (a.replay.passes > 1 && a.replay.core.multi_session) throw InputError("--passes: expected --strategy single; with multi, segments of each pass would count again");
   a.replay.calibrate = !a.no_calibration;
   a.replay.core.has_temperature = true;
   for (const Recording& r : sessions) a.replay.core.has_temperature &= r.imu.has_temperature;
@@ -284,6 +287,10 @@ void add_database_options(CLI::App* sub, Arguments* a) {
                   "calibrate in between, as soon as all predicted sigmas are below this fraction of the prior's; 0: at the end only")
       ->capture_default_str()->check(CLI::Range(0.0, 0.99));
   sub->add_flag("--condense", core.condense, "condense segments that end after a release into epochs, so that nothing that was seen is lost; sessions follow one another (--strategy multi)");
+  sub->add_option("--passes", a->replay.passes,
+                  "over the recordings up to so many times, each from the calibration that the one before gave, until no entry moves by 0.1 of its sigma; "
+                  "segments and the prior stay those of one pass from the start that was given")
+      ->capture_default_str()->check(CLI::Range(1, 20));
   sub->add_flag("--keep-outdated", a->keep_outdated, "keep segments that newer ones contradict: theta is taken as constant");
   sub->add_flag("--no-calibration", a->no_calibration, "odometry only: the trajectory with the starting calibration");
 }
@@ -366,6 +373,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
     a->of_device.push_back(sub->get_option(name));
   }
   for (const char* name : {"--joint-ekf", "--estimate-track-noise", "--no-calibration"}) sub->get_option("--state")->excludes(sub->get_option(name));
+  for (const char* name : {"--joint-ekf", "--no-calibration", "--condense", "--state"}) sub->get_option("--passes")->excludes(sub->get_option(name));
   sub->footer(replay_help());
   sub->callback([a, &exit_code] { exit_code = run(*a); });
 }

@@ -40,6 +40,16 @@ Json calibrations_json(const ReplayResult& out) {
 
 Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
+Json passes_json(const std::vector<ReplayPass>& passes) {
+  Json json = Json::array();
+  for (const ReplayPass& p : passes) {
+    json.push_back({{"status", p.status}, {"segments", p.segments}, {"segments_scored", p.segments_scored}, {"frames_used", p.frames_used},
+                    {"filter_restarts", p.filter_restarts}, {"chi2_per_dof", p.chi2_per_dof}, {"step_sigmas", p.step_sigmas},
+                    {"moved", text_or_null(p.moved)}, {"settled", p.settled()}});
+  }
+  return json;
+}
+
 /// Which device, log, program and configuration a result comes from.
 void add_origin(const Provenance& from, Json* json) {
   (*json)["device_id"] = text_or_null(from.device_id);
@@ -88,6 +98,7 @@ Json result_json(const ReplayResult& out, const Provenance& from) {
   json["segments"] = Json::array();
   for (const CoreSegment& s : out.segments) json["segments"].push_back(segment_json(s, names));
   json["calibrations"] = calibrations_json(out);
+  if (out.passes.size() > 1) json["passes"] = passes_json(out.passes);
   json["epochs"] = Json::array();
   for (const CoreEpoch& e : out.result.epochs) {
     json["epochs"].push_back({{"segments", e.segments}, {"first_session", e.first_session}, {"last_session", e.last_session},
