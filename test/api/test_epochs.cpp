@@ -1,4 +1,6 @@
 // A device that condenses: what it remembers, that it knows more by it, and that no schedule of its background changes a bit.
+#include <string>
+
 #include "api_fixture.h"
 
 extern "C" void setUp() {}
@@ -207,6 +209,68 @@ void test_a_joint_filter_calibrates_no_segments() {
   TEST_ASSERT_EQUAL_UINT32(0, counters.calibrations);
 }
 
+int column_of(segcal_t* device, const char* name) {
+  const segcal_result_t r = result_of(device);
+  for (int i = 0; i < r.n_parameters; ++i) {
+    if (std::string(r.parameter[i].name) == name) return i;
+  }
+  return -1;
+}
+
+/// The principal point is somewhere else in the second session.
+void test_a_change_is_followed_and_dated() {
+  constexpr double kStep = 3;   // px
+  Storage storage(0);
+  segcal_t* device = create(&storage, config(true));
+  segcal_change_t change;
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_get_change(device, 0, nullptr));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_get_change(nullptr, 0, &change));
+  feed_keyframes(device, 0, 2600, 0);
+  const segcal_result_t before = result_of(device);
+  const int cx = column_of(device, "cam0.cx");
+  for (int i = -1; i < 2; ++i) TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_get_change(device, i, &change));
+  segcal_new_session(device);
+
+  // Two segments: a contradiction, and too few to tell what is right. The release from before stays.
+  feed_keyframes(device, 2600, 3500, kStep);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_change(device, -1, &change));
+  TEST_ASSERT_EQUAL_INT(1, change.open);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_get_change(device, 0, &change));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_CALIBRATED, result_of(device).status);
+  TEST_ASSERT_EQUAL_DOUBLE(before.parameter[cx].value, result_of(device).parameter[cx].value);
+
+  feed_keyframes(device, 3500, 6000, kStep);
+  const segcal_result_t after = result_of(device);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_CALIBRATED, after.status);
+  check_between(Id(), "error of cx, sigmas", -4, (after.parameter[cx].value - after.parameter[cx].initial - kStep) / after.parameter[cx].sigma, 4);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_get_change(device, -1, &change));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_change(device, 0, &change));
+  TEST_ASSERT_EQUAL_INT(0, change.open);
+  TEST_ASSERT_EQUAL_UINT32(0, change.before_session);
+  TEST_ASSERT_EQUAL_UINT32(1, change.after_session);
+  TEST_ASSERT_TRUE(change.t_ns >= stream_of_30_s().imu[2600].t_ns && change.t_ns < stream_of_30_s().imu[3000].t_ns);
+  TEST_ASSERT_EQUAL_INT(after.n_parameters, change.n_parameters);
+  check_between(Id(), "step of cx, px", kStep - 4 * change.sigma[cx], change.step[cx], kStep + 4 * change.sigma[cx]);
+  segcal_counters_t counters;
+  segcal_get_counters(device, &counters);
+  TEST_ASSERT_GREATER_OR_EQUAL_UINT32(4, counters.segments_outdated);   // what the first release was made from
+}
+
+void test_no_change_is_none() {
+  Storage storage(0);
+  segcal_t* device = create(&storage, config(true));
+  segcal_change_t change;
+  for (std::size_t part = 0; part < 3; ++part) {
+    feed_keyframes(device, 2000 * part, 2000 * (part + 1), 0);
+    segcal_new_session(device);
+  }
+  for (int i = -1; i < 1; ++i) TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_get_change(device, i, &change));
+  segcal_epoch_t first, second;
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_epoch(device, 0, &first));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_epoch(device, 1, &second));   // each session its own
+  TEST_ASSERT_EQUAL_INT(SEGCAL_CALIBRATED, result_of(device).status);
+}
+
 }  // namespace
 
 int main() {
@@ -216,6 +280,8 @@ int main() {
   RUN_TEST(test_what_is_not_there_is_refused);
   RUN_TEST(test_single_sessions_forget);
   RUN_TEST(test_one_segment_convicts_nobody);
+  RUN_TEST(test_a_change_is_followed_and_dated);
+  RUN_TEST(test_no_change_is_none);
   RUN_TEST(test_a_covered_camera_is_no_misfit);
   RUN_TEST(test_an_asked_calibration_shows_when_it_is_done);
   RUN_TEST(test_a_joint_filter_calibrates_no_segments);

@@ -349,14 +349,16 @@ segcal_config_t condensing(bool on) {
   return c;
 }
 
-/// Samples [from, until) of 30 s, with the caller's odometry. `lost`: it has lost its way, and no segment fits.
-void feed_part(segcal_t* device, std::size_t from, std::size_t until, bool lost) {
+/// Samples [from, until) of 30 s, with the caller's odometry. `lost`: it has lost its way, and no segment fits. Images are `off_px`
+/// beside where they should be.
+void feed_part(segcal_t* device, std::size_t from, std::size_t until, bool lost, float off_px = 0) {
   for (std::size_t i = from; i < until; ++i) {
     segcal_push_imu(device, &long_stream<30>().imu[i]);
     segcal_background(device, 1000000);
     if (i % 20 != 0) continue;
     SyntheticStream::Frame frame = long_stream<30>().frames[i / 20];
     if (lost) frame.state.p_GI[0] += 0.5 * static_cast<double>(i / 20 % 3);
+    for (segcal_point_t& p : frame.points) p.u += off_px;
     push_frame(device, frame, Way::keyframes);
   }
   segcal_flush(device);
@@ -394,6 +396,30 @@ void test_epochs_go_on() {
     feed_part(device, 0, 3400, false);
     TEST_ASSERT_GREATER_THAN_INT(0, condensed(device).second);
     check_goes_on(device, Id().add("newest", "open"));
+  }
+  {
+    Storage storage(0x11), again(0x22);
+    segcal_t* device = create(&storage, condensing(true));
+    feed_part(device, 0, 2600, false);
+    segcal_calibrate(device);
+    feed_part(device, 2600, 3500, false, 3);
+    segcal_change_t change, restored_change;
+    TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_change(device, -1, &change));
+    FakeFlash flash = new_flash();
+    TEST_ASSERT_EQUAL_INT(SEGCAL_OK, save(&flash, device));
+    segcal_t* restored = create(&again, condensing(true));
+    TEST_ASSERT_EQUAL_INT(SEGCAL_OK, restore(&flash, restored));
+    TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_change(restored, -1, &restored_change));
+    TEST_ASSERT_EQUAL_MEMORY(&change, &restored_change, sizeof change);
+    segcal_new_session(device);
+    for (segcal_t* d : {device, restored}) {
+      feed_part(d, 0, 2600, false, 3);
+      segcal_calibrate(d);
+    }
+    TEST_ASSERT_TRUE(segcal_result_hash(device) == segcal_result_hash(restored));
+    TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_change(device, 0, &change));
+    TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_change(restored, 0, &restored_change));
+    TEST_ASSERT_EQUAL_MEMORY(&change, &restored_change, sizeof change);
   }
   Storage storage(0x11), plain(0x33);
   segcal_t* device = create(&storage, condensing(true));

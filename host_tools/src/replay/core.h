@@ -89,6 +89,14 @@ struct CoreEpoch {
   std::vector<double> value, sigma;
 };
 
+/// A step of the calibration between what was known and a release that dropped it; steps in the order of the parameters.
+struct CoreChange {
+  bool open = false;                     ///< not decided: no steps
+  unsigned before_session = 0, after_session = 0;
+  std::int64_t t_ns = 0;                 ///< where the segment begins that contradicted first
+  std::vector<double> step, sigma;
+};
+
 struct CoreResult {
   std::string status = "insufficient";
   std::vector<CoreParameter> parameters;
@@ -98,6 +106,7 @@ struct CoreResult {
   double chi2 = 0, dof = 0, noise_scale = 1, reprojection_rms_px = 0, reprojection_median_px = 0;
   std::vector<double> mean, covariance;  ///< of the parameters with nothing held (segcal_get_posterior), row-major; empty: not known
   std::vector<CoreEpoch> epochs;         ///< oldest first
+  std::vector<CoreChange> changes;       ///< oldest first, an open one last
 };
 
 struct CorePointResidual {

@@ -61,6 +61,8 @@ void print_summary(const ReplayResult& r, bool went_on) {
   for (const Note& n : r.health.notes) {
     if (r.cause.find(n.words) == std::string::npos) std::printf("note: %s\n", n.words.c_str());
   }
+  const std::vector<std::string> names = parameter_names(c, r.calibration);
+  for (const CoreChange& change : c.changes) std::printf("note: %s\n", change_words(change, names).c_str());
   std::printf("%s: %s, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n",
               c.status.c_str(), words_on_segments(r, went_on).c_str(), c.dof > 0 ? c.chi2 / c.dof : 0.0, c.reprojection_rms_px,
               c.reprojection_median_px, c.iterations);
@@ -73,7 +75,6 @@ void print_summary(const ReplayResult& r, bool went_on) {
     std::printf("%-26s %14.7g %12.3g %-10s %14.7g  %s\n", p.name.c_str(), p.value, p.sigma, p.unit.c_str(), p.initial,
                 p.verdict.c_str());
   }
-  const std::vector<std::string> names = parameter_names(c, r.calibration);
   for (const CoreDirection& d : c.unobservable) std::printf("%s\n", in_words(d, names).c_str());
   std::printf("state_bytes %zu (segment %zu, workspace %zu); VIO %.2f ms per frame (p95 %.2f), calibration %.0f ms\n",
               r.memory.state_bytes, r.memory.segment_bytes, r.memory.workspace_bytes, r.timing.vio_ms_median,

@@ -75,6 +75,15 @@ Json health_json(const Health& h) {
           {"segment_scatter", h.segment_scatter}, {"step_chi2", h.step_chi2}, {"step_dof", h.step_dof}, {"suspects", suspects}, {"notes", notes}};
 }
 
+Json change_json(const CoreChange& c, const std::vector<std::string>& names) {
+  Json steps = Json::array();
+  for (std::size_t i = 0; i < c.step.size() && i < names.size() && !c.open; ++i) {
+    steps.push_back({{"name", names[i]}, {"step", c.step[i]}, {"sigma", c.sigma[i]}});
+  }
+  return {{"open", c.open}, {"between_sessions", {c.before_session, c.after_session}}, {"t_ns", c.t_ns}, {"words", change_words(c, names)},
+          {"steps", steps}};
+}
+
 }  // namespace
 
 Json result_json(const ReplayResult& out, const Provenance& from) {
@@ -104,6 +113,8 @@ Json result_json(const ReplayResult& out, const Provenance& from) {
     json["epochs"].push_back({{"segments", e.segments}, {"first_session", e.first_session}, {"last_session", e.last_session},
                               {"value", e.value}, {"sigma", e.sigma}});
   }
+  json["changes"] = Json::array();
+  for (const CoreChange& c : out.result.changes) json["changes"].push_back(change_json(c, names));
   json["fit"] = {{"chi2", r.chi2}, {"dof", r.dof}, {"iterations", r.iterations}, {"converged", r.converged},
                  {"reprojection_rms_px", r.reprojection_rms_px}, {"reprojection_median_px", r.reprojection_median_px},
                  {"noise_scale", r.noise_scale}, {"partitions", r.partitions}, {"image_points", r.image_points}};

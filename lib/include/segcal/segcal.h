@@ -375,6 +375,16 @@ typedef struct {
   double value[SEGCAL_MAX_PARAMETERS], sigma[SEGCAL_MAX_PARAMETERS];
 } segcal_epoch_t;
 
+/* A change of the device (segcal_config_t.condense): what was condensed and kept before was contradicted, and a release dropped it. */
+typedef struct {
+  int32_t open;                          /* 1: not decided yet, too few segments came since: no steps, and sigmas of what was known */
+  uint32_t before_session, after_session; /* of the segments on both sides, from 0; the same: within a session */
+  int64_t t_ns;                          /* of the IMU's clock: where the segment begins that contradicted first */
+  int32_t n_parameters;
+  /* From what was known to the release, in the order and units of segcal_result_t.parameter; of a rotation, small rotations, rad. */
+  double step[SEGCAL_MAX_PARAMETERS], sigma[SEGCAL_MAX_PARAMETERS];
+} segcal_change_t;
+
 /* ---- functions ---- */
 typedef struct segcal segcal_t;
 
@@ -458,6 +468,9 @@ int segcal_get_filter_calibration(segcal_t *device, segcal_result_t *result);
 int segcal_get_posterior(const segcal_t *device, double *mean, double *covariance, int32_t capacity);
 /* Epoch `index`, 0: the oldest. SEGCAL_ERROR_STATE: there is none; SEGCAL_ERROR_BUSY: while work is pending. */
 int segcal_get_epoch(segcal_t *device, int32_t index, segcal_epoch_t *out);
+/* Change `index` of the last four, 0: the newest; -1: one that is open, while which calibrations wait until the database is full.
+   SEGCAL_ERROR_STATE: there is none. */
+int segcal_get_change(const segcal_t *device, int32_t index, segcal_change_t *out);
 int segcal_get_direction(const segcal_t *device, int32_t index, segcal_direction_t *direction);
 /* The segment scored last (index -1) or slot `index` of the database, 0..SEGCAL_MAX_SEGMENTS. SEGCAL_ERROR_STATE if empty.
    A slot whose segment was dropped as outdated answers, with `kept` 0, until a new segment needs it. */

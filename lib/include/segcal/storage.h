@@ -80,12 +80,12 @@
     SEGCAL_MAX_EFFECT_COLUMNS * (SEGCAL_MAX_EFFECT_COLUMNS + 1u)) * SEGCAL_REAL_BYTES +                                 \
    4u * SEGCAL_MAX_EFFECT_COLUMNS + 384u)
 
-/* Epochs: rows over theta, theta; and what the next segment hangs on. */
+/* Epochs: rows over theta, theta; what the next segment hangs on; and changes. */
 #define SEGCAL_EPOCH_BYTES                                                                                             \
   (SEGCAL_MAX_EPOCHS == 0 ? 32u :                                                                                       \
    SEGCAL_MAX_EPOCHS * (SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) + 32u * SEGCAL_MAX_CAMERAS + 40u) + \
                         (SEGCAL_MAX_EFFECT_ESTIMATES + 1u) * (4u + SEGCAL_REAL_BYTES) + 80u) +                          \
-       SEGCAL_REAL_BYTES * (15u * SEGCAL_LEFT_COLUMNS + 90u) + 256u)
+       SEGCAL_REAL_BYTES * (15u * SEGCAL_LEFT_COLUMNS + 10u * SEGCAL_THETA_COLUMNS + 100u) + 448u)
 
 #define SEGCAL_STORAGE_BYTES                                                                                           \
   (SEGCAL_DATABASE_BYTES + SEGCAL_FILTER_BYTES + SEGCAL_ELIMINATION_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_INPUT_BYTES + \

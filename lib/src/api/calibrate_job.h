@@ -194,7 +194,7 @@ void CalibrateJob<S>::take_verdict(DeviceParts<S>* d) {
   if (compares_epoch_) {
     if constexpr (kEpochs > 0) {
       const Epoch<S>& e = d->epochs.epoch(epoch_);
-      if (!outdated) agreement_.know_spread(e.between, e.between_dof);
+      if (!outdated) agreement_.know_spread(e.pulls.found, static_cast<int>(e.pulls.expected));
       if (outdated) outdate_epoch(epoch_, d);
     }
   } else if (outdated) {
@@ -212,7 +212,7 @@ bool CalibrateJob<S>::measure_scatter_step(DeviceParts<S>* d) {
       SEGCAL_AWAIT(inner_, scatter_.take_step(segment_[i_]->information));
     }
     if constexpr (kEpochs > 0) {
-      for (int i = 0; i < d->epochs.count(); ++i) scatter_.add(d->epochs.epoch(i).between, S(d->epochs.epoch(i).between_dof));
+      for (int i = 0; i < d->epochs.count(); ++i) scatter_.add(d->epochs.epoch(i).pulls.found, d->epochs.epoch(i).pulls.expected);
     }
   }
   SEGCAL_SLICES_END(inner_);

@@ -77,6 +77,7 @@ class Device {
   const Calibrator<S>& calibrator() const { return d_.calibrator; }
   const Database<S>& database() const { return d_.database; }
   const auto& epochs() const { return d_.epochs; }
+  const auto& changes() const { return d_.changes; }
   /// None is being added to, compared or moved.
   bool epochs_at_rest() const { return !pending(); }
   /// Memory for a triangle over [theta | rhs], while nothing is pending.
@@ -142,6 +143,9 @@ class Device {
   void set_condensing();
   void forget_epochs();
   void count_misfits();
+  void suspect_change();
+  void collect_anew();
+  bool undecided() const;
   bool worth_a_calibration();
   Segment<S>& open_slot() { return score_.active() ? *spare_ : d_.database.building(); }
   Calibration<S> working_theta() const;

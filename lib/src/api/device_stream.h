@@ -36,6 +36,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   new_epoch_ = true;
   misfits_ = 0;
   d_.epochs.clear();
+  d_.changes.clear();
   d_.condenser.break_chain();
   finished_ = true;
   spare_ = nullptr;
@@ -328,8 +329,10 @@ void Device<S>::begin_session() {
   d_.database.begin_session();
   if (d_.options.strategy == Strategy::single_session) {
     d_.epochs.clear();
+    d_.changes.close();
     condensing_ = false;
   }
+  new_epoch_ = true;   // between sessions a device may change: what the new one says is held against all before
   restart_filter();
 }
 

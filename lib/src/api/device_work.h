@@ -36,6 +36,7 @@ void Device<S>::end_score() {
   if (score_.condenses()) count_misfits();
   const bool enough = worth_a_calibration();
   knew_enough_ = knew_enough_ || enough;
+  wanted_then_ = wanted_then_ && !undecided();
   if (wanted_then_ || (enough && d_.options.calibrates_itself)) begin_calibration(score_.theta());
 }
 
@@ -52,6 +53,7 @@ void Device<S>::begin_calibration(const Calibration<S>& theta) {
 template <class S>
 bool Device<S>::worth_a_calibration() {
   if (!score_.condenses()) return score_.kept() && !knew_enough_ && knows_enough(&d_);
+  if (!condensing_) return false;   // the database has just been emptied
   if constexpr (kEpochs > 0) {
     const int condensed = d_.epochs.newest().segments;
     return condensed >= 3 * (d_.epochs.segments() - condensed + d_.database.size());
@@ -71,6 +73,9 @@ void Device<S>::publish_calibration() {
   window_ = 0;
   while (calibration_.working()) step();
   const bool dropped = calibration_.publish(&d_, &report_);
+  if constexpr (kEpochs > 0) {
+    if (report_.release.status == Status::calibrated) d_.changes.decide(theta_, report_.release.theta, report_.release.sigma);
+  }
   ++d_.faults.calibrations_published;
   calibrated_ = true;
   if (dropped) knew_enough_ = knew_enough_ && knows_enough(&d_);
@@ -93,17 +98,58 @@ template <class S>
 void Device<S>::forget_epochs() {
   if constexpr (kEpochs > 0) d_.faults.segments_outdated += static_cast<std::uint32_t>(d_.epochs.segments());
   d_.epochs.clear();
+  d_.changes.close();
 }
 
-/// Where one segment after the other fits no longer, theta is another than epochs were made at: the database, whose segments can be
-/// linearised again, goes on collecting.
+/// Where a segment contradicts what is known, or one after the other fits no longer, theta may be another than epochs were made at.
 template <class S>
 void Device<S>::count_misfits() {
   if (!score_.judged()) return;
   if constexpr (kEpochs > 0) misfits_ = d_.condenser.condensed() ? 0 : misfits_ + 1;
-  if (misfits_ < kMostMisfits) return;
+  if (score_.contradicts()) suspect_change();
+  if (score_.contradicts() || misfits_ >= kMostMisfits) collect_anew();
+}
+
+/// Between the newest segment of what the contradiction is with, and this one.
+template <class S>
+void Device<S>::suspect_change() {
+  if constexpr (kEpochs > 0) {
+    std::uint32_t before = 0;
+    for (int i = 0; i < Database<S>::kSlots; ++i) {
+      if (d_.database.kept(i) && d_.database.slot(i).session > before) before = d_.database.slot(i).session;
+    }
+    const int known = d_.epochs.count() - (score_.contradicts_since_epoch() ? 1 : 0);
+    for (int i = 0; i < known; ++i) {
+      const Epoch<S>& e = d_.epochs.epoch(i);
+      if (e.segments > 0 && e.last_session > before) before = e.last_session;
+    }
+    d_.changes.open(before, scored_.segment.session, scored_.segment.start_ns, report_.release.sigma, theta_.columns());
+  }
+}
+
+/// What came since contradicts what was known, and is not enough to tell which is right: what was released stays.
+template <class S>
+bool Device<S>::undecided() const {
+  return d_.changes.open() && !d_.database.full();
+}
+
+/// What the kept segments say becomes an epoch, and the database is free for segments that can be linearised again: the next
+/// calibration compares them with all epochs, and drops what they contradict (agreement.h).
+template <class S>
+void Device<S>::collect_anew() {
   misfits_ = 0;
   condensing_ = knew_enough_ = false;
+  d_.condenser.break_chain();
+  if constexpr (kEpochs > 0) {
+    Segment<S>* segments[kMaxSegments];
+    const int n = d_.database.in_order(segments);
+    if (n == 0) return;
+    Epoch<S>& epoch = d_.epochs.insert(report_.theta, segments[0]->session, segments[n - 1]->serial);
+    for (int i = 0; i < n; ++i) {
+      epoch.add(segments[i]->information.triangle(), S(segments[i]->information.dof), {}, segments[i]->session, segments[i]->serial);
+      d_.database.drop(static_cast<int>(segments[i] - &d_.database.slot(0)));
+    }
+  }
 }
 
 /// The same at any moment: where the shift of stamps changes, the open segment begins anew.
@@ -146,7 +192,7 @@ void Device<S>::calibrate_as_wanted() {
     report_.directions.copy(*analysis);
     calibrated_ = true;
     theta_ = report_.theta = report_.release.theta;
-  } else {
+  } else if (!undecided()) {
     begin_calibration(working_theta());
   }
 }

@@ -1,4 +1,4 @@
-// The C API's view of epochs: what each alone says about the calibration.
+// The C API's view of epochs, what each alone says about the calibration, and of changes.
 #include "api/handle.h"
 #include "information/marginal.h"
 
@@ -47,5 +47,25 @@ extern "C" int segcal_get_epoch(segcal_t* device, int32_t index, segcal_epoch_t*
   if (!d->device.epochs_at_rest()) return SEGCAL_ERROR_BUSY;
   *out = segcal_epoch_t{};
   read_epoch(*epoch, d->device, out);
+  return SEGCAL_OK;
+}
+
+extern "C" int segcal_get_change(const segcal_t* device, int32_t index, segcal_change_t* out) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  if (!d) return SEGCAL_ERROR_STATE;
+  const auto& changes = d->device.changes();
+  const Change<Real>* change = index == -1 ? changes.open() : changes.find(index);
+  if (!change) return SEGCAL_ERROR_STATE;
+  *out = segcal_change_t{};
+  out->open = index == -1 ? 1 : 0;
+  out->before_session = change->before_session;
+  out->after_session = change->after_session;
+  out->t_ns = change->t_ns;
+  out->n_parameters = change->n;
+  for (int i = 0; i < change->n; ++i) {
+    out->step[i] = static_cast<double>(change->step[i]);
+    out->sigma[i] = static_cast<double>(change->sigma[i]);
+  }
   return SEGCAL_OK;
 }

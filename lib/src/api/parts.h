@@ -3,6 +3,7 @@
 
 #include "api/release.h"
 #include "api/workspace.h"
+#include "calibration/changes.h"
 #include "calibration/condenser.h"
 #include "database/database.h"
 #include "diagnosis/effect_monitor.h"
@@ -82,6 +83,7 @@ struct DeviceParts {
   EffectMonitor<S> monitor;
   std::conditional_t<(kEpochs > 0), Epochs<S>, NoEpochs<S>> epochs;
   std::conditional_t<(kEpochs > 0), Condenser<S>, NoCondenser> condenser;
+  std::conditional_t<(kEpochs > 0), Changes<S>, NoChanges<S>> changes;
   FaultCounts faults;
   SliceCounts slices;
 

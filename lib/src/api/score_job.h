@@ -4,6 +4,7 @@
 
 #include "api/parts.h"
 #include "api/report.h"
+#include "calibration/contradiction.h"
 #include "segments/visible_translation.h"
 
 namespace SEGCAL_NS {
@@ -18,7 +19,7 @@ class ScoreJob {
   Segment<S>* begin(const Calibration<S>& theta, bool condense, DeviceParts<S>* d) {
     active_ = true;
     condense_ = condense;
-    judged_ = false;
+    judged_ = contradicts_ = false;
     d->condenser.restart();
     place_ = 0;
     theta_ = theta;
@@ -41,6 +42,10 @@ class ScoreJob {
   /// The scored segment was to go into an epoch; and it told enough for that to be tried.
   bool condenses() const { return condense_; }
   bool judged() const { return judged_; }
+  /// It, or the newest epoch with it, contradicts what was known before.
+  bool contradicts() const { return contradicts_; }
+  /// Not it alone, but all of that epoch.
+  bool contradicts_since_epoch() const { return contradiction_.since_epoch(); }
   /// theta as known when the segment ended.
   const Calibration<S>& theta() const { return theta_; }
   /// The scored segment was kept.
@@ -53,11 +58,12 @@ class ScoreJob {
   void settle(DeviceParts<S>* d, const Segment<S>& segment);
   void publish(DeviceParts<S>* d, ScoreReport<S>* report);
 
-  bool active_ = false, settled_ = false, kept_ = false, condense_ = false, judged_ = false;
+  bool active_ = false, settled_ = false, kept_ = false, condense_ = false, judged_ = false, contradicts_ = false;
   Place place_ = 0, inner_ = 0;
   Calibration<S> theta_;
   LargestEigenvalue<S> largest_;
   CondenseMemory<S> memory_;   ///< lent by the calibrator
+  std::conditional_t<(kEpochs > 0), Contradiction<S>, NoCondenser> contradiction_;
   JointInformation<S> sums_;
 };
 
@@ -142,7 +148,19 @@ bool ScoreJob<S>::condense_step(DeviceParts<S>* d) {
       if (condense_ && settled_) {
         memory_ = d->calibrator.lend_condense_memory(&d->work.eliminator());
         SEGCAL_AWAIT(inner_, d->condenser.step(&d->database.building(), d->options.model, memory_, &d->epochs.newest()));
-        if (!d->condenser.condensed()) ++d->faults.segments_unsettled;
+        if (d->condenser.condensed()) {
+          SEGCAL_PAUSE(inner_);
+          contradiction_.restart();
+          SEGCAL_AWAIT(inner_, contradiction_.step(d->database.building().information, d->epochs, d->database, d->prior(),
+                                                   d->calibrator.theta(), d->work.agreement_scratch()));
+          contradicts_ = contradiction_.found();
+        }
+        if (d->condenser.condensed() && !contradicts_) {
+          d->condenser.take(&d->database.building(), memory_, contradiction_.pull(), &d->epochs.newest());
+        } else {
+          d->condenser.break_chain();
+          ++d->faults.segments_unsettled;
+        }
       }
     }
     SEGCAL_SLICES_END(inner_);

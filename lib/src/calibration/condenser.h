@@ -39,7 +39,7 @@ class Condenser {
   void restart() { place_ = inner_ = 0; }
 
   /// Moves the segment's states and overwrites its information. In slices; true when it is done, and condensed() tells.
-  bool step(Segment<S>* segment, const MeasurementModel<S>& model, const CondenseMemory<S>& m, Epoch<S>* epoch) {
+  bool step(Segment<S>* segment, const MeasurementModel<S>& model, const CondenseMemory<S>& m, const Epoch<S>* epoch) {
     SEGCAL_SLICES(place_) {
       begin(*segment);
       SEGCAL_AWAIT(place_, settle_step(segment, epoch->theta, model, m));
@@ -51,12 +51,25 @@ class Condenser {
       segment->information.n_theta = epoch->columns();
       rows_of(segment).clear();
       SEGCAL_AWAIT(place_, take_rows_step(segment, m));
-      finish(segment, m, epoch);
+      judge(segment, m);
     }
     SEGCAL_SLICES_END(place_);
   }
-  /// The segment is in the epoch.
+  /// The segment's rows can go into the epoch: take() puts them there, and break_chain() forgets them.
   bool condensed() const { return condensed_; }
+
+  /// After step(), with the same arguments; `pull`: the segment's, on what is known with it.
+  void take(Segment<S>* segment, const CondenseMemory<S>& m, const Pull<S>& pull, Epoch<S>* epoch) {
+    epoch->add(rows_of(segment), dof_, pull, segment->session, segment->serial);
+    if (epoch->image_points < 1000000000) epoch->image_points += m.eliminator->counts().image_points;
+    m.chain->hand_on(&left_);
+    end_ = end_of(*segment);
+    last_ = segment->states.x[segment->n_keyframes - 1];
+    // Position is gauge: the chain goes on in the odometry's frame, so that the next segment begins near it. A turn is gauge as
+    // well, but the rows on the left would turn with it.
+    for (int i = 0; i < 3; ++i) place_of_last_[i] = odometry_place_[i];
+    chained_ = so3_log<S>(odometry_.R_GI.transpose() * last_.R_GI).squaredNorm() < S(4 * kMostTurned * kMostTurned);
+  }
 
  private:
   bool joined() const { return guest_.join != Join::none; }
@@ -119,27 +132,18 @@ class Condenser {
     }
   }
 
-  void finish(Segment<S>* segment, const CondenseMemory<S>& m, Epoch<S>* epoch) {
+  void judge(Segment<S>* segment, const CondenseMemory<S>& m) {
     const PackedTriangle<S> rows = rows_of(segment);
     const EliminationCounts& counts = m.eliminator->counts();
-    const S dof = S(counts.residuals - counts.unknowns) + m.eliminator->prior_share();
-    const S rho = rows(epoch->columns(), epoch->columns());
-    condensed_ = dof > S(0) && rho * rho < S(kMostCondensedMisfit) * dof;
-    chained_ = condensed_;
-    if (!condensed_) return;
-    epoch->add(rows, dof, segment->session, segment->serial);
-    if (epoch->image_points < 1000000000) epoch->image_points += counts.image_points;
-    m.chain->hand_on(&left_);
-    end_ = end_of(*segment);
-    last_ = segment->states.x[segment->n_keyframes - 1];
-    // Position is gauge: the chain goes on in the odometry's frame, so that the next segment begins near it. A turn is gauge as
-    // well, but the rows on the left would turn with it.
-    for (int i = 0; i < 3; ++i) place_of_last_[i] = odometry_place_[i];
-    chained_ = so3_log<S>(odometry_.R_GI.transpose() * last_.R_GI).squaredNorm() < S(4 * kMostTurned * kMostTurned);
+    const int n = rows.columns() - 1;
+    dof_ = S(counts.residuals - counts.unknowns) + m.eliminator->prior_share();
+    condensed_ = dof_ > S(0) && rows(n, n) * rows(n, n) < S(kMostCondensedMisfit) * dof_;
+    chained_ = false;
   }
 
   Place place_ = 0, inner_ = 0;
   std::int32_t j_ = 0;
+  S dof_ = S(0);                 ///< of the segment, theta not counted
   bool chained_ = false, condensed_ = false;
   GuestLink<S> guest_;
   State<S> odometry_;            ///< last keyframe as the odometry had it

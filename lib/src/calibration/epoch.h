@@ -5,9 +5,8 @@
 // number: that is an epoch. It cannot be linearised again. A calibration takes epochs beside the segments that can, as it takes
 // its prior, as long as theta stays near theta_0.
 //
-// Folding a segment's n rows lets rho^2 of the triangle grow by what the segment says otherwise than those before it: chi-square with
-// n degrees of freedom if noise is as stated, wherever theta is. The sum of it tells, as scatter.h does of the segments that are
-// kept, by how much sigmas are to be scaled, and what a comparison with other epochs must exceed.
+// By how much its segments disagree about theta is measured as each comes, as scatter.h does of the segments that are kept: from
+// its pull on what was known with it. The sum tells by how much sigmas are to be scaled, and what a comparison with others must exceed.
 #pragma once
 
 #include "calibration/prior.h"
@@ -21,13 +20,18 @@ constexpr int kEpochs = SEGCAL_MAX_EPOCHS;
 /// fell: 0.5 deg, 5 mm) it moved theta by up to ten, at five it is a third of one.
 constexpr double kFarthest = 5;
 
+/// What is left of a segment's pull on theta, and what noise as stated leaves of it (scatter.h).
+template <class S>
+struct Pull {
+  S found = S(0), expected = S(0);
+};
+
 template <class S>
 struct Epoch {
   std::int32_t segments = 0, image_points = 0;
   std::uint32_t first_session = 0, last_session = 0;
   std::uint32_t last_serial = 0;          ///< of its newest segment
-  S between = S(0);                       ///< what segments disagree by about theta: chi-square of between_dof if noise is as stated
-  std::int32_t between_dof = 0;
+  Pull<S> pulls;                          ///< of its segments, each on what was known when it came
   S dof = S(0);                           ///< residuals minus states and landmarks, theta not counted
   Calibration<S> theta;                   ///< theta_0
   SegmentInformation<S> information;      ///< over [theta | rhs]; its own dof is not used
@@ -38,23 +42,23 @@ struct Epoch {
     segments = image_points = 0;
     first_session = last_session = session;
     last_serial = 0;
-    dof = between = S(0);
-    between_dof = 0;
+    dof = S(0);
+    pulls = {};
     theta = at;
     information.n_theta = at.columns();
     information.triangle().clear();
   }
 
   /// Takes the rows of one segment at theta_0: the triangle over [theta | rhs], `residual_dof` for dof.
-  void add(const PackedTriangle<S>& rows, S residual_dof, std::uint32_t session, std::uint32_t serial) {
+  void add(const PackedTriangle<S>& rows, S residual_dof, const Pull<S>& pull, std::uint32_t session, std::uint32_t serial) {
     const int n = columns();
     // Beside what is there already: in a large sum float would lose what one segment adds.
     PackedTriangle<S> T = information.triangle();
     const S before = T(n, n);
     T.row(n)[n] = S(0);
     fold_rows_of(rows, 0, n);
-    between += T(n, n) * T(n, n);
-    between_dof += segments > 0 ? n : 0;
+    pulls.found += pull.found;
+    pulls.expected += pull.expected;
     fold_rows_of(rows, n, n + 1);
     T.row(n)[n] = square_root(before * before + T(n, n) * T(n, n));
     dof += residual_dof;
@@ -76,8 +80,8 @@ struct Epoch {
     segments += other.segments;
     image_points += other.image_points;
     dof += other.dof;
-    between += other.between;
-    between_dof += other.between_dof;
+    pulls.found += other.pulls.found;
+    pulls.expected += other.pulls.expected;
     first_session = other.first_session < first_session ? other.first_session : first_session;
     last_session = other.last_session > last_session ? other.last_session : last_session;
     last_serial = other.last_serial > last_serial ? other.last_serial : last_serial;
@@ -105,7 +109,8 @@ struct Epoch {
     }
   }
 
-  /// Whether theta is where the quadratic holds. `scratch`: packed_size(n + 1) numbers.
+  /// Whether theta is where the quadratic holds. `scratch`: packed_size(n + 1) numbers. Where segments scatter by s times their
+  /// sigmas, theta is sqrt(s) times as far off for the quadratic to lack the same share of that.
   bool holds_at(const Calibration<S>& at, const ThetaPrior<S>& prior, S* scratch) const {
     const int n = columns();
     S offset[kMaxTheta], row[kMaxTheta + 1];
@@ -116,9 +121,11 @@ struct Epoch {
       for (int c = 0; c <= n; ++c) row[c] = c < i ? S(0) : information.R(i, c);
       fold_rows(T, row, 1, n + 1, i, n + 1);
     }
+    const S variance = pulls.expected > S(0) ? pulls.found / pulls.expected : S(1);
+    const S farthest = S(kFarthest) * (variance > S(1) ? square_root(square_root(variance)) : S(1));
     for (int i = 0; i < n; ++i) {
       const S one = S(1);
-      if (absolute(offset[i]) > S(kFarthest) * marginal_sigma(T, n, i, &one, 1, row)) return false;
+      if (absolute(offset[i]) > farthest * marginal_sigma(T, n, i, &one, 1, row)) return false;
     }
     return true;
   }
@@ -176,6 +183,14 @@ class Epochs {
     }
     epoch_[count_].begin(theta, session);
     return epoch_[count_++];
+  }
+  /// An empty one at its place in time, before those whose newest segment came after `serial`.
+  Epoch<S>& insert(const Calibration<S>& theta, std::uint32_t session, std::uint32_t serial) {
+    begin(theta, session);
+    int i = count_ - 1;
+    for (; i > 0 && epoch_[i - 1].last_serial > serial; --i) epoch_[i] = epoch_[i - 1];
+    epoch_[i].begin(theta, session);
+    return epoch_[i];
   }
   void drop(int i) {
     for (--count_; i < count_; ++i) epoch_[i] = epoch_[i + 1];

@@ -24,12 +24,12 @@ class SegmentScatter {
   /// `T`: triangle over [theta | rhs] from all segments and the prior, at its optimum. `scratch`: kScratch numbers. Both must stay.
   SegmentScatter(const PackedTriangle<S>& T, int n, S* scratch) : T_(T), n_(n), scratch_(scratch) {}
 
-  /// Takes a segment's information, linearised at that theta, in slices.
-  bool take_step(const SegmentInformation<S>& information) {
+  /// Takes a segment's information, in slices, linearised at that theta, or with theta `offset` from there (n numbers).
+  bool take_step(const SegmentInformation<S>& information, const S* offset = nullptr) {
     SEGCAL_SLICES(place_) {
       for (int i = 0; i < n_; ++i) pull()[i] = S(0);
       for (i_ = 0; i_ < n_; ++i_) {
-        add_row(information);
+        add_row(information, offset);
         SEGCAL_PAUSE(place_);
       }
       for (int i = 0; i < n_; ++i) found_ += pull()[i] * pull()[i];
@@ -45,6 +45,8 @@ class SegmentScatter {
     found_ += found;
     expected_ += expected;
   }
+  S found() const { return found_; }
+  S expected() const { return expected_; }
   /// Of the pulls that were taken, in units of stated noise; 0 if they tell nothing.
   S variance() const { return expected_ > S(0) ? found_ / expected_ : S(0); }
 
@@ -53,14 +55,16 @@ class SegmentScatter {
   S* pull() { return scratch_ + n_ * n_; }
 
   /// Row i of Y = R T^-1, upper triangular; |Y|^2 = trace(H Sigma) and |Y'd|^2 = g'Sigma g.
-  void add_row(const SegmentInformation<S>& information) {
+  void add_row(const SegmentInformation<S>& information, const S* offset) {
     S* y = row(i_);
+    S left = information.d(i_);
+    for (int c = i_; offset && c < n_; ++c) left -= information.R(i_, c) * offset[c];
     for (int c = 0; c < n_; ++c) {
       S sum = c < i_ ? S(0) : information.R(i_, c);
       for (int k = i_; k < c; ++k) sum -= y[k] * T_(k, c);
       y[c] = c < i_ || T_(c, c) == S(0) ? S(0) : sum / T_(c, c);
       expected_ += y[c] * y[c];
-      pull()[c] += y[c] * information.d(i_);
+      pull()[c] += y[c] * left;
     }
   }
   /// Row i of Y'Y: |Y'Y|^2 = trace(H Sigma H Sigma).

@@ -17,8 +17,10 @@ RecordInfo DeviceRecords::info(std::uint32_t number) const {
   RecordInfo record{};
   const std::uint32_t first_memory = kFirstSegment + static_cast<std::uint32_t>(device_->database().size());
   if (number >= first_memory) {
-    record.type = static_cast<std::uint16_t>(number == first_memory ? RecordType::memory : RecordType::epoch);
-    record.index = static_cast<std::uint16_t>(number == first_memory ? 0 : number - first_memory - 1);
+    constexpr RecordType kType[] = {RecordType::memory, RecordType::changes, RecordType::epoch};
+    const std::uint32_t i = number - first_memory;
+    record.type = static_cast<std::uint16_t>(kType[i < 2 ? i : 2]);
+    record.index = static_cast<std::uint16_t>(i < 2 ? 0 : i - 2);
     return record;
   }
   record.type = static_cast<std::uint16_t>(number < kFirstSegment ? number + 1 : std::uint32_t(RecordType::segment));
@@ -32,6 +34,7 @@ void DeviceRecords::visit(const RecordInfo& record, Fields* fields) {
     case RecordType::numbers: return Stored::numbers(fields, &numbers_);
     case RecordType::results: return Stored::results(fields, device_);
     case RecordType::memory: return Stored::memory(fields, device_);
+    case RecordType::changes: return Stored::changes(fields, device_);
     case RecordType::epoch: return Stored::epoch(fields, device_, record.index);
     default: return Stored::segment(fields, Stored::slot(device_, record.index));
   }
@@ -83,7 +86,7 @@ RecordSink DeviceRecords::sink() {
     DeviceRecords& r = self(context);
     r.record_ = record;
     r.sound_ = true;
-    r.skips_ = record.type > std::uint16_t(kEpochs > 0 ? RecordType::epoch : RecordType::segment) || record.type == 0;
+    r.skips_ = record.type > std::uint16_t(kEpochs > 0 ? RecordType::changes : RecordType::segment) || record.type == kOldEpoch || record.type == 0;
     if (!r.expected(record)) return RecordSink::kNotThis;
     if (record.type == std::uint16_t(RecordType::epoch)) Stored::begin_epoch(r.device_, record.index);
     return SEGCAL_OK;

@@ -7,7 +7,9 @@
 
 namespace SEGCAL_NS {
 
-enum class RecordType : std::uint16_t { identity = 1, numbers = 2, results = 3, segment = 4, memory = 5, epoch = 6 };
+enum class RecordType : std::uint16_t { identity = 1, numbers = 2, results = 3, segment = 4, memory = 5, epoch = 7, changes = 8 };
+/// An epoch in format 1.1, which measured scatter otherwise: passed over.
+constexpr std::uint16_t kOldEpoch = 6;
 
 class DeviceRecords {
  public:
@@ -29,8 +31,8 @@ class DeviceRecords {
 
  private:
   static constexpr std::uint32_t kFirstSegment = 3;   ///< records before it
-  /// Records behind the segments: what is remembered of others, and each epoch.
-  std::uint32_t memories() const { return kEpochs > 0 ? 1 + static_cast<std::uint32_t>(device_->epochs().count()) : 0; }
+  /// Records behind the segments: what is remembered of others, changes, and each epoch.
+  std::uint32_t memories() const { return kEpochs > 0 ? 2 + static_cast<std::uint32_t>(device_->epochs().count()) : 0; }
   static DeviceRecords& self(void* context) { return *static_cast<DeviceRecords*>(context); }
   int nth_kept(std::uint32_t n) const;
   RecordInfo info(std::uint32_t number) const;

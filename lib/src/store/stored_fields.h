@@ -164,13 +164,31 @@ struct StoredFields {
     f->flag(&d->new_epoch_);
     f->number(&d->misfits_);
   }
+  /// The device's changes; likewise.
+  static void changes(Fields* f, Device<S>* d) {
+    if constexpr (kEpochs > 0) {
+      Changes<S>& c = d->d_.changes;
+      f->flag(&c.is_open_);
+      f->count(&c.count_, kChanges);
+      change(f, &c.open_);
+      for (Change<S>& one : c.change_) change(f, &one);
+    }
+  }
+  static void change(Fields* f, Change<S>* c) {
+    f->number(&c->before_session);
+    f->number(&c->after_session);
+    f->number(&c->t_ns);
+    f->count(&c->n, kMaxTheta);
+    f->array(c->step, kMaxTheta);
+    f->array(c->sigma, kMaxTheta);
+  }
   /// Of a build without epochs there is none.
   static void epoch(Fields* f, Device<S>* d, int index) {
     if constexpr (kEpochs > 0) {
       Epoch<S>& e = d->d_.epochs.epoch_[index];
-      for (std::int32_t* v : {&e.segments, &e.image_points, &e.between_dof}) f->number(v);
+      for (std::int32_t* v : {&e.segments, &e.image_points}) f->number(v);
       for (std::uint32_t* v : {&e.first_session, &e.last_session, &e.last_serial}) f->number(v);
-      for (S* v : {&e.between, &e.dof}) f->number(v);
+      for (S* v : {&e.pulls.found, &e.pulls.expected, &e.dof}) f->number(v);
       calibration(f, &e.theta);
       f->number(&e.theta.effects.time_zero_ns);
       f->count(&e.information.n_theta, kMaxTheta);

@@ -1,0 +1,163 @@
+// Segments that contradict what is known, found among those that do not: rows drawn around a known theta.
+#include <memory>
+
+#include "../support/cases.h"
+#include "../support/random.h"
+#include "calibration/contradiction.h"
+
+using namespace SEGCAL_NS;
+using test::Id;
+
+extern "C" void setUp() {}
+extern "C" void tearDown() {}
+
+namespace {
+
+using S = float;
+
+constexpr int kKept = 6;
+constexpr double kRow = 30;   // length of a segment's rows, in units of 1 / (sigma of the prior)
+
+/// A device whose theta is the prior's mean plus `offset` sigmas of it, until it moves.
+struct World {
+  Calibration<S> theta;
+  ThetaPrior<S> prior;
+  Database<S> database;
+  Epochs<S> epochs;
+  Contradiction<S> contradiction;
+  std::unique_ptr<S[]> scratch = std::make_unique<S[]>(Contradiction<S>::kScratch);
+  test::Random random;
+  double truth[kMaxTheta] = {};   // from theta, in sigmas of the prior
+  double noise = 1;
+
+  explicit World(std::uint32_t seed) : random(seed) {
+    theta.n_cameras = 1;
+    prior.mean = theta;
+    default_prior_sigmas(prior.mean, prior.sigma);
+    for (double& t : truth) t = random.normal(0.05);   // as near as a release is
+    database.reset(kKept, Metric::A, Strategy::multi_session, S(0), 1);
+    for (int i = 0; i < kKept; ++i) {
+      database.building().information = segment();
+      database.building().metrics.A = S(1);
+      database.building().metrics.gain = S(1);
+      database.offer();
+    }
+    epochs.begin(theta, 0);
+  }
+  int n() const { return theta.columns(); }
+
+  /// R (theta [-] theta_0) = d with noise; every fifth column is not shown at all.
+  SegmentInformation<S> segment() {
+    SegmentInformation<S> s;
+    s.n_theta = n();
+    s.dof = 1000;
+    PackedTriangle<S> T = s.triangle();
+    T.clear();
+    for (int i = 0; i < n(); ++i) {
+      double d = random.normal(noise);
+      for (int c = i; c < n(); ++c) {
+        const double r = (i % 5 == 4 || c % 5 == 4) ? 0 : c == i ? kRow : random.normal(0.2 * kRow);
+        d += r * truth[c];
+        T.row(i)[c] = static_cast<S>(r / static_cast<double>(prior.sigma[c]));
+      }
+      T.row(i)[n()] = static_cast<S>(d);
+    }
+    return s;
+  }
+  bool contradicts(SegmentInformation<S>* s) {
+    contradiction.restart();
+    while (!contradiction.step(*s, epochs, database, prior, theta, scratch.get())) {
+    }
+    return contradiction.found();
+  }
+  void take(SegmentInformation<S>* s) { epochs.newest().add(s->triangle(), 1000, contradiction.pull(), 0, 1); }
+};
+
+/// 100 devices that go on for 30 segments: 3000 pairs of comparisons at 1e-4 each make 0.6 false alarms; five would be one in 3000.
+void test_false_alarms_are_as_rare_as_stated() {
+  int alarms = 0;
+  for (std::uint32_t seed = 0; seed < 100; ++seed) {
+    const auto w = std::make_unique<World>(seed);
+    for (int k = 0; k < 30; ++k) {
+      SegmentInformation<S> s = w->segment();
+      alarms += w->contradicts(&s) ? 1 : 0;
+      w->take(&s);
+    }
+  }
+  test::check_between(Id(), "false alarms", 0, alarms, 4);
+}
+
+/// A step that a segment shows with 9 of its sigmas adds about 80 to chi-square of 26 degrees: limit 59. Found at once, as this
+/// moment's where the epoch has segments from before.
+void test_a_large_step_is_found_at_once() {
+  int found = 0, now = 0;
+  for (std::uint32_t seed = 0; seed < 50; ++seed) {
+    const auto w = std::make_unique<World>(seed);
+    for (int k = 0; k < 6; ++k) {
+      SegmentInformation<S> s = w->segment();
+      w->contradicts(&s);
+      w->take(&s);
+    }
+    w->truth[0] += 9 / kRow;
+    SegmentInformation<S> s = w->segment();
+    found += w->contradicts(&s) ? 1 : 0;
+    now += w->contradiction.since_epoch() ? 0 : 1;
+  }
+  test::check_between(Id(), "found of 50", 42, found, 50);   // normal: 2.5 sigmas above the limit's noise, nine in ten
+  test::check_between(Id(), "dated to the segment", 48, now, 50);
+}
+
+/// A step of half that size shows in no segment alone; an epoch that began after it adds up.
+void test_a_small_step_is_found_by_the_epoch() {
+  int alone = 0, together = 0, since = 0;
+  for (std::uint32_t seed = 0; seed < 50; ++seed) {
+    const auto w = std::make_unique<World>(seed);
+    w->truth[0] += 4.5 / kRow;
+    for (int k = 0; k < 8; ++k) {
+      SegmentInformation<S> s = w->segment();
+      const bool found = w->contradicts(&s);
+      alone += found && k == 0 ? 1 : 0;
+      if (found) {
+        ++together;
+        since += w->contradiction.since_epoch() ? 1 : 0;
+        break;
+      }
+      w->take(&s);
+    }
+  }
+  test::check_between(Id(), "found at once", 0, alone, 15);
+  test::check_between(Id(), "found within eight", 40, together, 50);
+  test::check_between(Id(), "dated to the epoch's beginning", 0.9 * together, since, together);
+}
+
+/// What segments disagree by is measured as they come: the same units as in scatter.h.
+void test_pulls_tell_the_noise() {
+  for (const double noise : {1.0, 3.0}) {
+    double found = 0, expected = 0;
+    for (std::uint32_t seed = 0; seed < 20; ++seed) {
+      const auto w = std::make_unique<World>(seed);
+      w->noise = noise;
+      for (int k = 0; k < 20; ++k) {
+        SegmentInformation<S> s = w->segment();
+        w->contradicts(&s);
+        w->take(&s);
+      }
+      found += static_cast<double>(w->epochs.newest().pulls.found);
+      expected += static_cast<double>(w->epochs.newest().pulls.expected);
+    }
+    // What the kept segments said keeps its noise of 1; and chi-square of 600 degrees or so scatters by 6 %.
+    test::check_between(Id().add("noise", noise), "variance found", 0.8 * noise * noise, found / expected, 1.2 * noise * noise);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  test::select_cases(argc, argv);
+  UNITY_BEGIN();
+  RUN_TEST(test_false_alarms_are_as_rare_as_stated);
+  RUN_TEST(test_a_large_step_is_found_at_once);
+  RUN_TEST(test_a_small_step_is_found_by_the_epoch);
+  RUN_TEST(test_pulls_tell_the_noise);
+  return UNITY_END();
+}
