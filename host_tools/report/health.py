@@ -60,7 +60,7 @@ def suspect_sentences(result):
 
 
 def note_sentences(result):
-    for note in (result.get("health") or {}).get("notes") or []:
+    for note in [*((result.get("health") or {}).get("notes") or []), *(result.get("changes") or [])]:
         text = str(note.get("words") or "")
         if text and text not in (result.get("cause") or ""):
             yield f"Note: {text.rstrip('.')}."

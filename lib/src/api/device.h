@@ -145,7 +145,7 @@ class Device {
   void count_misfits();
   void suspect_change();
   void collect_anew();
-  bool undecided() const;
+  bool undecided();
   bool worth_a_calibration();
   Segment<S>& open_slot() { return score_.active() ? *spare_ : d_.database.building(); }
   Calibration<S> working_theta() const;

@@ -129,8 +129,8 @@ void Device<S>::suspect_change() {
 
 /// What came since contradicts what was known, and is not enough to tell which is right: what was released stays.
 template <class S>
-bool Device<S>::undecided() const {
-  return d_.changes.open() && !d_.database.full();
+bool Device<S>::undecided() {
+  return d_.changes.open() && !knows_enough(&d_);
 }
 
 /// What the kept segments say becomes an epoch, and the database is free for segments that can be linearised again: the next

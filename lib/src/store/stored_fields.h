@@ -272,6 +272,7 @@ struct StoredFields {
     d->own_odometry_ = n.own_odometry;
     d->calibrated_ = n.calibrated;
     d->condensing_ = d->condensing_ && d->d_.options.condense;   // who restores may have switched it off
+    if (!d->d_.options.condense) d->d_.changes.close();
     const std::int64_t zero = d->theta_.effects.time_zero_ns;
     d->d_.options.prior.mean.effects.time_zero_ns = d->report_.theta.effects.time_zero_ns = zero;
     d->report_.release.theta.effects.time_zero_ns = zero;
