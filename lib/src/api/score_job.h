@@ -150,6 +150,7 @@ bool ScoreJob<S>::condense_step(DeviceParts<S>* d) {
         SEGCAL_AWAIT(inner_, d->condenser.step(&d->database.building(), d->options.model, memory_, &d->epochs.newest()));
         if (d->condenser.condensed()) {
           SEGCAL_PAUSE(inner_);
+          static_assert(Contradiction<S>::kScratch <= Agreement<S>::kScratch, "the triangle is too small for the comparison");
           contradiction_.restart();
           SEGCAL_AWAIT(inner_, contradiction_.step(d->database.building().information, d->epochs, d->database, d->prior(),
                                                    d->calibrator.theta(), d->work.agreement_scratch()));

@@ -50,7 +50,6 @@ class Contradiction {
       }
       own.clear();
       fold(E.information, E.theta, E.theta, &own);
-      own.row(own.columns() - 1)[own.columns() - 1] = S(0);
       fold(rows, E.theta, E.theta, &own);
       among_ = left_over(own);
       SEGCAL_PAUSE(place_);
@@ -95,11 +94,8 @@ class Contradiction {
   void measure_pull(const SegmentInformation<S>& rows, const PackedTriangle<S>& known, S* scratch) {
     const int n = rows.n_theta;
     S theta[kMaxTheta];
-    for (int i = n - 1; i >= 0; --i) {
-      theta[i] = known(i, n);
-      for (int c = i + 1; c < n; ++c) theta[i] -= known(i, c) * theta[c];
-      theta[i] /= known(i, i);   // the prior's is in it
-    }
+    for (int i = 0; i < n; ++i) theta[i] = known(i, n);
+    back_substitute(known, n, theta);
     SegmentScatter<S> scatter(known, n, scratch);
     while (!scatter.take_step(rows, theta)) {
     }
