@@ -106,11 +106,12 @@ template <class S>
 void Device<S>::count_misfits() {
   if (!score_.judged()) return;
   if constexpr (kEpochs > 0) misfits_ = d_.condenser.condensed() ? 0 : misfits_ + 1;
-  if (score_.contradicts()) suspect_change();
-  if (score_.contradicts() || misfits_ >= kMostMisfits) collect_anew();
+  if (!score_.contradicts() && misfits_ < kMostMisfits) return;
+  suspect_change();
+  collect_anew();
 }
 
-/// Between the newest segment of what the contradiction is with, and this one.
+/// Between the newest segment of what the contradiction is with, and this one. Of segments that did not fit that is the third.
 template <class S>
 void Device<S>::suspect_change() {
   if constexpr (kEpochs > 0) {
@@ -118,7 +119,7 @@ void Device<S>::suspect_change() {
     for (int i = 0; i < Database<S>::kSlots; ++i) {
       if (d_.database.kept(i) && d_.database.slot(i).session > before) before = d_.database.slot(i).session;
     }
-    const int known = d_.epochs.count() - (score_.contradicts_since_epoch() ? 1 : 0);
+    const int known = d_.epochs.count() - (score_.contradicts() && score_.contradicts_since_epoch() ? 1 : 0);
     for (int i = 0; i < known; ++i) {
       const Epoch<S>& e = d_.epochs.epoch(i);
       if (e.segments > 0 && e.last_session > before) before = e.last_session;

@@ -64,8 +64,9 @@ class Contradiction {
     SEGCAL_SLICES_END(place_);
   }
   bool found() const { return found_; }
-  /// It is rather the whole newest epoch than this segment.
-  bool since_epoch() const { return both_ - among_ >= both_ - epoch_; }
+  /// It is rather the whole newest epoch than this segment. Of an epoch that agrees with K and is worth as much as the segment, the
+  /// second comparison has less than half of the first; of one that does not, or says little, more.
+  bool since_epoch() const { return both_ - among_ >= S(0.5) * (both_ - epoch_); }
   /// The segment's, on all that is known with it.
   const Pull<S>& pull() const { return pull_; }
 
