@@ -65,7 +65,7 @@ struct World {
     return s;
   }
   bool contradicts(SegmentInformation<S>* s) {
-    contradiction.restart();
+    contradiction.begin(S(1));
     while (!contradiction.step(*s, epochs, database, prior, theta, scratch.get())) {
     }
     return contradiction.found();

@@ -54,8 +54,8 @@ std::string change_words(const CoreChange& c, const std::vector<std::string>& na
   std::snprintf(line, sizeof line, ", %.1f s on the IMU's clock", 1e-9 * static_cast<double>(c.t_ns));
   const std::string when = c.before_session == c.after_session ? "within session " + after + line : "between session " + before + " and " + after;
   if (c.open) {
-    return "segments contradict what was known (" + when + "): the device may have changed; the calibration from before stays until as many "
-           "segments have come as the database holds";
+    return "segments contradict what was known (noticed " + when + "): the device may have changed, and too few have come since to tell. "
+           "Go on with lively motion, as for a first calibration";
   }
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < c.step.size() && i < names.size(); ++i) order.push_back(i);

@@ -53,6 +53,8 @@ class Review {
     if (fitted) judge_fit();
     find_notes();
     if (out_.result.status == "calibrated" && out_.kept.size() == 1 && out_.result.epochs.empty()) refuse("insufficient", kOneSegment);
+    const bool open = !out_.result.changes.empty() && out_.result.changes.back().open;
+    if (out_.result.status == "calibrated" && open) refuse("insufficient", change_words(out_.result.changes.back(), {}));
     if (out_.result.status != "calibrated" && out_.cause.empty()) out_.cause = reason();
   }
 

@@ -12,7 +12,8 @@ namespace host::review {
 ///  - the step from the start is one that the prior does not allow (chi-square, p < 1e-6),
 ///  - an effect that the model lacks would move a released value by more than three of its sigmas (missing_effects.h),
 ///  - fewer than half of the parameters are observed with the widened sigmas,
-///  - one segment alone is kept: nothing says whether its residuals are independent.
+///  - one segment alone is kept: nothing says whether its residuals are independent,
+///  - the newest segments contradict the others, and are too few to decide what is right (calibration/changes.h).
 void review(const std::vector<Recording>& sessions, const CoreOptions& options, Core& core, ReplayResult* result);
 
 }  // namespace host::review

@@ -203,7 +203,8 @@ typedef struct {
      background keeps, the result does not depend on when it worked. */
   int32_t calibration_window;
   /* 1: segments that end once a calibration was released are condensed into epochs (SEGCAL_MAX_EPOCHS; a build without any refuses
-     1): the database stays as it is, and nothing that was seen is lost. 0: they compete for a place in the database. */
+     1): the database stays as it is, and nothing that was seen is lost, until segments contradict what is known (segcal_get_change;
+     needs two kept segments). 0: they compete for a place in the database. */
   int32_t condense;
 } segcal_config_t;
 
@@ -436,7 +437,8 @@ int segcal_work_when_due(segcal_t *device, int32_t on);
 /* How far the background is. */
 int segcal_progress(const segcal_t *device, segcal_progress_t *out);
 /* A calibration from the kept segments, in the background: it begins when the next segment that ends has been scored, or in
-   segcal_flush, and takes effect as one that the device begins of its own. With joint_filter: in segcal_flush only. */
+   segcal_flush, and takes effect as one that the device begins of its own. With joint_filter: in segcal_flush only. Let go where
+   segcal_calibrate does nothing. */
 int segcal_request_calibration(segcal_t *device);
 /* Ends the open segment now, scores it, and finishes all work that is pending, a calibration that was asked for included. Seconds of
    work on a microcontroller. */
@@ -449,8 +451,8 @@ int segcal_flush_slices(segcal_t *device, int32_t slices);
 /* Ends the session: as segcal_flush, then the filter starts again; the database is emptied if single session. */
 int segcal_new_session(segcal_t *device);
 /* Calibrates from the kept segments, at once: seconds of work on a microcontroller. Only a result that is `calibrated` moves theta and
-   the filter. With none kept the
-   result is `insufficient`, and every direction is named as not excited. With joint_filter: takes what the filter knows at
+   the filter. While a change is open and too few segments have come to decide (segcal_get_change): nothing, the last result stays. With
+   none kept the result is `insufficient`, and every direction is named as not excited. With joint_filter: takes what the filter knows at
    this moment; a new session goes on from it, with all of its information. */
 int segcal_calibrate(segcal_t *device);
 

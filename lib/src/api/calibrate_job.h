@@ -65,6 +65,7 @@ class CalibrateJob {
     d->faults.segments_outdated += static_cast<std::uint32_t>(d->epochs.epoch(i).segments);
     d->epochs.drop(i);
   }
+  static int newest_epoch(DeviceParts<S>* d);
   void compare_next(DeviceParts<S>* d);
   void take_verdict(DeviceParts<S>* d);
   void begin_agreement(DeviceParts<S>* d);
@@ -163,7 +164,7 @@ bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
     dropped_ = false;
     if (n_ + d->epochs.count() >= 3 && d->calibrator.fit().converged && d->options.outdated_level > S(0)) {
       begin_agreement(d);
-      epoch_ = d->epochs.count() - 1;
+      epoch_ = newest_epoch(d);
       for (i_ = n_ - 1; i_ >= 0 || epoch_ >= 0; compares_epoch_ ? --epoch_ : --i_) {
         compare_next(d);
         SEGCAL_AWAIT(inner_, agreement_.take_step(compares_epoch_ ? *d->work.moved() : segment_[i_]->information));
@@ -172,6 +173,13 @@ bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
     }
   }
   SEGCAL_SLICES_END(inner_);
+}
+
+/// Place of the newest epoch that says anything: one may have just begun.
+template <class S>
+int CalibrateJob<S>::newest_epoch(DeviceParts<S>* d) {
+  if constexpr (kEpochs > 0) return d->epochs.count() - (d->epochs.count() > 0 && d->epochs.newest().segments == 0 ? 2 : 1);
+  return -1;
 }
 
 /// Of segment i_ and epoch_, the newer one is next.

@@ -22,6 +22,8 @@ enum class Taken : std::int32_t { ok, waiting, skipped, tracking, lost, not_fini
 constexpr int kFewestTracks = 8;
 /// So many segments in a row that do not fit into an epoch are no accident.
 constexpr int kMostMisfits = 3;
+/// Segments scored while a change is open, over those that the database holds, until a calibration decides with what there is.
+constexpr int kMostUndecided = 3;
 
 template <class S>
 struct StoredFields;   // store/stored_fields.h
@@ -143,9 +145,8 @@ class Device {
   void set_condensing();
   void forget_epochs();
   void count_misfits();
-  void suspect_change();
-  void collect_anew();
   bool undecided();
+  bool waited_enough() const { return d_.changes.open() && open_segments_ >= kMostUndecided * d_.database.capacity(); }
   bool worth_a_calibration();
   Segment<S>& open_slot() { return score_.active() ? *spare_ : d_.database.building(); }
   Calibration<S> working_theta() const;
@@ -189,6 +190,8 @@ class Device {
   std::uint32_t session_, serial_, frame_, crowded_out_;
   std::int32_t window_;          ///< > 0: segment ends until a calibration takes effect, if it is done then
   std::int32_t misfits_;         ///< segments in a row that could not be condensed
+  std::int32_t made_from_;       ///< segments, kept and condensed, that the last calibration was made from
+  std::int32_t open_segments_;   ///< scored while a change was open
   std::int32_t thinned_;         ///< how often the open segment was
   std::int32_t stamp_shift_ns_;  ///< from stamps of frames to the IMU's clock, as known: for frames that come from now on
   bool has_state_, has_imu_, has_frame_, has_offered_, has_next_keyframe_;

@@ -96,7 +96,8 @@ void Device<S>::hand_over() {
       if (condensing_ && new_epoch_) d_.epochs.begin(theta_, session_);
     }
     new_epoch_ = new_epoch_ && !condensing_;
-    spare_ = score_.begin(working_theta(), condensing_, &d_);
+    const S scale = report_.release.noise_scale;
+    spare_ = score_.begin(working_theta(), {condensing_, misfits_ + 1 >= kMostMisfits, scale * scale}, &d_);
     return;
   }
   ++d_.faults.segments_missed;

@@ -34,7 +34,7 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   last_use_ = StreamCounts();
   calibrated_ = knew_enough_ = own_odometry_ = condensing_ = at_once_ = wanted_ = wanted_then_ = false;
   new_epoch_ = true;
-  misfits_ = 0;
+  misfits_ = made_from_ = open_segments_ = 0;
   d_.epochs.clear();
   d_.changes.clear();
   d_.condenser.break_chain();

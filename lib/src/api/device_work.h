@@ -34,6 +34,7 @@ void Device<S>::end_score() {
   builder().move_to(&d_.database.building());
   if (d_.options.joint_filter) return;   // segments of the caller's own odometry are scored, no more
   if (score_.condenses()) count_misfits();
+  open_segments_ = d_.changes.open() ? open_segments_ + 1 : 0;
   const bool enough = worth_a_calibration();
   knew_enough_ = knew_enough_ || enough;
   wanted_then_ = wanted_then_ && !undecided();
@@ -52,12 +53,10 @@ void Device<S>::begin_calibration(const Calibration<S>& theta) {
 /// have halved: three times as many as it was made from.
 template <class S>
 bool Device<S>::worth_a_calibration() {
+  if (waited_enough()) return true;
+  if (score_.emptied()) return false;
   if (!score_.condenses()) return score_.kept() && !knew_enough_ && knows_enough(&d_);
-  if (!condensing_) return false;   // the database has just been emptied
-  if constexpr (kEpochs > 0) {
-    const int condensed = d_.epochs.newest().segments;
-    return condensed >= 3 * (d_.epochs.segments() - condensed + d_.database.size());
-  }
+  if constexpr (kEpochs > 0) return d_.epochs.segments() + d_.database.size() >= 4 * made_from_;
   return false;
 }
 
@@ -74,7 +73,9 @@ void Device<S>::publish_calibration() {
   while (calibration_.working()) step();
   const bool dropped = calibration_.publish(&d_, &report_);
   if constexpr (kEpochs > 0) {
-    if (report_.release.status == Status::calibrated) d_.changes.decide(theta_, report_.release.theta, report_.release.sigma);
+    made_from_ = d_.epochs.segments() + d_.database.size();
+    if (dropped && report_.release.status == Status::calibrated) d_.changes.decide(theta_, report_.release.theta, report_.release.sigma);
+    d_.changes.close();   // nothing was dropped: a false alarm; not calibrated: that is what the result says now
   }
   ++d_.faults.calibrations_published;
   calibrated_ = true;
@@ -88,7 +89,8 @@ void Device<S>::publish_calibration() {
 template <class S>
 void Device<S>::set_condensing() {
   if (report_.release.status == Status::failed) forget_epochs();
-  condensing_ = kEpochs > 0 && d_.options.condense && report_.release.status == Status::calibrated && knows_enough(&d_);
+  condensing_ = kEpochs > 0 && d_.options.condense && report_.release.status == Status::calibrated &&
+                (d_.epochs.count() > 0 || knows_enough(&d_));
   new_epoch_ = true;
   misfits_ = 0;
   d_.condenser.break_chain();
@@ -101,56 +103,25 @@ void Device<S>::forget_epochs() {
   d_.changes.close();
 }
 
-/// Where a segment contradicts what is known, or one after the other fits no longer, theta may be another than epochs were made at.
+/// Where a segment contradicts what is known, or one after the other fits no longer, theta may be another than epochs were made at:
+/// the database collects anew.
 template <class S>
 void Device<S>::count_misfits() {
-  if (!score_.judged()) return;
-  if constexpr (kEpochs > 0) misfits_ = d_.condenser.condensed() ? 0 : misfits_ + 1;
-  if (!score_.contradicts() && misfits_ < kMostMisfits) return;
-  suspect_change();
-  collect_anew();
-}
-
-/// Between the newest segment of what the contradiction is with, and this one. Of segments that did not fit that is the third.
-template <class S>
-void Device<S>::suspect_change() {
   if constexpr (kEpochs > 0) {
-    std::uint32_t before = 0;
-    for (int i = 0; i < Database<S>::kSlots; ++i) {
-      if (d_.database.kept(i) && d_.database.slot(i).session > before) before = d_.database.slot(i).session;
-    }
-    const int known = d_.epochs.count() - (score_.contradicts() && score_.contradicts_since_epoch() ? 1 : 0);
-    for (int i = 0; i < known; ++i) {
-      const Epoch<S>& e = d_.epochs.epoch(i);
-      if (e.segments > 0 && e.last_session > before) before = e.last_session;
-    }
-    d_.changes.open(before, scored_.segment.session, scored_.segment.start_ns, report_.release.sigma, theta_.columns());
+    if (!score_.judged()) return;
+    misfits_ = d_.condenser.condensed() ? 0 : misfits_ + 1;
+    if (!score_.emptied()) return;
+    misfits_ = 0;
+    condensing_ = knew_enough_ = false;
+    d_.changes.open(score_.session_before(), scored_.segment.session, scored_.segment.start_ns, report_.release.sigma, theta_.columns());
   }
 }
 
-/// What came since contradicts what was known, and is not enough to tell which is right: what was released stays.
+/// What came since contradicts what was known, and is not enough to tell which is right: what was released stays. Where the motion is
+/// too dull for the database to fill, that ends after three times as many segments.
 template <class S>
 bool Device<S>::undecided() {
-  return d_.changes.open() && !knows_enough(&d_);
-}
-
-/// What the kept segments say becomes an epoch, and the database is free for segments that can be linearised again: the next
-/// calibration compares them with all epochs, and drops what they contradict (agreement.h).
-template <class S>
-void Device<S>::collect_anew() {
-  misfits_ = 0;
-  condensing_ = knew_enough_ = false;
-  d_.condenser.break_chain();
-  if constexpr (kEpochs > 0) {
-    Segment<S>* segments[kMaxSegments];
-    const int n = d_.database.in_order(segments);
-    if (n == 0) return;
-    Epoch<S>& epoch = d_.epochs.insert(report_.theta, segments[0]->session, segments[n - 1]->serial);
-    for (int i = 0; i < n; ++i) {
-      epoch.add(segments[i]->information.triangle(), S(segments[i]->information.dof), {}, segments[i]->session, segments[i]->serial);
-      d_.database.drop(static_cast<int>(segments[i] - &d_.database.slot(0)));
-    }
-  }
+  return d_.changes.open() && !waited_enough() && !knows_enough(&d_);
 }
 
 /// The same at any moment: where the shift of stamps changes, the open segment begins anew.

@@ -4,10 +4,18 @@
 
 #include "api/parts.h"
 #include "api/report.h"
-#include "calibration/contradiction.h"
+#include "calibration/kept_epoch.h"
 #include "segments/visible_translation.h"
 
 namespace SEGCAL_NS {
+
+/// What becomes of the segment.
+template <class S>
+struct Condensing {
+  bool on = false;            ///< it goes into the newest epoch, not into the database
+  bool last_chance = false;   ///< if it cannot, as those before it, the database is emptied
+  S variance = S(1);          ///< of what is known, over that of stated noise
+};
 
 template <class S>
 class ScoreJob {
@@ -15,11 +23,10 @@ class ScoreJob {
   void reset() { active_ = false; }
   bool active() const { return active_; }
   /// Of the segment in the building slot, at `theta`. Returns where the next segment is built until this is done.
-  /// `condense`: it goes into the newest epoch, not into the database.
-  Segment<S>* begin(const Calibration<S>& theta, bool condense, DeviceParts<S>* d) {
+  Segment<S>* begin(const Calibration<S>& theta, const Condensing<S>& condensing, DeviceParts<S>* d) {
     active_ = true;
-    condense_ = condense;
-    judged_ = contradicts_ = false;
+    condensing_ = condensing;
+    judged_ = emptied_ = false;
     d->condenser.restart();
     place_ = 0;
     theta_ = theta;
@@ -40,12 +47,12 @@ class ScoreJob {
     active_ = false;
   }
   /// The scored segment was to go into an epoch; and it told enough for that to be tried.
-  bool condenses() const { return condense_; }
+  bool condenses() const { return condensing_.on; }
   bool judged() const { return judged_; }
-  /// It, or the newest epoch with it, contradicts what was known before.
-  bool contradicts() const { return contradicts_; }
-  /// Not it alone, but all of that epoch.
-  bool contradicts_since_epoch() const { return contradiction_.since_epoch(); }
+  /// It contradicts what is known, or fits as little as those before it: what the kept segments said is an epoch now.
+  bool emptied() const { return emptied_; }
+  /// Then: of the newest segment of what it contradicts.
+  std::uint32_t session_before() const { return session_before_; }
   /// theta as known when the segment ended.
   const Calibration<S>& theta() const { return theta_; }
   /// The scored segment was kept.
@@ -54,16 +61,24 @@ class ScoreJob {
  private:
   bool score_step(DeviceParts<S>* d, ScoreReport<S>* report);
   bool condense_step(DeviceParts<S>* d);
+  bool empty_step(DeviceParts<S>* d);
+  void begin_emptying(DeviceParts<S>* d);
   bool analyse_segment_step(DeviceParts<S>* d, Segment<S>* segment);
   void settle(DeviceParts<S>* d, const Segment<S>& segment);
   void publish(DeviceParts<S>* d, ScoreReport<S>* report);
 
-  bool active_ = false, settled_ = false, kept_ = false, condense_ = false, judged_ = false, contradicts_ = false;
-  Place place_ = 0, inner_ = 0;
+  bool active_ = false, settled_ = false, kept_ = false, judged_ = false, emptied_ = false;
+  Condensing<S> condensing_;
+  Place place_ = 0, inner_ = 0, empty_place_ = 0;
+  std::uint32_t session_before_ = 0;
   Calibration<S> theta_;
   LargestEigenvalue<S> largest_;
   CondenseMemory<S> memory_;   ///< lent by the calibrator
   std::conditional_t<(kEpochs > 0), Contradiction<S>, NoCondenser> contradiction_;
+  std::conditional_t<(kEpochs > 0), KeptEpoch<S>, NoCondenser> kept_epoch_;
+  Segment<S>* kept_segment_[kEpochs > 0 ? kMaxSegments : 1];   ///< while the database is emptied
+  std::int32_t n_kept_ = 0;
+  Epoch<S>* epoch_of_kept_ = nullptr;
   JointInformation<S> sums_;
 };
 
@@ -89,7 +104,7 @@ bool ScoreJob<S>::score_step(DeviceParts<S>* d, ScoreReport<S>* report) {
       SEGCAL_PAUSE(place_);
       SEGCAL_AWAIT(place_, analyse_segment_step(d, &segment));
       sums_ = d->work.sums(d->prior().sigma, theta_.columns());
-      if (settled_ && !condense_) {
+      if (settled_ && !condensing_.on) {
         SEGCAL_AWAIT(place_, d->database.compare_step(&sums_));
         SEGCAL_PAUSE(place_);
       }
@@ -133,7 +148,7 @@ void ScoreJob<S>::settle(DeviceParts<S>* d, const Segment<S>& segment) {
 template <class S>
 void ScoreJob<S>::publish(DeviceParts<S>* d, ScoreReport<S>* report) {
   report->segment = summary_of(d->database.building());
-  kept_ = settled_ && !condense_ && d->database.offer_compared(&sums_);
+  kept_ = settled_ && !condensing_.on && d->database.offer_compared(&sums_);
   report->segment.kept = kept_;
   report->directions.copy(d->work.analysis());
 }
@@ -143,30 +158,68 @@ template <class S>
 bool ScoreJob<S>::condense_step(DeviceParts<S>* d) {
   if constexpr (kEpochs > 0) {
     SEGCAL_SLICES(inner_) {
-      judged_ = condense_;
-      if (condense_ && !settled_) d->condenser.break_chain();
-      if (condense_ && settled_) {
+      judged_ = condensing_.on;
+      empty_place_ = 0;
+      contradiction_.begin(condensing_.variance);
+      if (condensing_.on && settled_) {
         memory_ = d->calibrator.lend_condense_memory(&d->work.eliminator());
         SEGCAL_AWAIT(inner_, d->condenser.step(&d->database.building(), d->options.model, memory_, &d->epochs.newest()));
+        SEGCAL_PAUSE(inner_);
         if (d->condenser.condensed()) {
-          SEGCAL_PAUSE(inner_);
-          static_assert(Contradiction<S>::kScratch <= Agreement<S>::kScratch, "the triangle is too small for the comparison");
-          contradiction_.restart();
           SEGCAL_AWAIT(inner_, contradiction_.step(d->database.building().information, d->epochs, d->database, d->prior(),
                                                    d->calibrator.theta(), d->work.agreement_scratch()));
-          contradicts_ = contradiction_.found();
+          SEGCAL_PAUSE(inner_);
         }
-        if (d->condenser.condensed() && !contradicts_) {
+        if (d->condenser.condensed() && !contradiction_.found()) {
           d->condenser.take(&d->database.building(), memory_, contradiction_.pull(), &d->epochs.newest());
         } else {
           d->condenser.break_chain();
           ++d->faults.segments_unsettled;
+          emptied_ = contradiction_.found() || condensing_.last_chance;
         }
+      } else if (condensing_.on) {
+        d->condenser.break_chain();
+        emptied_ = condensing_.last_chance;
+      }
+      if (emptied_) {
+        begin_emptying(d);
+        SEGCAL_AWAIT(inner_, empty_step(d));
       }
     }
     SEGCAL_SLICES_END(inner_);
   }
   return true;
+}
+
+/// Since when, and where to. A misfit contradicts all that is known.
+template <class S>
+void ScoreJob<S>::begin_emptying(DeviceParts<S>* d) {
+  session_before_ = 0;
+  const int known = d->epochs.count() - (contradiction_.found() && contradiction_.since_epoch() ? 1 : 0);
+  for (int i = 0; i < known; ++i) {
+    const Epoch<S>& e = d->epochs.epoch(i);
+    if (e.segments > 0 && e.last_session > session_before_) session_before_ = e.last_session;
+  }
+  n_kept_ = d->database.in_order(kept_segment_);
+  if (n_kept_ == 0) return;
+  const Segment<S>& newest = *kept_segment_[n_kept_ - 1];
+  if (newest.session > session_before_) session_before_ = newest.session;
+  epoch_of_kept_ = &d->epochs.insert(d->calibrator.theta(), kept_segment_[0]->session, newest.serial);
+}
+
+/// What the kept segments say becomes an epoch, and the database is free for segments that can be linearised again: the next
+/// calibration compares them with all epochs, and drops what they contradict (agreement.h).
+template <class S>
+bool ScoreJob<S>::empty_step(DeviceParts<S>* d) {
+  SEGCAL_SLICES(empty_place_) {
+    SEGCAL_PAUSE(empty_place_);
+    if (n_kept_ > 0) {
+      kept_epoch_.restart();
+      SEGCAL_AWAIT(empty_place_, kept_epoch_.step(kept_segment_, n_kept_, d->prior(), epoch_of_kept_, d->work.agreement_scratch()));
+      for (int i = 0; i < n_kept_; ++i) d->database.drop(static_cast<int>(kept_segment_[i] - &d->database.slot(0)));
+    }
+  }
+  SEGCAL_SLICES_END(empty_place_);
 }
 
 }  // namespace SEGCAL_NS

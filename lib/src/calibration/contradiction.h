@@ -4,8 +4,9 @@
 // Known are the prior, the kept segments (each alone) and older epochs, K; the newest epoch, E; and the segment says s; all moved to
 // E's theta_0. Folding rows into a triangle leaves over what they say otherwise than those before (epoch.h):
 //   s after K and E     a change at this moment
-//   E and s after K, less what the two leave over among themselves: a change when E began, of which no segment is sure alone.
-// Each is chi-square with n degrees of freedom if theta is the same, times what segments that agreed left over: F (agreement.h).
+//   what E and s leave over after K, less what s leaves over after E: a change when E began, of which no segment is sure alone.
+// Each is chi-square with n degrees of freedom if theta is the same, times what segments that agreed left over: F (agreement.h). That mean
+// counts directions that no segment shows, where all agree, so it is taken to be at least the variance that sigmas are scaled for.
 #pragma once
 
 #include "calibration/epoch.h"
@@ -19,12 +20,43 @@ namespace SEGCAL_NS {
 /// not found at once has moved an epoch by a fraction of what the limit allows.
 constexpr double kFalseAlarm = 1e-4;
 
+/// Folds rows over theta into a triangle, moved from where they are linearised; without what they leave over themselves.
+template <class S>
+void fold_moved(const SegmentInformation<S>& rows, const Calibration<S>& from, const Calibration<S>& to, PackedTriangle<S>* T) {
+  const int n = rows.n_theta;
+  S offset[kMaxTheta], row[kMaxTheta + 1];
+  difference(from, to, offset);
+  for (int i = 0; i < n; ++i) {
+    for (int c = 0; c <= n; ++c) row[c] = c < i ? S(0) : rows.R(i, c);
+    for (int c = i; c < n; ++c) row[n] -= row[c] * offset[c];
+    fold_rows(*T, row, 1, n + 1, i, n + 1);
+  }
+}
+
+/// What a segment's rows pull at the optimum of `known`, which has them in it and the prior. `scratch`: SegmentScatter's.
+template <class S>
+Pull<S> pull_on(const SegmentInformation<S>& rows, const PackedTriangle<S>& known, S* scratch) {
+  const int n = rows.n_theta;
+  S theta[kMaxTheta];
+  for (int i = 0; i < n; ++i) theta[i] = known(i, n);
+  back_substitute(known, n, theta);
+  SegmentScatter<S> scatter(known, n, scratch);
+  while (!scatter.take_step(rows, theta)) {
+  }
+  return {scatter.found(), scatter.expected()};
+}
+
 template <class S>
 class Contradiction {
  public:
   static constexpr int kScratch = 2 * packed_size(kMaxTheta + 1) + SegmentScatter<S>::kScratch;
 
-  void restart() { place_ = 0; }
+  /// `variance`: of what is known over that of stated noise, at least 1: the square of what sigmas are scaled by.
+  void begin(S variance) {
+    variance_ = variance;
+    place_ = 0;
+    found_ = false;
+  }
   /// `rows`: [theta | rhs] of the segment, linearised at the newest epoch's theta_0. `kept_at`: where the kept segments' information
   /// is. In slices; true when found() tells.
   bool step(const SegmentInformation<S>& rows, const Epochs<S>& epochs, const Database<S>& database, const ThetaPrior<S>& prior,
@@ -39,51 +71,42 @@ class Contradiction {
       spread_degrees_ = n_kept_ = 0;
       for (i_ = 0; i_ < Database<S>::kSlots; ++i_) {
         if (!database.kept(i_)) continue;
-        fold(database.slot(i_).information, kept_at, E.theta, &known);
+        fold_moved(database.slot(i_).information, kept_at, E.theta, &known);
         take_left_over(&known, n_kept_++ > 0);   // the first one tells of the start's error
         SEGCAL_PAUSE(place_);
       }
       for (i_ = 0; i_ < newest; ++i_) {
-        fold(epochs.epoch(i_).information, epochs.epoch(i_).theta, E.theta, &known);
+        fold_moved(epochs.epoch(i_).information, epochs.epoch(i_).theta, E.theta, &known);
         take_left_over(&known, true);
         SEGCAL_PAUSE(place_);
       }
       own.clear();
-      fold(E.information, E.theta, E.theta, &own);
-      fold(rows, E.theta, E.theta, &own);
+      fold_moved(E.information, E.theta, E.theta, &own);
+      SEGCAL_PAUSE(place_);
+      fold_moved(rows, E.theta, E.theta, &own);
       among_ = left_over(own);
       SEGCAL_PAUSE(place_);
-      fold(E.information, E.theta, E.theta, &known);
+      fold_moved(E.information, E.theta, E.theta, &known);
       epoch_ = left_over(known);
-      fold(rows, E.theta, E.theta, &known);
+      SEGCAL_PAUSE(place_);
+      fold_moved(rows, E.theta, E.theta, &known);
       both_ = left_over(known);
       decide(E.columns());
       SEGCAL_PAUSE(place_);
-      measure_pull(rows, known, rest);
+      pull_ = pull_on(rows, known, rest);
     }
     SEGCAL_SLICES_END(place_);
   }
   bool found() const { return found_; }
   /// It is rather the whole newest epoch than this segment. Of an epoch that agrees with K and is worth as much as the segment, the
-  /// second comparison has less than half of the first; of one that does not, or says little, more.
-  bool since_epoch() const { return both_ - among_ >= S(0.5) * (both_ - epoch_); }
+  /// second comparison has less than half of the first beyond noise; of one that does not, or says little, more.
+  bool since_epoch() const { return since_ >= S(0.5) * now_; }
   /// The segment's, on all that is known with it.
   const Pull<S>& pull() const { return pull_; }
 
  private:
   static S left_over(const PackedTriangle<S>& T) { return T(T.columns() - 1, T.columns() - 1) * T(T.columns() - 1, T.columns() - 1); }
 
-  /// The rows over theta, without what they leave over themselves.
-  static void fold(const SegmentInformation<S>& rows, const Calibration<S>& from, const Calibration<S>& to, PackedTriangle<S>* T) {
-    const int n = rows.n_theta;
-    S offset[kMaxTheta], row[kMaxTheta + 1];
-    difference(from, to, offset);
-    for (int i = 0; i < n; ++i) {
-      for (int c = 0; c <= n; ++c) row[c] = c < i ? S(0) : rows.R(i, c);
-      for (int c = i; c < n; ++c) row[n] -= row[c] * offset[c];
-      fold_rows(*T, row, 1, n + 1, i, n + 1);
-    }
-  }
   void take_left_over(PackedTriangle<S>* T, bool counts) {
     const int n = T->columns() - 1;
     if (counts) {
@@ -92,25 +115,19 @@ class Contradiction {
     }
     T->row(n)[n] = S(0);
   }
-  void measure_pull(const SegmentInformation<S>& rows, const PackedTriangle<S>& known, S* scratch) {
-    const int n = rows.n_theta;
-    S theta[kMaxTheta];
-    for (int i = 0; i < n; ++i) theta[i] = known(i, n);
-    back_substitute(known, n, theta);
-    SegmentScatter<S> scatter(known, n, scratch);
-    while (!scatter.take_step(rows, theta)) {
-    }
-    pull_ = {scatter.found(), scatter.expected()};
-  }
   void decide(int n) {
     const S limit = spread_degrees_ > 0 ? f_upper_quantile(n, spread_degrees_, S(kFalseAlarm)) : S(0);
-    const S spread = spread_degrees_ > 0 ? spread_ / S(spread_degrees_) : S(1), now = both_ - epoch_, since = both_ - among_;
-    found_ = limit > S(0) && (now > since ? now : since) > limit * S(n) * (spread > S(1) ? spread : S(1));
+    const S spread = spread_degrees_ > 0 ? spread_ / S(spread_degrees_) : S(1), noise = S(n) * (spread > variance_ ? spread : variance_);
+    const S now = both_ - epoch_, since = both_ - among_;
+    found_ = limit > S(0) && (now > since ? now : since) > limit * noise;
+    now_ = now - noise;
+    since_ = since - noise;
   }
 
   Place place_ = 0;
   std::int32_t i_ = 0, n_kept_ = 0, spread_degrees_ = 0;
-  S spread_ = S(0), among_ = S(0), epoch_ = S(0), both_ = S(0);
+  S variance_ = S(1), spread_ = S(0), among_ = S(0), epoch_ = S(0), both_ = S(0);
+  S now_ = S(0), since_ = S(0);   ///< the two comparisons, beyond noise
   Pull<S> pull_;
   bool found_ = false;
 };

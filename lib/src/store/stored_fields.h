@@ -164,9 +164,11 @@ struct StoredFields {
     f->flag(&d->new_epoch_);
     f->number(&d->misfits_);
   }
-  /// The device's changes; likewise.
+  /// What dates changes and says when to calibrate again. Of a build without epochs there is none.
   static void changes(Fields* f, Device<S>* d) {
     if constexpr (kEpochs > 0) {
+      f->number(&d->made_from_);
+      f->number(&d->open_segments_);
       Changes<S>& c = d->d_.changes;
       f->flag(&c.is_open_);
       f->count(&c.count_, kChanges);
@@ -273,6 +275,7 @@ struct StoredFields {
     d->calibrated_ = n.calibrated;
     d->condensing_ = d->condensing_ && d->d_.options.condense;   // who restores may have switched it off
     if (!d->d_.options.condense) d->d_.changes.close();
+    if (d->d_.epochs.count() == 0) d->new_epoch_ = true;   // format 1.1's are passed over
     const std::int64_t zero = d->theta_.effects.time_zero_ns;
     d->d_.options.prior.mean.effects.time_zero_ns = d->report_.theta.effects.time_zero_ns = zero;
     d->report_.release.theta.effects.time_zero_ns = zero;
