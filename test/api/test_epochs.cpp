@@ -209,6 +209,28 @@ void test_a_joint_filter_calibrates_no_segments() {
   TEST_ASSERT_EQUAL_UINT32(0, counters.calibrations);
 }
 
+/// Parts of 7.5 s, each a session of its own: the device calibrates again of its own when it has condensed three times what the last one
+/// was made from, however many sessions that took.
+void test_short_sessions_add_up() {
+  Storage storage(0);
+  segcal_config_t c = config(true);
+  c.keep_segments = 2;
+  segcal_t* device = create(&storage, c);
+  segcal_counters_t counters;
+  for (int lap = 0; lap < 2; ++lap) {
+    for (std::size_t part = 0; part < 4; ++part) {
+      for (std::size_t i = 1500 * part; i < 1500 * (part + 1); ++i) {
+        segcal_push_imu(device, &stream_of_30_s().imu[i]);
+        if (i % 20 == 0) push_frame(device, stream_of_30_s().frames[i / 20], Way::keyframes);
+        segcal_background(device, 1000000);
+      }
+      segcal_new_session(device);
+    }
+  }
+  segcal_get_counters(device, &counters);
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(2, static_cast<int>(counters.calibrations_published));
+}
+
 int column_of(segcal_t* device, const char* name) {
   const segcal_result_t r = result_of(device);
   for (int i = 0; i < r.n_parameters; ++i) {
@@ -282,6 +304,7 @@ int main() {
   RUN_TEST(test_one_segment_convicts_nobody);
   RUN_TEST(test_a_change_is_followed_and_dated);
   RUN_TEST(test_no_change_is_none);
+  RUN_TEST(test_short_sessions_add_up);
   RUN_TEST(test_a_covered_camera_is_no_misfit);
   RUN_TEST(test_an_asked_calibration_shows_when_it_is_done);
   RUN_TEST(test_a_joint_filter_calibrates_no_segments);
