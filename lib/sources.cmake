@@ -8,7 +8,9 @@ set(SEGCAL_CORE_SOURCES
   src/api/epochs.cpp
   src/api/kept.cpp
   src/api/health.cpp
+  src/api/options.cpp
   src/api/posterior.cpp
+  src/api/residuals.cpp
   src/api/results.cpp
   src/api/segcal.cpp
   src/log/writer.cpp)

@@ -7,6 +7,7 @@
 #include "../support/cases.h"
 #include "../support/random.h"
 #include "math/qr.h"
+#include "math/small_solvers.h"
 
 using namespace SEGCAL_NS;
 using test::Id;

@@ -6,7 +6,7 @@
 
 #include "../support/cases.h"
 #include "../support/random.h"
-#include "vio/vio_window.h"
+#include "vio/sensor_priors.h"
 
 using namespace SEGCAL_NS;
 using test::Id;

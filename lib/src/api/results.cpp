@@ -1,4 +1,4 @@
-// The C API's answers: state, calibration, verdicts, segments, residuals, counters.
+// The C API's answers: state, calibration, verdicts, segments, counters.
 #include "api/handle.h"
 
 namespace SEGCAL_NS {
@@ -26,29 +26,6 @@ int unexcited(const Directions<Real>& a, int nth) {
 int count_unexcited(const Directions<Real>& a) {
   int n = 0;
   while (unexcited(a, n) >= 0) ++n;
-  return n;
-}
-
-/// Whitened residuals of a segment's points where tracks drift.
-int walking_residuals(const Segment<Real>& s, const Calibration<Real>& theta, const MeasurementModel<Real>& model,
-                      segcal_point_residual_t* out, int capacity) {
-  int n = 0;
-  for (int j = 0; j < s.n_landmarks && n < capacity; ++j) {
-    TrackNoise<Real> track;
-    Vec2<Real> whitened[kMaxKeyframes * kMaxCameras];
-    add_residuals(s, j, theta, model, false, &track);
-    track.weigh_equally(model);
-    track.whitened(whitened);
-    int point = 0;
-    for (int o = s.first_observation[j]; o < s.first_observation[j + 1] && n < capacity; ++o) {
-      const Observation& z = s.observation[o];
-      Vec2<Real> r;
-      if (z.rejected || !point_residual(s, z, theta, model.g, s.states.landmark[j], &r)) continue;
-      out[n++] = {keyframe_time(s, z.keyframe), z.camera, static_cast<float>(whitened[point].x()),
-                  static_cast<float>(whitened[point].y())};
-      ++point;
-    }
-  }
   return n;
 }
 
@@ -224,52 +201,6 @@ int segcal_get_counters(const segcal_t* device, segcal_counters_t* out) {
           f.segments_missed, f.slices_late, f.calibrations, f.points_repeated + b.points_repeated, f.imu_stamps_far,
           f.frame_stamps_far, f.clock_restarts, f.calibrations_published, f.segments_late};
   return SEGCAL_OK;
-}
-
-int segcal_get_point_residuals(const segcal_t* device, int32_t index, segcal_point_residual_t* out, int32_t capacity) {
-  const CDevice* d;
-  const Segment<Real>* s;
-  const int error = open_slot(device, index, out, capacity, &d, &s);
-  if (error != SEGCAL_OK) return error;
-  int n = 0;
-  const MeasurementModel<Real>& model = d->device.options().model;
-  if constexpr (kTrackWalk) {
-    if (TrackNoise<Real>::walks(model)) return walking_residuals(*s, d->device.calibrator().theta(), model, out, capacity);
-  }
-  const Real sigma = model.pixel_sigma;
-  for (int o = 0; o < s->n_observations && n < capacity; ++o) {
-    const Observation& z = s->observation[o];
-    if (z.rejected) continue;
-    Vec2<Real> r;
-    if (!point_residual(*s, z, d->device.calibrator().theta(), d->device.options().model.g, s->states.landmark[z.landmark], &r)) {
-      continue;
-    }
-    out[n++] = {keyframe_time(*s, z.keyframe), z.camera, static_cast<float>(r.x() / sigma), static_cast<float>(r.y() / sigma)};
-  }
-  return n;
-}
-
-int segcal_get_imu_residuals(const segcal_t* device, int32_t index, segcal_imu_residual_t* out, int32_t capacity) {
-  const CDevice* d;
-  const Segment<Real>* s;
-  const int error = open_slot(device, index, out, capacity, &d, &s);
-  if (error != SEGCAL_OK) return error;
-  const MeasurementModel<Real>& model = d->device.options().model;
-  int n = 0;
-  for (int k = 1; k < s->n_keyframes && n < capacity; ++k) {
-    const State<Real>* x = s->states.x;
-    const ImuIntegral<Real> I = s->integrate(k, d->device.calibrator().theta(), x[k - 1].b_a, x[k - 1].b_g, model.imu);
-    Vec<Real, 15> w;
-    if (!whiten_residual(I, model.imu, link_residual(I, x[k - 1], x[k], model.g), &w)) continue;
-    out[n].t_ns = keyframe_time(*s, k);
-    for (int i = 0; i < 3; ++i) {
-      out[n].rotation[i] = static_cast<float>(w(i));
-      out[n].velocity[i] = static_cast<float>(w(3 + i));
-      out[n].position[i] = static_cast<float>(w(6 + i));
-    }
-    ++n;
-  }
-  return n;
 }
 
 }  // extern "C"

@@ -86,11 +86,9 @@ class Chain {
     PackedTriangle<S> L = link();
     for (int i = kStateColumns - 1; i >= 0; --i) {
       const S* r = L.row(i);
-      S sum = r[width() - 1];
-      for (int c = 0; c < n_global_; ++c) sum -= r[2 * kStateColumns + c] * global_step[c];
-      for (int c = 0; c < kStateColumns; ++c) sum -= r[kStateColumns + c] * last_step[c];
-      for (int c = i + 1; c < kStateColumns; ++c) sum -= r[c] * guest_step[c];
-      guest_step[i] = r[i] == S(0) ? S(0) : sum / r[i];
+      S sum = less_products(r[width() - 1], r + 2 * kStateColumns, global_step, 0, n_global_);
+      sum = less_products(sum, r + kStateColumns, last_step, 0, kStateColumns);
+      guest_step[i] = over_pivot(less_products(sum, r, guest_step, i + 1, kStateColumns), r[i]);
     }
   }
 

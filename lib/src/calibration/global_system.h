@@ -48,9 +48,7 @@ class GlobalSystem {
     for (int c = first; c < n; ++c) step_[c] = theta_step[c - first];
     for (int i = first - 1; i >= 0; --i) {
       const S* r = G.row(i);
-      S sum = r[n];
-      for (int c = i + 1; c < n; ++c) sum -= r[c] * step_[c];
-      step_[i] = r[i] == S(0) ? S(0) : sum / r[i];
+      step_[i] = over_pivot(less_products(r[n], r, step_, i + 1, n), r[i]);
     }
     return step_;
   }

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "math/qr.h"
+#include "math/small_solvers.h"
 
 namespace SEGCAL_NS {
 
@@ -106,8 +107,7 @@ class ScoreTest {
 
   static void solve(const PackedTriangle<S>& T, int before, int m, const bool* own, S* x) {
     for (int i = m - 1; i >= 0; --i) {
-      S sum = T(before + i, T.columns() - 1);
-      for (int c = i + 1; c < m; ++c) sum -= T(before + i, before + c) * x[c];
+      const S sum = less_products(T(before + i, T.columns() - 1), T.row(before + i) + before, x, i + 1, m);
       x[i] = own[i] ? sum / T(before + i, before + i) : S(0);
     }
   }
@@ -118,8 +118,7 @@ class ScoreTest {
     for (int k = 0; k < m; ++k) {
       if (!own[k]) continue;
       for (int i = k; i >= 0; --i) {
-        S sum = i == k ? S(1) : S(0);
-        for (int c = i + 1; c <= k; ++c) sum -= T(before + i, before + c) * x[c];
+        const S sum = less_products(i == k ? S(1) : S(0), T.row(before + i) + before, x, i + 1, k + 1);
         x[i] = own[i] ? sum / T(before + i, before + i) : S(0);
       }
       for (int i = 0; i <= k; ++i) {

@@ -80,9 +80,9 @@ void term_fields(Config* c, std::int32_t terms, Codec* f) {
   }
 }
 
-/// `Config`: segcal_config_t, const to write it.
+/// `Config`: segcal_config_t, const to write it; so in all of these.
 template <class Config, class Codec>
-void config_fields(Config* c, Codec* f) {
+void calibration_fields(Config* c, Codec* f) {
   f->integer(c->n_cameras);
   const std::int32_t cameras = f->count(SEGCAL_MAX_CAMERAS);
   segcal_camera_t beyond = {};
@@ -100,6 +100,10 @@ void config_fields(Config* c, Codec* f) {
   f->numbers(c->imu.accel_scale, 3);
   f->numbers(c->imu.accel_misalignment, 3);
   f->numbers(c->imu.q_AI, 4);
+}
+
+template <class Config, class Codec>
+void sensor_fields(Config* c, Codec* f) {
   f->number(c->imu_rate_hz);
   f->number(c->gyro_noise_density);
   f->number(c->gyro_random_walk);
@@ -113,6 +117,12 @@ void config_fields(Config* c, Codec* f) {
   f->number(c->segment_s);
   f->number(c->least_segment_s);
   f->number(c->most_segment_s);
+}
+
+template <class Config, class Codec>
+void config_fields(Config* c, Codec* f) {
+  calibration_fields(c, f);
+  sensor_fields(c, f);
   f->integer(c->keep_segments);
   f->integer(c->metric);
   f->integer(c->strategy);

@@ -26,4 +26,12 @@ S f_upper_quantile(int m, int n, S p) {
   return y * y * y;
 }
 
+/// Upper 1 % point of chi-square (Wilson and Hilferty).
+template <class S>
+S chi_square_gate(int dof) {
+  const S k = S(2) / (S(9) * S(dof));
+  const S root = S(1) - k + S(2.326) * square_root(k);
+  return S(dof) * root * root * root;
+}
+
 }  // namespace SEGCAL_NS

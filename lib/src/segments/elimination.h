@@ -9,29 +9,13 @@
 #include <new>
 
 #include "math/resumable.h"
+#include "segments/guest_link.h"
 #include "segments/landmark_elimination.h"
+#include "segments/typical_step.h"
 #include "segments/velocity_bias_chain.h"
 #include "segments/weights.h"
 
 namespace SEGCAL_NS {
-
-/// How a segment hangs on the one before it in time.
-enum class Join : std::int32_t {
-  none,  ///< starts a partition: gauge and bias prior on its first keyframe
-  imu,   ///< direct neighbour: the raw samples between the two are integrated
-  bias   ///< gap: only the bias random walk links them
-};
-
-template <class S>
-struct GuestLink {
-  Join join = Join::none;
-  State<S> state;      ///< the previous segment's last keyframe
-  S gap_s = S(0);      ///< s from there to the first keyframe (Join::bias)
-  bool hangs = false;  ///< position and rotation about gravity come from ties: no gauge is held (calibration/partitions.h)
-  TiedLandmarks tied;
-
-  bool holds_gauge() const { return join != Join::imu && !hangs; }
-};
 
 /// Statistics of one elimination.
 struct EliminationCounts {
@@ -139,16 +123,6 @@ class SegmentEliminator {
   LandmarkFit<S> fit_;
 };
 
-/// Typical sizes of a step: damping is measured against them. rad, m, m/s, m/s^2, rad/s.
-template <class S>
-S typical_step(int state_column) {
-  constexpr double size[5] = {0.01, 0.02, 0.05, 0.05, 0.005};
-  return S(size[state_column / 3]);
-}
-/// The same for a landmark's direction and inverse distance (1/m).
-template <class S>
-constexpr S kTypicalLandmarkStep = S(0.02);
-
 template <class S>
 bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                                           const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates) {
@@ -209,51 +183,6 @@ void SegmentEliminator<S>::add_term(const Term& t, ReducedLayout* layout) {
   layout->add_term(t);
 }
 
-template <class S>
-bool SegmentEliminator<S>::fold_landmarks_step(const Segment<S>& segment, const Calibration<S>& theta,
-                                               const MeasurementModel<S>& model, S damping) {
-  const S landmark_damping = damping / kTypicalLandmarkStep<S>;
-  SEGCAL_SLICES(inner_place_) {
-    // Those that end first go first: the triangle fills up to the last keyframe seen so far, and no further.
-    for (k_ = 0; k_ < segment.n_keyframes; ++k_) {
-      for (j_ = 0; j_ < segment.n_landmarks; ++j_) {
-        if (segment.last_keyframe(j_) != k_ || layout().tied.place_of(j_) >= 0) continue;
-        fit_ = work_.landmark.build(segment, j_, theta, model, layout(), camera_term_, landmark_damping);
-        if (fit_.used < 2) continue;
-        work_.landmark.eliminate(&fit_);
-        reduced_.begin_visual(work_.landmark.rest(), fit_.rows - kLandmarkColumns, work_.landmark.stride(), fit_.first_keyframe,
-                              fit_.last_keyframe, false);
-        SEGCAL_PAUSE(inner_place_);
-        SEGCAL_AWAIT(inner_place_, reduced_.fold_step());
-        counts_.image_points += fit_.used;
-        ++counts_.landmarks;
-        prior_share_ += fit_.prior_share;
-        SEGCAL_PAUSE(inner_place_);
-      }
-    }
-  }
-  SEGCAL_SLICES_END(inner_place_);
-}
-
-/// After the other landmarks, whose rows need not go through the ties' columns then. A tie's prior and damping are not the
-/// segment's: they count once for all (calibrator.h).
-template <class S>
-bool SegmentEliminator<S>::fold_ties_step(const Segment<S>& segment, const Calibration<S>& theta,
-                                          const MeasurementModel<S>& model) {
-  SEGCAL_SLICES(inner_place_) {
-    for (j_ = 0; j_ < layout().tied.n; ++j_) {
-      fit_ = work_.landmark.build_tied(segment, j_, theta, model, layout(), camera_term_);
-      if (fit_.used == 0) continue;
-      reduced_.begin_visual(work_.landmark.tied_rows(), fit_.rows, work_.landmark.stride(), fit_.first_keyframe, fit_.last_keyframe, true);
-      SEGCAL_PAUSE(inner_place_);
-      SEGCAL_AWAIT(inner_place_, reduced_.fold_step());
-      counts_.image_points += fit_.used;
-      SEGCAL_PAUSE(inner_place_);
-    }
-  }
-  SEGCAL_SLICES_END(inner_place_);
-}
-
 /// The gauge: position and rotation about gravity of the first keyframe. They are exactly free, so any weight holds
 /// them; this one is well inside the range of float.
 template <class S>
@@ -271,85 +200,6 @@ void SegmentEliminator<S>::damp_pose(int k, int first, S damping) {
   }
 }
 
-/// Everything that touches velocities and biases, in time order; to eliminate them, or to solve for them.
-template <class S>
-bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                                          const MeasurementModel<S>& model, S damping) {
-  SEGCAL_SLICES(inner_place_) {
-    if (guest.join == Join::imu) {
-      SEGCAL_AWAIT(inner_place_, work_.linked.link.step(segment, 0, theta, guest.state.b_a, guest.state.b_g, model.imu, &imu_terms_));
-      SEGCAL_PAUSE(inner_place_);
-    }
-    if (guest.join != Join::none) {
-      link_guest(segment, guest, model);
-      SEGCAL_PAUSE(inner_place_);
-      SEGCAL_AWAIT(inner_place_, work_.linked.chain.hand_over_step(&reduced_));
-      SEGCAL_PAUSE(inner_place_);
-    }
-    for (j_ = 0; j_ < 3; ++j_) {
-      start_chain(segment, guest, model, j_);
-      SEGCAL_PAUSE(inner_place_);
-    }
-    for (k_ = 0; k_ < segment.n_keyframes; ++k_) {
-      for (j_ = kPoseColumns; damping > S(0) && j_ < kStateColumns; ++j_) {
-        work_.linked.chain.add_scalar(j_ - kPoseColumns, damping / typical_step<S>(j_), S(0), &reduced_);
-        SEGCAL_PAUSE(inner_place_);
-      }
-      if (k_ + 1 == segment.n_keyframes) break;
-      SEGCAL_AWAIT(inner_place_, work_.linked.link.step(segment, k_ + 1, theta, segment.states.x[k_].b_a, segment.states.x[k_].b_g, model.imu, &imu_terms_));
-      SEGCAL_PAUSE(inner_place_);
-      link_keyframes(segment, k_, model);
-      SEGCAL_PAUSE(inner_place_);
-      work_.linked.chain.finish_current();
-      SEGCAL_PAUSE(inner_place_);
-      work_.linked.chain.move_on();
-      SEGCAL_PAUSE(inner_place_);
-      SEGCAL_AWAIT(inner_place_, work_.linked.chain.hand_over_step(&reduced_));
-      SEGCAL_PAUSE(inner_place_);
-    }
-  }
-  SEGCAL_SLICES_END(inner_place_);
-}
-
-template <class S>
-void SegmentEliminator<S>::link_keyframes(const Segment<S>& segment, int k, const MeasurementModel<S>& model) {
-  const State<S>* x = segment.states.x;
-  const ImuIntegral<S>& I = work_.linked.link.result();
-  ImuRows<S>& rows = work_.linked.chain.lend_rows();
-  link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model.g, &rows);
-  link_term_columns(rows, &imu_terms_);
-  whiten(I, model.imu, &rows, &imu_terms_);
-  work_.linked.chain.begin_link(rows, imu_terms_, &reduced_);
-}
-
-/// The link, integrated already, or the walk from the guest to the first keyframe.
-template <class S>
-void SegmentEliminator<S>::link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model) {
-  const State<S>& x = segment.states.x[0];
-  if (guest.join == Join::imu) {
-    const ImuIntegral<S>& I = work_.linked.link.result();
-    ImuRows<S>& rows = work_.linked.chain.lend_rows();
-    link_rows(I, guest.state, x, guest.state, x, model.g, &rows);
-    link_term_columns(rows, &imu_terms_);
-    if (whiten(I, model.imu, &rows, &imu_terms_)) work_.linked.chain.add_guest_link(rows, imu_terms_, &reduced_);
-  } else {
-    const S root = square_root(guest.gap_s);
-    work_.linked.chain.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g, S(1) / (model.imu.accel_walk * root),
-                         S(1) / (model.imu.gyro_walk * root), &reduced_);
-  }
-}
-
-/// Priors on one axis of the first keyframe's velocity and, without a guest, biases.
-template <class S>
-void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model,
-                                       int axis) {
-  const State<S>& x = segment.states.x[0];
-  work_.linked.chain.add_scalar(axis, S(1) / model.velocity_sigma, -x.v_GI(axis) / model.velocity_sigma, &reduced_);
-  if (guest.join != Join::none) return;
-  work_.linked.chain.add_scalar(3 + axis, S(1) / model.bias_a_sigma, -x.b_a(axis) / model.bias_a_sigma, &reduced_);
-  work_.linked.chain.add_scalar(6 + axis, S(1) / model.bias_g_sigma, -x.b_g(axis) / model.bias_g_sigma, &reduced_);
-}
-
 template <class S>
 void SegmentEliminator<S>::extract(SegmentInformation<S>* out) {
   const int n = n_theta_, wide = layout().wide_theta();
@@ -364,71 +214,8 @@ void SegmentEliminator<S>::extract(SegmentInformation<S>* out) {
   }
 }
 
-/// Puts a step into the reduced layout: poses, last keyframe, guest, theta.
-template <class S>
-void SegmentEliminator<S>::spread_step(const S* step) {
-  const ReducedLayout& at = layout();
-  for (int c = 0; c < at.last(); ++c) step_[c] = step[kStateColumns * (c / kPoseColumns) + c % kPoseColumns];
-  spread_linked(step);
-}
-
-/// Last keyframe, guest, theta and ties of a step.
-template <class S>
-void SegmentEliminator<S>::spread_linked(const S* step) {
-  const ReducedLayout& at = layout();
-  for (int c = at.last(); c < at.theta(); ++c) step_[c] = step[last_column() + c - at.last()];
-  const S* theta = step + theta_column();
-  for (int c = 0; c < at.wide_theta(); ++c) step_[at.column_of(c)] = theta[c];
-  for (int c = 0; c < kLandmarkColumns * at.tied.n; ++c) step_[at.tie(0) + c] = step[tie_column() + c];
-}
-
-template <class S>
-bool SegmentEliminator<S>::back_substitute_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                                                const MeasurementModel<S>& model, S damping, S* step, int known) {
-  const ReducedLayout& at = layout();
-  SEGCAL_SLICES(place_) {
-    spread_linked(step);
-    reduced_.back_substitute(step_, at.last() + known - last_column());
-    for (int c = 0; c < at.last(); ++c) step[kStateColumns * (c / kPoseColumns) + c % kPoseColumns] = step_[c];
-    for (int c = 0; c < kStateColumns; ++c) step[last_column() + c] = step_[at.last() + c];
-    (new (&work_.linked) Linked)->chain.begin(step_, at, reduced_.scratch());  // the triangle has told what it knows
-    SEGCAL_PAUSE(place_);
-    SEGCAL_AWAIT(place_, run_chain_step(segment, guest, theta, model, damping));
-    work_.linked.chain.back_substitute(step + kPoseColumns, kStateColumns);
-  }
-  SEGCAL_SLICES_END(place_);
-}
-
-template <class S>
-bool SegmentEliminator<S>::move_step(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                                     S damping, const S* step) {
-  SEGCAL_SLICES(place_) {
-    spread_step(step);
-    SEGCAL_PAUSE(place_);
-    for (j_ = 0; j_ < segment->n_landmarks; ++j_) {
-      move_landmark(segment, j_, theta, model, damping, step);
-      SEGCAL_PAUSE(place_);
-    }
-    for (int k = 0; k < layout().keyframes; ++k) segment->states.x[k].add(step + kStateColumns * k);
-  }
-  SEGCAL_SLICES_END(place_);
-}
-
-template <class S>
-void SegmentEliminator<S>::move_landmark(Segment<S>* segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                                         S damping, const S* step) {
-  const int tie = layout().tied.place_of(j);
-  if (tie >= 0) {
-    // Every segment has a copy of its own, moved by the same step: they stay equal bit by bit.
-    add_step(&segment->states.landmark[j], step + tie_column() + kLandmarkColumns * tie);
-    return;
-  }
-  LandmarkFit<S> fit = work_.landmark.build(*segment, j, theta, model, layout(), camera_term_, damping / kTypicalLandmarkStep<S>);
-  if (fit.used < 2) return;
-  work_.landmark.eliminate(&fit);
-  S landmark_step[kLandmarkColumns];
-  work_.landmark.solve(step_, landmark_step);
-  add_step(&segment->states.landmark[j], landmark_step);
-}
-
 }  // namespace SEGCAL_NS
+
+#include "segments/elimination_chain.h"
+#include "segments/elimination_landmarks.h"
+#include "segments/elimination_step.h"

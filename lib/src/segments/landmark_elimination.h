@@ -202,10 +202,9 @@ template <class S>
 void LandmarkBlock<S>::solve(const S* step, S* landmark_step) const {
   for (int i = kLandmarkColumns - 1; i >= 0; --i) {
     const S* r = own(i);
-    S sum = r[stride_ - 1 - first_];
-    for (int c = kLandmarkColumns; c < stride_ - 1 - first_; ++c) sum -= r[c] * step[first_ + c - kLandmarkColumns];
-    for (int c = i + 1; c < kLandmarkColumns; ++c) sum -= r[c] * landmark_step[c];
-    landmark_step[i] = r[i] == S(0) ? S(0) : sum / r[i];
+    const int rhs = stride_ - 1 - first_;
+    const S sum = less_products(r[rhs], r + kLandmarkColumns, step + first_, 0, rhs - kLandmarkColumns);
+    landmark_step[i] = over_pivot(less_products(sum, r, landmark_step, i + 1, kLandmarkColumns), r[i]);
   }
 }
 

@@ -14,6 +14,7 @@
 #pragma once
 
 #include "math/qr.h"
+#include "math/small_solvers.h"
 #include "segments/segment.h"
 
 namespace SEGCAL_NS {
@@ -164,9 +165,7 @@ class ReducedSystem {
     const int n = layout_.rhs();
     for (int j = known - 1; j >= 0; --j) {
       const S* r = triangle.row(j);
-      S sum = r[n];
-      for (int c = j + 1; c < n; ++c) sum -= r[c] * x[c];
-      x[j] = r[j] == S(0) ? S(0) : sum / r[j];
+      x[j] = over_pivot(less_products(r[n], r, x, j + 1, n), r[j]);
     }
   }
 

@@ -2,6 +2,7 @@
 // inverse distance that keeps a track without parallax a direction.
 #pragma once
 
+#include "math/small_solvers.h"
 #include "segments/exposure.h"
 #include "segments/track_noise.h"
 
@@ -90,6 +91,32 @@ class WalkingRows<S, false> {
   S move_to(LandmarkRows<S>*, const MeasurementModel<S>&) { return S(0); }
 };
 
+/// What image point z shows of landmark l, whose tangent plane is spanned by e1 and e2: residual and its derivatives by
+/// (e1, e2, rho). False where the lens does not reach; the residual is zero then.
+template <class S>
+bool look_at(const Segment<S>& segment, const Observation& z, const Calibration<S>& theta, const Vec3<S>& g, const Landmark<S>& l,
+             const Vec3<S>& e1, const Vec3<S>& e2, Vec2<S>* r, Mat<S, 2, 3>* J) {
+  const CameraCalibration<S>& camera = theta.camera[z.camera];
+  const Exposure<S> x = exposure_of(segment, z, theta, g, false);
+  // h = R_CG m + rho t moves by R_CG e1, R_CG e2 and t.
+  const Vec3<S> t_I = x.R_GI.transpose() * (l.o - x.p_GI);
+  const Vec3<S> t = camera.R_CI * t_I + camera.p_CI;
+  const Mat3<S> R_CG = camera.R_CI * x.R_GI.transpose();
+  Vec2<S> predicted;
+  Mat<S, 2, 3> J_h;
+  const bool seen = project<S>(camera, R_CG * l.m + l.rho * t, &predicted, &J_h, nullptr, image_terms_at(z, theta));
+  r->setZero();
+  if (!seen) return false;
+  *r = predicted - Vec2<S>(S(z.u), S(z.v));
+  const Vec3<S> a1 = R_CG * e1, a2 = R_CG * e2;
+  for (int i = 0; i < 2; ++i) {
+    (*J)(i, 0) = J_h.row(i).dot(a1);
+    (*J)(i, 1) = J_h.row(i).dot(a2);
+    (*J)(i, 2) = J_h.row(i).dot(t);
+  }
+  return true;
+}
+
 /// Robust cost of landmark l, and its normal equations' triangle [3 | rhs] by QR.
 template <class S>
 S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
@@ -110,28 +137,18 @@ S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, c
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
     if (z.rejected) continue;
-    const CameraCalibration<S>& camera = theta.camera[z.camera];
-    const Exposure<S> x = exposure_of(segment, z, theta, model.g, false);
-    // h = R_CG m + rho t moves by R_CG e1, R_CG e2 and t.
-    const Vec3<S> t_I = x.R_GI.transpose() * (l.o - x.p_GI);
-    const Vec3<S> t = camera.R_CI * t_I + camera.p_CI;
-    const Mat3<S> R_CG = camera.R_CI * x.R_GI.transpose();
-    Vec2<S> predicted;
-    Mat<S, 2, 3> J_h;
-    const bool seen = project<S>(camera, R_CG * l.m + l.rho * t, &predicted, &J_h, nullptr, image_terms_at(z, theta));
-    const Vec2<S> r = seen ? Vec2<S>(predicted - Vec2<S>(S(z.u), S(z.v))) : Vec2<S>::Zero();
+    Vec2<S> r;
+    Mat<S, 2, 3> J;
+    const bool seen = look_at(segment, z, theta, model.g, l, e1, e2, &r, &J);
     const bool walks = seen && TrackNoise<S>::walks(model);
     const RobustTerm<S> robust = walks ? RobustTerm<S>{S(1), S(0)} : robust_term(model, seen ? r.squaredNorm() * inverse_sigma * inverse_sigma : S(1e4));
     cost += robust.cost;
     if (!seen) continue;
     const S scale = walks ? S(1) : square_root(robust.weight) * inverse_sigma;
-    const Vec3<S> a1 = R_CG * e1, a2 = R_CG * e2;
     if (walks) walking.add(z.camera, segment.t_us[z.keyframe], r, model);
     for (int i = 0; i < 2; ++i) {
       row = walks ? walking.row(i) : rows.next();
-      row[0] = scale * J_h.row(i).dot(a1);
-      row[1] = scale * J_h.row(i).dot(a2);
-      row[2] = scale * J_h.row(i).dot(t);
+      for (int c = 0; c < 3; ++c) row[c] = scale * J(i, c);
       row[3] = -scale * r(i);
     }
   }

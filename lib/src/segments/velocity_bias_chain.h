@@ -143,10 +143,8 @@ class VelocityBiasChain {
       const S* next = out + (k + 1) * stride;
       for (int i = kVelocityBiasColumns - 1; i >= 0; --i) {
         const S* r = kept_ + (k * kVelocityBiasColumns + i) * kSolved;
-        S sum = r[kRhs];
-        for (int c = i + 1; c < kVelocityBiasColumns; ++c) sum -= r[c] * v[c];
-        for (int c = 0; c < kVelocityBiasColumns; ++c) sum -= r[kNext + c] * next[c];
-        v[i] = r[i] == S(0) ? S(0) : sum / r[i];
+        const S sum = less_products(r[kRhs], r, v, i + 1, kVelocityBiasColumns);
+        v[i] = over_pivot(less_products(sum, r + kNext, next, 0, kVelocityBiasColumns), r[i]);
       }
     }
   }

@@ -113,6 +113,14 @@ class ImuIntegrator {
     Vec3<S> w0, w1;
   };
   void step_columns(const StepFrames& at, S dt);
+  /// Rotation over the first half of a step and over all of it, with derivatives. Over a stretch h of linear rate, from w0 to
+  /// w1, it is h (w0 + w1) / 2 + h^2 (w0 x w1) / 12; half a step ends at the mean of both.
+  struct StepRotation {
+    Vec3<S> phi_m, phi;
+    Mat<S, 3, kGyroInputs> J_m, J;
+  };
+  static StepRotation rotation_over(const Vec3<S>& w0, const Vec3<S>& w1, const Mat<S, 3, kGyroInputs>& W0,
+                                    const Mat<S, 3, kGyroInputs>& W1, S dt);
   void force_derivative(Mat<S, 3, kInputs>* D) const;
   Mat3<S> turn(const Mat3<S>& dR0, const Mat<S, 3, kGyroInputs>& J_R0, const Vec3<S>& phi, const Mat3<S>& Jr,
                const Mat<S, 3, kGyroInputs>& J_phi);
@@ -134,11 +142,6 @@ class ImuIntegrator {
   Surroundings<S> surroundings_;
   ImuIntegral<S> I_;
 };
-
-/// A term is a function of the true rate and force, and the reading has it on top: x = x_m - c phi(x), a fixed point that each
-/// pass approaches by the factor c phi'. At worst, k = 0.017 s/rad at 3 rad/s or k = 6e-3 s^2/m at 10 m/s^2, that is 0.1; two
-/// passes left 4 k^3 w^4 of the reading, which moved k by 3 %, seven of its sigmas.
-constexpr int kTermPasses = 4;
 
 template <class S>
 void ImuIntegrator<S>::begin(const ImuCalibration<S>& imu, const Vec3<S>& b_a, const Vec3<S>& b_g, const ImuNoise<S>& noise,
@@ -167,67 +170,6 @@ void ImuIntegrator<S>::begin(const ImuCalibration<S>& imu, const Vec3<S>& b_a, c
 }
 
 template <class S>
-void ImuIntegrator<S>::take_off_terms(const InertialReading<S>& r, Corrected* c) const {
-  for (int pass = 0; pass < kTermPasses; ++pass) {
-    const SignalValues<S> at = signals(*c);
-    Vec3<S> gyro = r.gyro - b_g_, accel = r.accel - b_a_;
-    for (int i = 0; i < terms_->count(); ++i) {
-      if (terms_->term[i].of_imu()) at.add(terms_->term[i], -terms_->value[i], &gyro, &accel);
-    }
-    c->w_I = T_g_inv_ * gyro;
-    c->f_A = T_a_inv_ * accel;
-    c->f_I = R_IA_ * c->f_A;
-  }
-}
-
-/// d w_I / d c of a term of the gyroscope, d f_I / d c of one of the accelerometer.
-template <class S>
-Vec3<S> ImuIntegrator<S>::term_input(const Term& t, const SignalValues<S>& at) const {
-  Vec3<S> gyro = Vec3<S>::Zero(), accel = Vec3<S>::Zero();
-  at.add(t, S(-1), &gyro, &accel);
-  return t.of_gyro() ? Vec3<S>(T_g_inv_ * gyro) : Vec3<S>(B_ * accel);
-}
-
-template <class S>
-void ImuIntegrator<S>::start_columns() {
-  const SignalValues<S> at = signals(current_);
-  for (int i = 0; i < columns_->count(); ++i) {
-    columns_->J_R[i].setZero();
-    columns_->J_v[i].setZero();
-    columns_->J_p[i].setZero();
-    columns_->input[i] = term_input(columns_->term[i], at);
-    columns_->D[i] = columns_->term[i].of_gyro() ? Vec3<S>::Zero() : columns_->input[i];
-  }
-}
-
-/// As step() for the other inputs; the integral stands at the step's end already.
-template <class S>
-void ImuIntegrator<S>::step_columns(const StepFrames& at, S dt) {
-  const SignalValues<S> now = signals(current_);
-  const Mat3<S> F1 = -(I_.dR * skew(current_.f_I));
-  const S half = dt / S(2), eighth = dt / S(8), c = dt * dt / S(12), c_half = dt * dt / S(96);
-  const S sixth = dt / S(6), square = dt * dt / S(6);
-  for (int i = 0; i < columns_->count(); ++i) {
-    const Vec3<S> before = columns_->input[i], D0 = columns_->D[i];
-    const Vec3<S> after = columns_->input[i] = term_input(columns_->term[i], now);
-    Vec3<S> Dm, D1;
-    if (columns_->term[i].of_gyro()) {
-      const Vec3<S> J_coning = cross<S>(at.w0, after) - cross<S>(at.w1, before);
-      const Vec3<S> J_m = at.Et_m * columns_->J_R[i] + at.Jr_m * (eighth * (S(3) * before + after) + c_half * J_coning);
-      columns_->J_R[i] = at.Et * columns_->J_R[i] + at.Jr * (half * (before + after) + c * J_coning);
-      Dm = at.F_m * J_m;
-      D1 = F1 * columns_->J_R[i];
-    } else {
-      Dm = at.R_m * (S(0.5) * (before + after));
-      D1 = I_.dR * after;
-    }
-    columns_->D[i] = D1;
-    columns_->J_p[i] += dt * columns_->J_v[i] + square * (D0 + S(2) * Dm);
-    columns_->J_v[i] += sixth * (D0 + S(4) * Dm + D1);
-  }
-}
-
-template <class S>
 void ImuIntegrator<S>::force_derivative(Mat<S, 3, kInputs>* D) const {
   const Mat3<S> M = I_.dR * B_;
   D->template leftCols<kGyroInputs>().noalias() = -(I_.dR * skew(current_.f_I)) * I_.J_R;
@@ -247,25 +189,33 @@ Mat3<S> ImuIntegrator<S>::turn(const Mat3<S>& dR0, const Mat<S, 3, kGyroInputs>&
 }
 
 template <class S>
+typename ImuIntegrator<S>::StepRotation ImuIntegrator<S>::rotation_over(const Vec3<S>& w0, const Vec3<S>& w1,
+                                                                        const Mat<S, 3, kGyroInputs>& W0,
+                                                                        const Mat<S, 3, kGyroInputs>& W1, S dt) {
+  const Vec3<S> coning = cross<S>(w0, w1);
+  const Mat<S, 3, kGyroInputs> J_coning = skew(w0) * W1 - skew(w1) * W0;
+  const S half = dt / S(2), eighth = dt / S(8), c = dt * dt / S(12), c_half = dt * dt / S(96);
+  return {eighth * (S(3) * w0 + w1) + c_half * coning, half * (w0 + w1) + c * coning,
+          eighth * (S(3) * W0 + W1) + c_half * J_coning, half * (W0 + W1) + c * J_coning};
+}
+
+template <class S>
 void ImuIntegrator<S>::step(const InertialReading<S>& reading, S dt) {
   const Corrected first = current_, next = corrected(reading);
   const Mat3<S> dR0 = I_.dR;
   const Mat<S, 3, kGyroInputs> J_R0 = I_.J_R, W0 = W_;
   sensor_input_columns(T_g_inv_, next.w_I, W_);
-  // Rotation over a stretch h of linear rate, from w0 to w1: h (w0 + w1) / 2 + h^2 (w0 x w1) / 12. Half a step ends at the
-  // mean of both.
-  const Vec3<S> coning = cross<S>(first.w_I, next.w_I);
-  const Mat<S, 3, kGyroInputs> J_coning = skew(first.w_I) * W_ - skew(next.w_I) * W0;
-  const S half = dt / S(2), eighth = dt / S(8), c = dt * dt / S(12), c_half = dt * dt / S(96);
+  const StepRotation over = rotation_over(first.w_I, next.w_I, W0, W_, dt);
+  const S sixth = dt / S(6), square = dt * dt / S(6);
 
-  const Vec3<S> phi_m = eighth * (S(3) * first.w_I + next.w_I) + c_half * coning;
   StepFrames frames;
-  frames.Jr_m = so3_right_jacobian<S>(phi_m);
-  frames.Et_m = turn(dR0, J_R0, phi_m, frames.Jr_m, eighth * (S(3) * W0 + W_) + c_half * J_coning);
+  frames.w0 = first.w_I;
+  frames.w1 = next.w_I;
+  frames.Jr_m = so3_right_jacobian<S>(over.phi_m);
+  frames.Et_m = turn(dR0, J_R0, over.phi_m, frames.Jr_m, over.J_m);
   current_.f_A = S(0.5) * (first.f_A + next.f_A);
   current_.f_I = S(0.5) * (first.f_I + next.f_I);
   const Vec3<S> a0 = dR0 * first.f_I, am = I_.dR * current_.f_I;
-  const S sixth = dt / S(6), square = dt * dt / S(6);
   Mat<S, 3, kInputs> D;   // at the middle; then what the integral needs of start and middle
   force_derivative(&D);
   I_.J_p += dt * I_.J_v + square * (D_ + S(2) * D);
@@ -275,107 +225,20 @@ void ImuIntegrator<S>::step(const InertialReading<S>& reading, S dt) {
     frames.F_m = -(I_.dR * skew(current_.f_I));
   }
 
-  const Vec3<S> phi = half * (first.w_I + next.w_I) + c * coning;
-  const Mat3<S> Jr = so3_right_jacobian<S>(phi);
-  const Mat3<S> Et = turn(dR0, J_R0, phi, Jr, half * (W0 + W_) + c * J_coning);
+  frames.Jr = so3_right_jacobian<S>(over.phi);
+  frames.Et = turn(dR0, J_R0, over.phi, frames.Jr, over.J);
   current_ = next;
   force_derivative(&D_);
   const Vec3<S> a1 = I_.dR * next.f_I;
-
   I_.dp += dt * I_.dv + square * (a0 + S(2) * am);
   I_.dv += sixth * (a0 + S(4) * am + a1);
   I_.J_v += sixth * (D + D_);
-  if (columns_) {
-    frames.Et = Et;
-    frames.Jr = Jr;
-    frames.w0 = first.w_I;
-    frames.w1 = next.w_I;
-    step_columns(frames, dt);
-  }
-  propagate_noise(Et, Jr, dR0 * skew(first.f_I), I_.dR * skew(next.f_I), dR0 * B_, dt);
+  if (columns_) step_columns(frames, dt);
+  propagate_noise(frames.Et, frames.Jr, dR0 * skew(first.f_I), I_.dR * skew(next.f_I), dR0 * B_, dt);
   I_.dt += dt;
 }
 
-/// P <- F P F' + Q with F = [Et 0 0; Fv I 0; Fp dt I], and the bias walk carried along in P_b. P is symmetric and only its
-/// blocks on and above the diagonal are kept; complete() makes the others. In place, one row of F after the other, the last
-/// first: it needs the old ones above.
-template <class S>
-void ImuIntegrator<S>::propagate_noise(const Mat3<S>& Et, const Mat3<S>& Jr, const Mat3<S>& V0, const Mat3<S>& V1,
-                                       const Mat3<S>& RB, S dt) {
-  const Mat3<S> V1Et = product(V1, Et);
-  const Mat3<S> Fv = -(dt / S(2)) * (V0 + V1Et);
-  const Mat3<S> Fp = -(dt * dt / S(3)) * V0 - (dt * dt / S(6)) * V1Et;
-  const Block3<S> RR = P(0, 0), RV = P(0, 1), RP = P(0, 2), VV = P(1, 1), VP = P(1, 2), PP = P(2, 2), Fpt = Block3<S>(Fp).transpose(),
-                  Fvt = Block3<S>(Fv).transpose();
-  PP.add_product(Fp, RP);  // p <- p + Fp r + dt v
-  PP.add_scaled(dt, VP);
-  RP.add_product(RR, Fpt);
-  RP.add_scaled(dt, RV);
-  VP.add_product(RV.transpose(), Fpt);
-  VP.add_scaled(dt, VV);
-  PP.add_product(RP.transpose(), Fpt);
-  PP.add_scaled(dt, VP.transpose());
-  VV.add_product(Fv, RV);  // v <- v + Fv r
-  RV.add_product(RR, Fvt);
-  VP.add_product(Fv, RP);
-  VV.add_product(RV.transpose(), Fvt);
-  for (const Block3<S>& block : {RR, RR.transpose(), RV, RP}) block.multiply_left(Et);  // r <- Et r
-  P_b(2, 1).add_product(Fp, P_b(0, 1));
-  P_b(2, 1).add_scaled(dt, P_b(1, 1));
-  P_b(2, 0).add_scaled(dt, P_b(1, 0));
-  P_b(1, 1).add_product(Fv, P_b(0, 1));
-  P_b(0, 1).multiply_left(Et);
-  add_walk(Jr, RB, dt);
-}
-
-/// What the step's own noise adds, and the walk of the biases: after t seconds it has variance sigma^2 t. A bias moves the
-/// rotation by G_R (b_g), the velocity by G_v and the position by dt / 2 G_v (b_a); no rotation follows from b_a.
-template <class S>
-void ImuIntegrator<S>::add_walk(const Mat3<S>& Jr, const Mat3<S>& RB, S dt) {
-  const Mat3<S> G_R = -dt * product(Jr, T_g_inv_), G_v = -dt * RB;
-  const Block3<S> G_Rt = Block3<S>(G_R).transpose(), G_vt = Block3<S>(G_v).transpose();
-  const S va = noise_.accel_walk * noise_.accel_walk * I_.dt, vg = noise_.gyro_walk * noise_.gyro_walk * I_.dt, half = dt / S(2);
-  Mat3<S> storage;
-  const Block3<S> X(storage);
-  const auto set_product = [&](const Block3<S>& A, const Block3<S>& B) {
-    storage.setZero();
-    X.add_product(A, B);
-  };
-  // What the walk so far and this step have in common: P += C G' + G C', C = P_b.
-  set_product(P_b(0, 1), G_Rt);
-  P(0, 0).add_scaled(S(1), X);
-  P(0, 0).add_scaled(S(1), X.transpose());
-  P(0, 1).add_product(G_R, P_b(1, 1).transpose());
-  P(0, 2).add_product(G_R, P_b(2, 1).transpose());
-  set_product(P_b(1, 0), G_vt);
-  P(1, 1).add_scaled(S(1), X);
-  P(1, 1).add_scaled(S(1), X.transpose());
-  P(1, 2).add_scaled(half, X);
-  set_product(P_b(2, 0), G_vt);
-  P(1, 2).add_scaled(S(1), X.transpose());
-  P(2, 2).add_scaled(half, X);
-  P(2, 2).add_scaled(half, X.transpose());
-  // The walk so far moves this step, and the white noise does: the accelerometer's moves what its bias moves.
-  set_product(G_R, G_Rt);
-  P(0, 0).add_scaled(vg, X);
-  P(0, 0).add_scaled(dt, N_g_);
-  set_product(G_v, G_vt);
-  const S na = noise_.accel * noise_.accel / dt;
-  P(1, 1).add_scaled(va + na, X);
-  P(1, 2).add_scaled(half * (va + na), X);
-  P(2, 2).add_scaled(dt * dt * (va / S(4) + na / S(3)), X);
-  P_b(0, 1).add_scaled(vg, G_R);
-  P_b(1, 0).add_scaled(va, G_v);
-  P_b(2, 0).add_scaled(va * half, G_v);
-}
-
-/// The blocks below the diagonal, once for the link.
-template <class S>
-const ImuIntegral<S>& ImuIntegrator<S>::complete() {
-  for (int j = 0; j < 9; ++j) {
-    for (int i = j + 1; i < 9; ++i) I_.P(i, j) = I_.P(j, i);
-  }
-  return I_;
-}
-
 }  // namespace SEGCAL_NS
+
+#include "sensors/imu_integral_noise.h"
+#include "sensors/imu_integral_terms.h"

@@ -1,7 +1,7 @@
 // The IMU link between two keyframes: its 15 residuals, their Jacobians and their whitening (paper, Sec. IV-C).
 #pragma once
 
-#include "math/qr.h"
+#include "math/small_solvers.h"
 #include "sensors/imu_integral.h"
 
 namespace SEGCAL_NS {

@@ -1,9 +1,8 @@
 // What of a device outlives power, field by field (docs/storage.md, "Records").
 #pragma once
 
-#include "api/capacities.h"
 #include "api/device.h"
-#include "store/fields.h"
+#include "store/stored_options.h"
 
 namespace SEGCAL_NS {
 
@@ -28,48 +27,6 @@ struct StoredFields {
   static_assert(sizeof(FaultCounts) % 4 == 0 && sizeof(BuilderCounts) % 4 == 0, "stored as arrays of numbers");
   static_assert(kMaxKeyframes * kMaxCameras <= 64, "one bit for each image of a segment");
 
-  /// What must be the same for stored numbers to mean the same.
-  static void identity(Fields* f, DeviceOptions<S>* o) {
-    std::uint32_t capacities[SEGCAL_N_CAPACITIES];
-    for (int i = 0; i < SEGCAL_N_CAPACITIES; ++i) capacities[i] = kCapacities[i];
-    f->name("capacities", SEGCAL_ERROR_CAPACITY);
-    f->array(capacities, SEGCAL_N_CAPACITIES);
-    std::uint32_t layout[] = {sizeof(S), sizeof(Observation), sizeof(FaultCounts), sizeof(BuilderCounts), sizeof(MeasurementModel<S>)};
-    f->name("layout of the library's numbers", SEGCAL_ERROR_CAPACITY);
-    f->array(layout, 5);
-    cameras(f, &o->prior.mean);
-    const int n = o->prior.mean.columns();
-    f->name("prior_sigma");
-    f->array(o->prior.sigma, n);
-    f->name("sigma_ref");
-    f->array(o->sigma_ref, n);
-    f->name("trigger_sigma");
-    f->array(o->target_sigma, n);
-    model(f, &o->model);
-    f->name("imu_rate_hz");
-    f->number(&o->imu_rate_hz);
-    f->number(&o->imu_group);
-    f->name("gyro_range");
-    f->number(&o->gyro_range);
-    f->name("accel_range");
-    f->number(&o->accel_range);
-    policy(f, o);
-  }
-
-  /// The numbers of a calibration; what cameras and terms it has is the configuration's.
-  static void calibration(Fields* f, Calibration<S>* theta) {
-    for (int c = 0; c < theta->n_cameras; ++c) {
-      f->matrix(&theta->camera[c].R_CI);
-      f->matrix(&theta->camera[c].p_CI);
-      f->matrix(&theta->camera[c].intrinsics);
-      f->matrix(&theta->camera[c].distortion);
-    }
-    ImuCalibration<S>& imu = theta->imu;
-    for (Vec3<S>* v : {&imu.gyro_scale, &imu.gyro_misalignment, &imu.accel_scale, &imu.accel_misalignment}) f->matrix(v);
-    f->matrix(&imu.R_AI);
-    f->array(theta->effects.value, theta->effects.count());
-  }
-
   static void numbers(Fields* f, StoredNumbers<S>* n) {
     f->records(&n->faults, 1, sizeof n->faults);
     f->records(&n->left_out, 1, sizeof n->left_out);
@@ -84,18 +41,18 @@ struct StoredFields {
 
   /// theta and the last report; before the first calibration the report is that of create().
   static void results(Fields* f, Device<S>* d) {
-    calibration(f, &d->theta_);
+    StoredOptions<S>::calibration(f, &d->theta_);
     f->number(&d->theta_.effects.time_zero_ns);
     const int n = d->prior().mean.columns();
     Release<S>& r = d->report_.release;
     CalibrationReport<S>& report = d->report_;
     f->choice(&r.status, 3);
-    calibration(f, &r.theta);
+    StoredOptions<S>::calibration(f, &r.theta);
     f->array(r.sigma, n);
     f->array(r.printed_sigma, n);
     for (int i = 0; i < n; ++i) f->choice(&r.verdict[i], 3);
     f->number(&r.noise_scale);
-    calibration(f, &report.theta);
+    StoredOptions<S>::calibration(f, &report.theta);
     CalibrationFit<S>& fit = report.fit;
     f->flag(&fit.converged);
     for (std::int32_t* v : {&fit.iterations, &fit.image_points, &report.segments, &report.partitions}) f->number(v);
@@ -191,7 +148,7 @@ struct StoredFields {
       for (std::int32_t* v : {&e.segments, &e.image_points}) f->number(v);
       for (std::uint32_t* v : {&e.first_session, &e.last_session, &e.last_serial}) f->number(v);
       for (S* v : {&e.pulls.found, &e.pulls.expected, &e.dof}) f->number(v);
-      calibration(f, &e.theta);
+      StoredOptions<S>::calibration(f, &e.theta);
       f->number(&e.theta.effects.time_zero_ns);
       f->count(&e.information.n_theta, kMaxTheta);
       f->array(e.information.data, packed_size(e.information.n_theta + 1));
@@ -289,59 +246,6 @@ struct StoredFields {
       d->restart_filter();
     }
     return true;
-  }
-
- private:
-  static void cameras(Fields* f, Calibration<S>* mean) {
-    f->name("n_cameras");
-    f->number(&mean->n_cameras);
-    f->name("camera");
-    for (int c = 0; c < mean->n_cameras; ++c) {
-      f->choice(&mean->camera[c].model, 3);
-      f->number(&mean->camera[c].middle_row);
-    }
-    f->name("term");
-    f->number(&mean->effects.n);
-    f->records(mean->effects.term, mean->effects.count(), sizeof(Term));
-    f->name("starting calibration");
-    calibration(f, mean);
-  }
-  static void model(Fields* f, MeasurementModel<S>* m) {
-    f->name("noise of the IMU");
-    for (S* v : {&m->imu.gyro, &m->imu.gyro_walk, &m->imu.accel, &m->imu.accel_walk}) f->number(v);
-    f->name("pixel_sigma");
-    f->number(&m->pixel_sigma);
-    f->name("track_walk");
-    f->number(&m->track_walk);
-    f->name("gravity");
-    f->matrix(&m->g);
-    f->name("measurement model");
-    for (S* v : {&m->bias_a_sigma, &m->bias_g_sigma, &m->velocity_sigma, &m->inverse_depth_sigma, &m->turned_inverse_depth_sigma,
-                 &m->huber}) {
-      f->number(v);
-    }
-  }
-  static void policy(Fields* f, DeviceOptions<S>* o) {
-    f->name("frame_interval_s");
-    f->number(&o->frame_interval_s);
-    f->name("segment_s");
-    for (S* v : {&o->segment_s, &o->least_segment_s, &o->most_segment_s}) f->number(v);
-    f->name("filter_share");
-    f->number(&o->filter_share);
-    f->name("keep_segments");
-    f->number(&o->keep_segments);
-    f->name("metric");
-    f->choice(&o->metric, 5);
-    f->name("strategy");
-    f->choice(&o->strategy, 2);
-    f->name("least_gain_nats");
-    f->number(&o->least_gain);
-    f->name("seed");
-    f->number(&o->seed);
-    f->name("outdated_level");
-    f->number(&o->outdated_level);
-    f->name("has_temperature");
-    f->flag(&o->has_temperature);
   }
 };
 

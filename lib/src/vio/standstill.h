@@ -9,6 +9,8 @@
 // are at the same place: without it the filter, which has no baseline any more, only integrates a shaken accelerometer.
 #pragma once
 
+#include "math/quantiles.h"
+#include "math/small_solvers.h"
 #include "vio/image_motion.h"
 #include "vio/vio_propagate.h"
 #include "vio/vio_tracks.h"

@@ -5,6 +5,7 @@
 // linear in (l, v0, g). l is eliminated track by track; |g| is known and makes the scale.
 #pragma once
 
+#include "math/small_solvers.h"
 #include "vio/start_links.h"
 
 namespace SEGCAL_NS {

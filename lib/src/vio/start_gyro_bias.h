@@ -6,6 +6,7 @@
 // Pairs are folded one by one (start_motion.h).
 #pragma once
 
+#include "math/small_solvers.h"
 #include "vio/start_links.h"
 
 namespace SEGCAL_NS {

@@ -2,6 +2,7 @@
 // judged, and rid of tracks that miss.
 #pragma once
 
+#include "math/small_solvers.h"
 #include "vio/start_motion.h"
 
 namespace SEGCAL_NS {

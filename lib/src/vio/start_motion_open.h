@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vio/start_motion.h"
+#include "vio/window_update.h"
 
 namespace SEGCAL_NS {
 

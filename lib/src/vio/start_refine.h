@@ -5,6 +5,9 @@
 // point at which the filter linearises: the filter then weighs inertial noise and image points once more, properly.
 #pragma once
 
+#include "math/quantiles.h"
+#include "math/small_solvers.h"
+#include "vio/sensor_priors.h"
 #include "vio/start_links.h"
 #include "vio/vio_update.h"
 
@@ -85,6 +88,20 @@ struct RefineFit {
   int good = 0;   ///< tracks whose residuals are about what pixel_sigma says
 };
 
+/// Two rows [l 3 | x0 15 | extrinsics | rhs] of an image point, n numbers beside the landmark's and the right-hand side.
+template <class S>
+void write_rows(const ReprojectionRows<S>& rows, const Mat<S, 2, kStateColumns>& J, int camera, S weight, int n, S* out) {
+  const int stride = kLandmarkColumns + n + 1;
+  for (int k = 0; k < 2; ++k) {
+    S* row = out + k * stride;
+    for (int c = 0; c < stride; ++c) row[c] = S(0);
+    for (int c = 0; c < kLandmarkColumns; ++c) row[c] = weight * rows.J_l(k, c);
+    for (int c = 0; c < kStateColumns; ++c) row[3 + c] = weight * J(k, c);
+    for (int c = 0; c < kExtrinsicColumns; ++c) row[3 + kStateColumns + kExtrinsicColumns * camera + c] = weight * rows.J_camera(k, c);
+    row[3 + n] = -weight * rows.r(k);
+  }
+}
+
 /// One track's rows [l 3 | x0 15 | extrinsics | rhs] into the triangle, Huber weights beyond 2 sigma. *rho: triangulate_again().
 template <class S>
 void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, const StartScratch<S>& s,
@@ -108,17 +125,7 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
     const S weight = (e < S(2) ? S(1) : square_root(S(2) / e)) / options.pixel_sigma;
     Mat<S, 6, kStateColumns> D;
     pose_by_start(s.x0, s.link[view.pose[i]], &D);
-    const Mat<S, 2, kStateColumns> J = rows.J_pose * D;
-    for (int k = 0; k < 2; ++k) {
-      S* row = w->block + (2 * i + k) * stride;
-      for (int c = 0; c < stride; ++c) row[c] = S(0);
-      for (int c = 0; c < kLandmarkColumns; ++c) row[c] = weight * rows.J_l(k, c);
-      for (int c = 0; c < kStateColumns; ++c) row[3 + c] = weight * J(k, c);
-      for (int c = 0; c < kExtrinsicColumns; ++c) {
-        row[3 + kStateColumns + kExtrinsicColumns * track.camera + c] = weight * rows.J_camera(k, c);
-      }
-      row[3 + n] = -weight * rows.r(k);
-    }
+    write_rows<S>(rows, rows.J_pose * D, track.camera, weight, n, w->block + 2 * i * stride);
   }
   const S worst = S(20) * S(view.n);  // a track that fits nowhere costs this much and pulls at nothing
   if (!good || cost > worst) {

@@ -8,13 +8,14 @@
 // of accelerometer scale (0.1 m/s^2 of gravity, turning with the device) by wrong tilt, velocity and scale.
 #pragma once
 
+#include "vio/sensor_priors.h"
 #include "vio/standstill.h"
 #include "vio/start_motion.h"
 #include "vio/vio_propagate.h"
 #include "vio/vio_tracks.h"
 #include "vio/vio_types.h"
 #include "vio/vio_update.h"
-#include "vio/vio_window.h"
+#include "vio/window_covariance.h"
 
 namespace SEGCAL_NS {
 
@@ -116,13 +117,6 @@ class Vio {
   bool starting_;             ///< in motion, from the frames in the window
 };
 
-/// So many samples, and a few, come in the time of the window's last two frames.
-template <class S>
-int samples_until_next_frame(const ImuHistory<S>& imu, const Window<S>& w) {
-  const int n = imu.at_or_before(w.newest().time) - imu.at_or_before(w.pose[w.n_poses - 2].time);
-  return n + n / 4 + 2;
-}
-
 template <class S>
 void Vio<S>::reset(const Calibration<S>& theta, const VioOptions<S>& options) {
   options_ = options;
@@ -182,152 +176,7 @@ VioStatus Vio<S>::push_frame(std::int64_t t_ns, const TrackPoint<S>* points, int
   return running_ ? track(t_ns, points, n, imu) : collect(t_ns, points, n, imu);
 }
 
-/// Frames pile up in the window until gravity, velocity and biases can be told.
-template <class S>
-VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
-  if (!imu.covers(t_ns, t_ns)) return VioStatus::skipped;
-  time_ = arrived_ = t_ns;
-  while (window_.n_poses == kWindow || (window_.n_poses > 0 && !imu.covers(window_.pose[0].time, t_ns))) {
-    tracks_.forget_slot(window_.pose[0].slot);
-    window_.forget_oldest();
-  }
-  ++statistics_.frames_waited;
-  const int slot = window_.append_empty(t_ns);
-  statistics_.dropped_points += tracks_.observe(slot, points, n);
-  tracks_.remove_ended_shorter_than(3);
-  return try_to_start(t_ns, imu);
-}
-
-template <class S>
-VioStatus Vio<S>::try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu) {
-  start_.link = lend_start_links(&window_);
-  if (window_at_rest(window_, tracks_, options_, imu)) {
-    start_at_rest(&window_, &tracks_, options_, origin_, imu, &start_);
-    monitor_ = ResidualMonitor<S>();
-    return begin_running();
-  }
-  if (window_.n_poses < kStartFrames) return VioStatus::initialising;
-  motion_.begin(window_, imu);
-  start_due_ = t_ns + std::int64_t(SEGCAL_START_DELAY_MS) * 1000000;
-  const bool in_background = start_due_ > t_ns;
-  if (in_background && !motion_.keeps_samples(imu, samples_until_next_frame(imu, window_))) {
-    motion_.cancel();   // the samples would be gone before there is time for it
-    return VioStatus::initialising;
-  }
-  ++statistics_.starts_tried;
-  starting_ = true;
-  if (in_background) return VioStatus::initialising;
-  finish_start(imu);
-  starting_ = false;
-  return motion_.succeeded() ? begin_running() : VioStatus::initialising;
-}
-
-/// What its slices have moved so far is not to be used.
-template <class S>
-void Vio<S>::drop_start() {
-  motion_.give_cameras_back(start_context());
-  forget();
-}
-
-/// Frames between those of the start and its effect are let go: features are tracked over the gap. A start that is late takes
-/// effect at a later frame, as long as its samples are there.
-template <class S>
-VioStatus Vio<S>::wait_for_start(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
-  arrived_ = t_ns;
-  if (!motion_.keeps_samples(imu, 0)) {   // no frame came in time
-    drop_start();
-    return collect(t_ns, points, n, imu);
-  }
-  const bool last_chance = !motion_.keeps_samples(imu, samples_until_next_frame(imu, window_));
-  // One millisecond of grace, as for the frames' distance.
-  if (t_ns < start_due_ - 1000000 && !last_chance) return VioStatus::initialising;
-  if (start_pending() && !options_.late_start_at_once) {
-    ++statistics_.late_starts;
-    if (!last_chance) return VioStatus::initialising;
-    drop_start();
-    return collect(t_ns, points, n, imu);
-  }
-  if (finish_start(imu)) ++statistics_.late_starts;
-  starting_ = false;
-  if (!motion_.succeeded()) return collect(t_ns, points, n, imu);
-  const VioStatus begun = begin_running();
-  return begun == VioStatus::tracking ? track(t_ns, points, n, imu) : begun;
-}
-
-/// From the window as a start has left it.
-template <class S>
-VioStatus Vio<S>::begin_running() {
-  running_ = true;
-  still_ = start_.still;
-  ++statistics_.starts;
-  statistics_.frames_waited = statistics_.starts_tried = 0;
-  last_update_ = time_;
-  return healthy() ? VioStatus::tracking : give_up();
-}
-
-template <class S>
-VioStatus Vio<S>::track(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
-  const StillTest<S> test{options_, window_, tracks_, imu};
-  still_ = test.still(t_ns, still_, points, n);
-  const ImuIntegral<S> I = integral_between(window_, options_, imu, window_.now, time_, t_ns);
-  if (still_) still_ = propagate_still(&window_, options_, I, test.shaking(t_ns));
-  if (still_) {
-    ++statistics_.standstill_frames;
-    last_update_ = t_ns;
-    denied_rest_ = 0;
-    statistics_.dropped_points += tracks_.keep_alive(window_.newest().slot, points, n);
-    use_ended_tracks(&window_, &tracks_, options_, &monitor_, &statistics_);
-  } else {
-    denied_rest_ = test.rests(t_ns, points, n) ? denied_rest_ + 1 : 0;
-    const Mat3<S> R_GI = window_.now.R_GI * I.dR;
-    move_on(t_ns, points, n, I, test.place_kept(R_GI, monitor_.nearness, place_kept_, points, n));
-  }
-  time_ = arrived_ = t_ns;
-  window_.newest().time = t_ns;
-  return healthy() ? VioStatus::tracking : give_up();
-}
-
-/// A new pose enters the window, features are used, the oldest pose leaves. `place`: the pose whose place it has not
-/// left, or -1.
-template <class S>
-void Vio<S>::move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuIntegral<S>& I, int place) {
-  const int slot = propagate(&window_, options_, I, t_ns);
-  const bool held = place >= 0 && hold_place(&window_, place, options_.still_metres);
-  monitor_.rho_sigma = held ? kHeldDistanceSigma<S> : kInverseDistanceSigma<S>;
-  place_kept_ = held ? window_.n_poses - 3 - place : 0;
-  statistics_.dropped_points += tracks_.observe(slot, points, n);
-  const bool full = window_.n_poses == kWindow;
-  const int used = full ? use_leaving_tracks(&window_, &tracks_, options_, &monitor_, &statistics_)
-                        : use_ended_tracks(&window_, &tracks_, options_, &monitor_, &statistics_);
-  if (used > 0) last_update_ = t_ns;
-  if (full) make_room();
-}
-
-template <class S>
-void Vio<S>::make_room() {
-  tracks_.forget_slot(window_.pose[0].slot);
-  drop_oldest(&window_);
-}
-
-/// Never diverge silently: what cannot be a device in someone's hand or on a robot is a lost filter.
-template <class S>
-bool Vio<S>::healthy() const {
-  const State<S>& x = window_.now;
-  const S speed2 = x.v_GI.squaredNorm(), place2 = x.p_GI.squaredNorm();
-  if (!is_finite(speed2) || !is_finite(place2) || !is_finite(x.R_GI.sum())) return false;
-  if (speed2 > options_.max_speed * options_.max_speed) return false;
-  if (x.b_g.squaredNorm() > S(1) || x.b_a.squaredNorm() > S(9)) return false;
-  if (S(time_ - last_update_) * S(1e-9) > options_.max_blind_s) return false;
-  return denied_rest_ < kDeniedRest && !monitor_.failing();
-}
-
-template <class S>
-VioStatus Vio<S>::give_up() {
-  ++statistics_.restarts;
-  origin_.remember(window_.now);
-  window_.restore_calibration();
-  forget();
-  return VioStatus::lost;
-}
-
 }  // namespace SEGCAL_NS
+
+#include "vio/vio_starting.h"
+#include "vio/vio_tracking.h"

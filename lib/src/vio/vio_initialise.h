@@ -1,6 +1,7 @@
 // The start at rest, from gravity and the gyroscope's mean; and how a window is opened. In motion: start_motion.h.
 #pragma once
 
+#include "vio/sensor_priors.h"
 #include "vio/start_refine.h"
 
 namespace SEGCAL_NS {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "vio/readings.h"
-#include "vio/vio_window.h"
+#include "vio/window_update.h"
 
 namespace SEGCAL_NS {
 

@@ -1,6 +1,7 @@
 // A landmark from one track and the window's poses: two bearings for a first guess, Gauss-Newton on the pixels after.
 #pragma once
 
+#include "math/small_solvers.h"
 #include "vio/vio_tracks.h"
 
 namespace SEGCAL_NS {
@@ -95,8 +96,7 @@ bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<
   reflect_leading_columns(rows, 2 * view.n + 1, 4, 4, 3);
   *pivot_rho = absolute(rows[2 * 4 + 2]);
   for (int j = 2; j >= 0; --j) {
-    S sum = rows[j * 4 + 3];
-    for (int c = j + 1; c < 3; ++c) sum -= rows[j * 4 + c] * step[c];
+    const S sum = less_products(rows[j * 4 + 3], rows + j * 4, step, j + 1, 3);
     const S p = rows[j * 4 + j];
     step[j] = absolute(p) > S(1e-6) ? sum / p : S(0);
   }

@@ -1,7 +1,9 @@
 // Features into the filter: landmark eliminated, gated, folded.
 #pragma once
 
+#include "math/quantiles.h"
 #include "vio/vio_triangulate.h"
+#include "vio/window_update.h"
 
 namespace SEGCAL_NS {
 

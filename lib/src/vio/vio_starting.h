@@ -1,0 +1,98 @@
+// Vio: frames that come before the filter runs, and how it begins: at rest at once, in motion when its slices are done.
+#pragma once
+
+#include "vio/vio.h"
+
+namespace SEGCAL_NS {
+
+/// So many samples, and a few, come in the time of the window's last two frames.
+template <class S>
+int samples_until_next_frame(const ImuHistory<S>& imu, const Window<S>& w) {
+  const int n = imu.at_or_before(w.newest().time) - imu.at_or_before(w.pose[w.n_poses - 2].time);
+  return n + n / 4 + 2;
+}
+
+/// Frames pile up in the window until gravity, velocity and biases can be told.
+template <class S>
+VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
+  if (!imu.covers(t_ns, t_ns)) return VioStatus::skipped;
+  time_ = arrived_ = t_ns;
+  while (window_.n_poses == kWindow || (window_.n_poses > 0 && !imu.covers(window_.pose[0].time, t_ns))) {
+    tracks_.forget_slot(window_.pose[0].slot);
+    window_.forget_oldest();
+  }
+  ++statistics_.frames_waited;
+  const int slot = window_.append_empty(t_ns);
+  statistics_.dropped_points += tracks_.observe(slot, points, n);
+  tracks_.remove_ended_shorter_than(3);
+  return try_to_start(t_ns, imu);
+}
+
+template <class S>
+VioStatus Vio<S>::try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu) {
+  start_.link = lend_start_links(&window_);
+  if (window_at_rest(window_, tracks_, options_, imu)) {
+    start_at_rest(&window_, &tracks_, options_, origin_, imu, &start_);
+    monitor_ = ResidualMonitor<S>();
+    return begin_running();
+  }
+  if (window_.n_poses < kStartFrames) return VioStatus::initialising;
+  motion_.begin(window_, imu);
+  start_due_ = t_ns + std::int64_t(SEGCAL_START_DELAY_MS) * 1000000;
+  const bool in_background = start_due_ > t_ns;
+  if (in_background && !motion_.keeps_samples(imu, samples_until_next_frame(imu, window_))) {
+    motion_.cancel();   // the samples would be gone before there is time for it
+    return VioStatus::initialising;
+  }
+  ++statistics_.starts_tried;
+  starting_ = true;
+  if (in_background) return VioStatus::initialising;
+  finish_start(imu);
+  starting_ = false;
+  return motion_.succeeded() ? begin_running() : VioStatus::initialising;
+}
+
+/// What its slices have moved so far is not to be used.
+template <class S>
+void Vio<S>::drop_start() {
+  motion_.give_cameras_back(start_context());
+  forget();
+}
+
+/// Frames between those of the start and its effect are let go: features are tracked over the gap. A start that is late takes
+/// effect at a later frame, as long as its samples are there.
+template <class S>
+VioStatus Vio<S>::wait_for_start(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
+  arrived_ = t_ns;
+  if (!motion_.keeps_samples(imu, 0)) {   // no frame came in time
+    drop_start();
+    return collect(t_ns, points, n, imu);
+  }
+  const bool last_chance = !motion_.keeps_samples(imu, samples_until_next_frame(imu, window_));
+  // One millisecond of grace, as for the frames' distance.
+  if (t_ns < start_due_ - 1000000 && !last_chance) return VioStatus::initialising;
+  if (start_pending() && !options_.late_start_at_once) {
+    ++statistics_.late_starts;
+    if (!last_chance) return VioStatus::initialising;
+    drop_start();
+    return collect(t_ns, points, n, imu);
+  }
+  if (finish_start(imu)) ++statistics_.late_starts;
+  starting_ = false;
+  if (!motion_.succeeded()) return collect(t_ns, points, n, imu);
+  const VioStatus begun = begin_running();
+  return begun == VioStatus::tracking ? track(t_ns, points, n, imu) : begun;
+}
+
+/// From the window as a start has left it.
+template <class S>
+VioStatus Vio<S>::begin_running() {
+  running_ = true;
+  still_ = start_.still;
+  ++statistics_.starts;
+  statistics_.frames_waited = statistics_.starts_tried = 0;
+  last_update_ = time_;
+  return healthy() ? VioStatus::tracking : give_up();
+}
+
+}  // namespace SEGCAL_NS
