@@ -134,14 +134,12 @@ struct StoredFields {
     }
   }
   static void change(Fields* f, Change<S>* c) {
-    f->number(&c->before_session);
-    f->number(&c->after_session);
+    for (std::uint32_t* v : {&c->before_session, &c->after_session}) f->number(v);
     f->number(&c->t_ns);
     f->count(&c->n, kMaxTheta);
     f->array(c->step, kMaxTheta);
     f->array(c->sigma, kMaxTheta);
   }
-  /// Of a build without epochs there is none.
   static void epoch(Fields* f, Device<S>* d, int index) {
     if constexpr (kEpochs > 0) {
       Epoch<S>& e = d->d_.epochs.epoch_[index];
