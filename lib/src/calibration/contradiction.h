@@ -13,6 +13,7 @@
 #include "calibration/scatter.h"
 #include "database/database.h"
 #include "math/quantiles.h"
+#include "math/small_solvers.h"
 
 namespace SEGCAL_NS {
 

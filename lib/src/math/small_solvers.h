@@ -1,6 +1,7 @@
 // Substitution in triangles, and Cholesky factors: the solvers of small dense systems.
 #pragma once
 
+#include "math/elementary.h"
 #include "math/packed_triangle.h"
 #include "math/types.h"
 
