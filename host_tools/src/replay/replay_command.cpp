@@ -63,7 +63,7 @@ void print_summary(const ReplayResult& r, bool went_on) {
   }
   const std::vector<std::string> names = parameter_names(c, r.calibration);
   for (const CoreChange& change : c.changes) {
-    if (!change.open || r.cause.empty()) std::printf("note: %s\n", change_words(change, names).c_str());
+    if (!change.open || r.cause.empty()) std::printf("note: %s\n", change_words(change, c).c_str());
   }
   std::printf("%s: %s, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n",
               c.status.c_str(), words_on_segments(r, went_on).c_str(), c.dof > 0 ? c.chi2 / c.dof : 0.0, c.reprojection_rms_px,

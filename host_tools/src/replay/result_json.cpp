@@ -75,12 +75,12 @@ Json health_json(const Health& h) {
           {"segment_scatter", h.segment_scatter}, {"step_chi2", h.step_chi2}, {"step_dof", h.step_dof}, {"suspects", suspects}, {"notes", notes}};
 }
 
-Json change_json(const CoreChange& c, const std::vector<std::string>& names) {
+Json change_json(const CoreChange& c, const std::vector<std::string>& names, const CoreResult& r) {
   Json steps = Json::array();
   for (std::size_t i = 0; i < c.step.size() && i < names.size() && !c.open; ++i) {
     steps.push_back({{"name", names[i]}, {"step", c.step[i]}, {"sigma", c.sigma[i]}});
   }
-  return {{"open", c.open}, {"between_sessions", {c.before_session, c.after_session}}, {"t_ns", c.t_ns}, {"words", change_words(c, names)},
+  return {{"open", c.open}, {"between_sessions", {c.before_session, c.after_session}}, {"t_ns", c.t_ns}, {"words", change_words(c, r)},
           {"steps", steps}};
 }
 
@@ -114,7 +114,7 @@ Json result_json(const ReplayResult& out, const Provenance& from) {
                               {"value", e.value}, {"sigma", e.sigma}});
   }
   json["changes"] = Json::array();
-  for (const CoreChange& c : out.result.changes) json["changes"].push_back(change_json(c, names));
+  for (const CoreChange& c : out.result.changes) json["changes"].push_back(change_json(c, names, r));
   json["fit"] = {{"chi2", r.chi2}, {"dof", r.dof}, {"iterations", r.iterations}, {"converged", r.converged},
                  {"reprojection_rms_px", r.reprojection_rms_px}, {"reprojection_median_px", r.reprojection_median_px},
                  {"noise_scale", r.noise_scale}, {"partitions", r.partitions}, {"image_points", r.image_points}};

@@ -48,7 +48,7 @@ std::vector<std::string> parameter_names(const CoreResult& result, const Calibra
   return names;
 }
 
-std::string change_words(const CoreChange& c, const std::vector<std::string>& names) {
+std::string change_words(const CoreChange& c, const CoreResult& result) {
   char line[160];
   const std::string before = std::to_string(c.before_session + 1), after = std::to_string(c.after_session + 1);
   std::snprintf(line, sizeof line, ", %.1f s on the IMU's clock", 1e-9 * static_cast<double>(c.t_ns));
@@ -58,15 +58,16 @@ std::string change_words(const CoreChange& c, const std::vector<std::string>& na
            "Go on with lively motion, as for a first calibration";
   }
   std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < c.step.size() && i < names.size(); ++i) order.push_back(i);
+  for (std::size_t i = 0; i < c.step.size() && i < result.parameters.size(); ++i) order.push_back(i);
   const auto sigmas = [&c](std::size_t i) { return std::abs(c.step[i]) / c.sigma[i]; };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return sigmas(a) > sigmas(b); });
   std::string words = "the device changed " + when + ":";
   constexpr std::size_t kMost = 3;
   constexpr double kSure = 4;   // sigmas, as the core asks for one such step
   for (std::size_t k = 0; k < order.size() && k < kMost && (k == 0 || sigmas(order[k]) > kSure); ++k) {
-    std::snprintf(line, sizeof line, "%s %s by %.3g +- %.2g", k > 0 ? "," : "", names[order[k]].c_str(), c.step[order[k]], c.sigma[order[k]]);
-    words += line;
+    const CoreParameter& p = result.parameters[order[k]];
+    std::snprintf(line, sizeof line, "%s %s by %.3g +- %.2g", k > 0 ? "," : "", p.name.c_str(), c.step[order[k]], c.sigma[order[k]]);
+    words += line + (p.unit == "-" ? std::string() : " " + p.unit);
   }
   return words;
 }

@@ -19,7 +19,7 @@ std::vector<std::string> parameter_names(const Calibration& calibration);
 /// The same of a result, with the terms of effects that were estimated.
 std::vector<std::string> parameter_names(const CoreResult& result, const Calibration& calibration);
 
-/// "the device changed between session 1 and 2: cam0.r_CI.x by 0.0087 +- 0.0004, ...": the three surest steps.
-std::string change_words(const CoreChange& change, const std::vector<std::string>& names);
+/// "the device changed between session 1 and 2: cam0.r_CI.x by 0.0087 +- 0.0004 rad, ...": the three surest steps.
+std::string change_words(const CoreChange& change, const CoreResult& result);
 
 }  // namespace host

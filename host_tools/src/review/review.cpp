@@ -54,7 +54,7 @@ class Review {
     find_notes();
     if (out_.result.status == "calibrated" && out_.kept.size() == 1 && out_.result.epochs.empty()) refuse("insufficient", kOneSegment);
     const bool open = !out_.result.changes.empty() && out_.result.changes.back().open;
-    if (out_.result.status == "calibrated" && open) refuse("insufficient", change_words(out_.result.changes.back(), {}));
+    if (out_.result.status == "calibrated" && open) refuse("insufficient", change_words(out_.result.changes.back(), out_.result));
     if (out_.result.status != "calibrated" && out_.cause.empty()) out_.cause = reason();
   }
 
