@@ -278,6 +278,43 @@ void test_a_change_is_followed_and_dated() {
   TEST_ASSERT_GREATER_OR_EQUAL_UINT32(4, counters.segments_outdated);   // what the first release was made from
 }
 
+/// A contradiction, and then a hand over the lens for much longer than segments are waited for: nothing says that what was known before
+/// still holds, and nothing may confirm it.
+void test_nothing_seen_decides_nothing() {
+  Storage storage(0);
+  segcal_config_t c = config(true);
+  c.keep_segments = 5;   // nothing is condensed before the change: it is the kept ones that are contradicted
+  segcal_t* device = create(&storage, c);
+  segcal_new_session(device);
+  feed_keyframes(device, 0, 2020, 0);
+  TEST_ASSERT_EQUAL_INT(0, condensed_segments(device));
+  segcal_new_session(device);
+  feed_keyframes(device, 2020, 2440, 3);   // the one that contradicts, and none after it
+  segcal_change_t change;
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_change(device, -1, &change));
+  TEST_ASSERT_EQUAL_UINT32(1, change.before_session);
+  TEST_ASSERT_EQUAL_UINT32(2, change.after_session);
+  segcal_counters_t before, after;
+  segcal_get_counters(device, &before);
+  for (int lap = 0; lap < 2; ++lap) {   // 30 segments; three times five are waited for
+    segcal_new_session(device);
+    for (std::size_t i = 0; i < stream_of_30_s().imu.size(); ++i) {
+      segcal_push_imu(device, &stream_of_30_s().imu[i]);
+      segcal_background(device, 1000000);
+      if (i % 20 != 0) continue;
+      SyntheticStream::Frame frame = stream_of_30_s().frames[i / 20];
+      frame.points.clear();
+      push_frame(device, frame, Way::keyframes);
+    }
+    segcal_flush(device);
+    segcal_calibrate(device);
+  }
+  segcal_get_counters(device, &after);
+  TEST_ASSERT_GREATER_OR_EQUAL_UINT32(before.segments_closed + 24, after.segments_closed);
+  TEST_ASSERT_EQUAL_UINT32(before.calibrations_published, after.calibrations_published);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_change(device, -1, &change));
+}
+
 void test_no_change_is_none() {
   Storage storage(0);
   segcal_t* device = create(&storage, config(true));
@@ -303,6 +340,7 @@ int main() {
   RUN_TEST(test_single_sessions_forget);
   RUN_TEST(test_one_segment_convicts_nobody);
   RUN_TEST(test_a_change_is_followed_and_dated);
+  RUN_TEST(test_nothing_seen_decides_nothing);
   RUN_TEST(test_no_change_is_none);
   RUN_TEST(test_short_sessions_add_up);
   RUN_TEST(test_a_covered_camera_is_no_misfit);

@@ -22,7 +22,7 @@ enum class Taken : std::int32_t { ok, waiting, skipped, tracking, lost, not_fini
 constexpr int kFewestTracks = 8;
 /// So many segments in a row that do not fit into an epoch are no accident.
 constexpr int kMostMisfits = 3;
-/// Segments scored while a change is open, over those that the database holds, until a calibration decides with what there is.
+/// Segments scored while a change is open, over those that the database holds, until a calibration decides with fewer than it holds.
 constexpr int kMostUndecided = 3;
 
 template <class S>
@@ -146,7 +146,7 @@ class Device {
   void forget_epochs();
   void count_misfits();
   bool undecided();
-  bool waited_enough() const { return d_.changes.open() && open_segments_ >= kMostUndecided * d_.database.capacity(); }
+  bool waited_enough();
   bool worth_a_calibration();
   Segment<S>& open_slot() { return score_.active() ? *spare_ : d_.database.building(); }
   Calibration<S> working_theta() const;

@@ -117,11 +117,17 @@ void Device<S>::count_misfits() {
   }
 }
 
-/// What came since contradicts what was known, and is not enough to tell which is right: what was released stays. Where the motion is
-/// too dull for the database to fill, that ends after three times as many segments.
+/// What came since contradicts what was known, and is not enough to tell which is right: what was released stays, however long that
+/// takes. A calibration that could not convict what is older would confirm it.
 template <class S>
 bool Device<S>::undecided() {
-  return d_.changes.open() && !waited_enough() && !knows_enough(&d_);
+  return d_.changes.open() && !knows_enough(&d_) && !waited_enough();
+}
+
+/// Motion that is too dull to fill the database can still tell.
+template <class S>
+bool Device<S>::waited_enough() {
+  return d_.changes.open() && open_segments_ >= kMostUndecided * d_.database.capacity() && could_convict(&d_);
 }
 
 /// The same at any moment: where the shift of stamps changes, the open segment begins anew.

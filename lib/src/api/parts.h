@@ -90,19 +90,31 @@ struct DeviceParts {
   const ThetaPrior<S>& prior() const { return options.prior; }
 };
 
-/// True if the kept segments are worth a calibration: there are enough (paper, Alg. 1), or, where there are targets, they
-/// predict that these will be reached. Sums in the workspace.
+/// Triangle of the prior and the kept segments, each alone, in units of the prior's sigmas. In the workspace.
 template <class S>
-bool knows_enough(DeviceParts<S>* d) {
-  const int columns = d->prior().mean.columns();
-  if (!has_targets(d->options.target_sigma, columns)) return d->database.full();
+PackedTriangle<S> sum_of_kept(DeviceParts<S>* d) {
   const SegmentInformation<S>* segments[kMaxSegments];
   int n = 0;
   for (int i = 0; i < Database<S>::kSlots; ++i) {
     if (d->database.kept(i)) segments[n++] = &d->database.slot(i).information;
   }
-  JointInformation<S> joint = d->work.sums(d->prior().sigma, columns);
-  return reaches_targets(joint.sum(segments, n), d->prior().sigma, d->options.target_sigma, d->database.full());
+  JointInformation<S> joint = d->work.sums(d->prior().sigma, d->prior().mean.columns());
+  return joint.sum(segments, n);
+}
+
+/// True if the kept segments are worth a calibration: there are enough (paper, Alg. 1), or, where there are targets, they
+/// predict that these will be reached.
+template <class S>
+bool knows_enough(DeviceParts<S>* d) {
+  if (!has_targets(d->options.target_sigma, d->prior().mean.columns())) return d->database.full();
+  return reaches_targets(sum_of_kept(d), d->prior().sigma, d->options.target_sigma, d->database.full());
+}
+
+/// True if they could convict what is older (agreement.h).
+template <class S>
+bool could_convict(DeviceParts<S>* d) {
+  S work[kMaxTheta];
+  return knows_half(sum_of_kept(d), d->prior().mean.columns(), work);
 }
 
 }  // namespace SEGCAL_NS

@@ -19,10 +19,6 @@
 
 namespace SEGCAL_NS {
 
-/// Sigma over the prior's from which on an entry counts as known.
-template <class S>
-constexpr S kKnown = S(0.3);
-
 template <class S>
 class Agreement {
  public:
@@ -90,12 +86,8 @@ class Agreement {
   }
 
   bool know_enough() {
-    const PackedTriangle<S> T = newer();
     S work[kMaxTheta];
-    const S one = S(1);
-    int known = 0;
-    for (int i = 0; i < n_; ++i) known += marginal_sigma(T, n_, i, &one, 1, work) < kKnown<S> ? 1 : 0;
-    return 2 * known >= n_;
+    return knows_half(newer(), n_, work);
   }
 
   S entry(const SegmentInformation<S>& information, int i, int c) const {

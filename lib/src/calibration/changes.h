@@ -1,7 +1,7 @@
 // When the device became another one: steps between what was known and a release that dropped it.
 //
-// A segment that contradicts what is known (contradiction.h) opens a change and says when. The next release closes it: a change if
-// an entry left its old value by more than chance, else a false alarm.
+// A segment that contradicts what is known (contradiction.h) opens a change and says when. The next calibration closes it: a change if it
+// dropped something, and an entry that it releases left its old value by more than chance.
 #pragma once
 
 #include "sensors/calibration.h"
@@ -17,7 +17,8 @@ struct Change {
   std::uint32_t before_session = 0, after_session = 0;   ///< of the segments on both sides
   std::int64_t t_ns = 0;                                 ///< first keyframe of the segment that did not fit
   std::int32_t n = 0;
-  S step[kMaxTheta] = {}, sigma[kMaxTheta] = {};                   ///< of theta's columns; while it is open: no step, and sigmas of what was known
+  /// Of theta's columns; while it is open: no step, and sigmas of what was known.
+  S step[kMaxTheta] = {}, sigma[kMaxTheta] = {};
 };
 
 template <class S>

@@ -9,6 +9,14 @@ namespace SEGCAL_NS {
 template <class S>
 constexpr S kKnownDistance2 = S(100);
 
+/// The residual of an image point and its rows over its landmark; false where it is left out or behind the camera.
+template <class S>
+bool tells_of_landmark(const Segment<S>& segment, const Observation& z, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                       ReprojectionRows<S>* rows) {
+  return !z.rejected &&
+         point_rows<S>(z, theta, exposure_of(segment, z, theta, model.g, false), segment.states.landmark[z.landmark], nullptr, rows);
+}
+
 /// fold_landmark() where tracks drift.
 template <class S>
 void fold_walking_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
@@ -20,10 +28,7 @@ void fold_walking_landmark(const Segment<S>& segment, int j, const Calibration<S
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
     ReprojectionRows<S> rows;
-    if (z.rejected || !point_rows<S>(z, theta, exposure_of(segment, z, theta, model.g, false), segment.states.landmark[j], nullptr,
-                                     &rows)) {
-      continue;
-    }
+    if (!tells_of_landmark(segment, z, theta, model, &rows)) continue;
     S* const point = block + kPoint * track.points();
     for (int i = 0; i < kPoint; ++i) point[i] = rows.J_l(i / kLandmarkColumns, i % kLandmarkColumns);
     track.add(z.camera, segment.t_us[z.keyframe], rows.r, model);
@@ -48,10 +53,7 @@ void fold_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
     ReprojectionRows<S> rows;
-    if (z.rejected || !point_rows<S>(z, theta, exposure_of(segment, z, theta, model.g, false), segment.states.landmark[j], nullptr,
-                                     &rows)) {
-      continue;
-    }
+    if (!tells_of_landmark(segment, z, theta, model, &rows)) continue;
     const S scale = square_root(robust_term(model, rows.r.squaredNorm() * inverse_sigma * inverse_sigma).weight) * inverse_sigma;
     for (int i = 0; i < 2 * kLandmarkColumns; ++i) block[i] = scale * rows.J_l(i / kLandmarkColumns, i % kLandmarkColumns);
     fold_rows(*R, block, 2, kLandmarkColumns, 0, kLandmarkColumns);
