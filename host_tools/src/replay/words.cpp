@@ -59,11 +59,12 @@ std::string change_words(const CoreChange& c, const CoreResult& result) {
   }
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < c.step.size() && i < result.parameters.size(); ++i) order.push_back(i);
-  const auto sigmas = [&c](std::size_t i) { return std::abs(c.step[i]) / c.sigma[i]; };
+  const auto sigmas = [&c](std::size_t i) { return c.sigma[i] > 0 ? std::abs(c.step[i]) / c.sigma[i] : 0; };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return sigmas(a) > sigmas(b); });
-  std::string words = "the device changed " + when + ":";
   constexpr std::size_t kMost = 3;
-  constexpr double kSure = 4;   // sigmas, as the core asks for one such step
+  constexpr double kSure = 4;   // sigmas: one of 27 entries reaches that by chance once in 600 changes
+  const bool sure = !order.empty() && sigmas(order[0]) > kSure;
+  std::string words = "the device changed " + when + (sure ? ":" : ": no entry alone is sure, all together are; most of all");
   for (std::size_t k = 0; k < order.size() && k < kMost && (k == 0 || sigmas(order[k]) > kSure); ++k) {
     const CoreParameter& p = result.parameters[order[k]];
     std::snprintf(line, sizeof line, "%s %s by %.3g +- %.2g", k > 0 ? "," : "", p.name.c_str(), c.step[order[k]], c.sigma[order[k]]);

@@ -27,7 +27,7 @@ class CalibrateJob {
     theta_ = theta;
     n_ = d->database.in_order(segment_);
     place_ = inner_ = 0;
-    dropped_any_ = false;
+    dropped_any_ = changed_ = false;
     stage_ = Stage::working;
   }
   void step(DeviceParts<S>* d) {
@@ -50,6 +50,9 @@ class CalibrateJob {
     return dropped_any_;
   }
 
+  /// What it dropped as outdated tells of another theta than what it kept: decisive, all taken together.
+  bool changed() const { return changed_; }
+
  private:
   enum class Stage : std::int32_t { idle, working, done };
   bool calibrate_step(DeviceParts<S>* d);
@@ -69,13 +72,14 @@ class CalibrateJob {
   void compare_next(DeviceParts<S>* d);
   void take_verdict(DeviceParts<S>* d);
   void begin_agreement(DeviceParts<S>* d);
+  void judge_change(DeviceParts<S>* d);
 
   Stage stage_ = Stage::idle;
   Place place_ = 0, inner_ = 0;
   Calibration<S> theta_;               ///< where it begins
   Segment<S>* segment_[kMaxSegments];  ///< that take part, in order of time
   std::int32_t n_ = 0, i_ = 0, epoch_ = 0, round_ = 0;
-  bool dropped_ = false, dropped_any_ = false, compares_epoch_ = false;
+  bool dropped_ = false, dropped_any_ = false, changed_ = false, compares_epoch_ = false;
   Agreement<S> agreement_;
   SegmentScatter<S> scatter_;
   ReprojectionFigures<S> reprojection_;
@@ -129,20 +133,6 @@ bool CalibrateJob<S>::fit_step(DeviceParts<S>* d) {
   SEGCAL_SLICES_END(inner_);
 }
 
-/// Drops epochs that theta has left (Epoch::holds_at); true if there were any, and theta is to be found again.
-template <class S>
-bool CalibrateJob<S>::drop_far_epochs(DeviceParts<S>* d) {
-  bool dropped = false;
-  if constexpr (kEpochs > 0) {
-    for (int i = d->epochs.count() - 1; i >= 0 && d->calibrator.fit().converged; --i) {
-      if (d->epochs.epoch(i).holds_at(d->calibrator.theta(), d->prior(), d->work.agreement_scratch())) continue;
-      outdate_epoch(i, d);
-      dropped = dropped_any_ = true;
-    }
-  }
-  return dropped;
-}
-
 /// All segments' information at the calibrated theta, each alone: what a segment says must not come from its neighbours.
 template <class S>
 bool CalibrateJob<S>::score_alone_step(DeviceParts<S>* d) {
@@ -155,60 +145,6 @@ bool CalibrateJob<S>::score_alone_step(DeviceParts<S>* d) {
     }
   }
   SEGCAL_SLICES_END(inner_);
-}
-
-/// Drops segments and epochs that newer ones contradict (calibration/agreement.h); dropped_ says whether there were any.
-template <class S>
-bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
-  SEGCAL_SLICES(inner_) {
-    dropped_ = false;
-    if (n_ + d->epochs.count() >= 3 && d->calibrator.fit().converged && d->options.outdated_level > S(0)) {
-      begin_agreement(d);
-      epoch_ = newest_epoch(d);
-      for (i_ = n_ - 1; i_ >= 0 || epoch_ >= 0; compares_epoch_ ? --epoch_ : --i_) {
-        compare_next(d);
-        SEGCAL_AWAIT(inner_, agreement_.take_step(compares_epoch_ ? *d->work.moved() : segment_[i_]->information));
-        take_verdict(d);
-      }
-    }
-  }
-  SEGCAL_SLICES_END(inner_);
-}
-
-/// Place of the newest epoch that says anything: one may have just begun.
-template <class S>
-int CalibrateJob<S>::newest_epoch(DeviceParts<S>* d) {
-  if constexpr (kEpochs > 0) return d->epochs.count() - (d->epochs.count() > 0 && d->epochs.newest().segments == 0 ? 2 : 1);
-  return -1;
-}
-
-/// Of segment i_ and epoch_, the newer one is next.
-template <class S>
-void CalibrateJob<S>::compare_next(DeviceParts<S>* d) {
-  compares_epoch_ = false;
-  if constexpr (kEpochs > 0) {
-    compares_epoch_ = epoch_ >= 0 && (i_ < 0 || d->epochs.epoch(epoch_).last_serial > segment_[i_]->serial);
-    if (compares_epoch_) d->epochs.epoch(epoch_).move_to(d->calibrator.theta(), d->work.moved());
-  }
-}
-
-/// What is outdated goes. An epoch that agrees tells what its segments disagree by among themselves: one of several may convict the
-/// next older item, though it is one item.
-template <class S>
-void CalibrateJob<S>::take_verdict(DeviceParts<S>* d) {
-  const bool outdated = agreement_.outdated();
-  dropped_ = dropped_ || outdated;
-  dropped_any_ = dropped_any_ || outdated;
-  if (compares_epoch_) {
-    if constexpr (kEpochs > 0) {
-      const Epoch<S>& e = d->epochs.epoch(epoch_);
-      if (!outdated) agreement_.know_spread(e.pulls.found, static_cast<int>(e.pulls.expected));
-      if (outdated) outdate_epoch(epoch_, d);
-    }
-  } else if (outdated) {
-    d->database.drop_outdated(segment_[i_]);
-    ++d->faults.segments_outdated;
-  }
 }
 
 /// Do the segments that took part agree as far as noise lets them (calibration/scatter.h)? One alone cannot say.
@@ -224,15 +160,6 @@ bool CalibrateJob<S>::measure_scatter_step(DeviceParts<S>* d) {
     }
   }
   SEGCAL_SLICES_END(inner_);
-}
-
-template <class S>
-void CalibrateJob<S>::begin_agreement(DeviceParts<S>* d) {
-  const SegmentInformation<S>* information[kMaxSegments];
-  for (int i = 0; i < n_; ++i) information[i] = &segment_[i]->information;
-  const S comparisons = S(n_ + d->epochs.count() - 1);
-  agreement_ = Agreement<S>(d->prior(), d->calibrator.theta(), d->options.outdated_level / comparisons, noise_of(information, n_),
-                            d->work.new_analysis(), d->work.agreement_scratch());
 }
 
 /// After a failed calibration: segments that do not fit even alone leave the database, and collecting goes on.
@@ -286,3 +213,5 @@ void CalibrateJob<S>::add_residuals(DeviceParts<S>* d, const Segment<S>& s) {
 }
 
 }  // namespace SEGCAL_NS
+
+#include "api/calibrate_outdated.h"

@@ -74,8 +74,10 @@ void Device<S>::publish_calibration() {
   const bool dropped = calibration_.publish(&d_, &report_);
   if constexpr (kEpochs > 0) {
     made_from_ = d_.epochs.segments() + d_.database.size();
-    if (dropped && report_.release.status == Status::calibrated) d_.changes.decide(theta_, report_.release.theta, report_.release.sigma);
-    d_.changes.close();   // nothing was dropped: a false alarm; not calibrated: that is what the result says now
+    if (calibration_.changed() && report_.release.status == Status::calibrated) {
+      d_.changes.decide(theta_, report_.release.theta, report_.release.sigma);
+    }
+    d_.changes.close();   // no change: a false alarm; not calibrated: that is what the result says now
   }
   ++d_.faults.calibrations_published;
   calibrated_ = true;

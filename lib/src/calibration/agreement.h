@@ -12,17 +12,17 @@
 // One segment alone convicts nobody, then, and nor do several that could not stand in for what they convict.
 #pragma once
 
-#include "calibration/prior.h"
+#include "calibration/epoch.h"
+#include "calibration/spread.h"
 #include "information/marginal.h"
 #include "information/metrics.h"
-#include "math/quantiles.h"
 
 namespace SEGCAL_NS {
 
 template <class S>
 class Agreement {
  public:
-  static constexpr int kScratch = 2 * packed_size(kMaxTheta + 1) + kMaxTheta * (kMaxTheta + 1);
+  static constexpr int kScratch = 3 * packed_size(kMaxTheta + 1) + kMaxTheta * (kMaxTheta + 1);
 
   Agreement() = default;
   /// All segments' information must be linearised at `theta`. `level`: probability of a false verdict in one comparison.
@@ -43,15 +43,32 @@ class Agreement {
         outdated_ = contradicted() && know_enough();
         SEGCAL_PAUSE(place_);
       }
-      if (!outdated_) agree(information);
+      if (outdated_) {
+        contradict(information);
+      } else {
+        agree(information);
+      }
     }
     SEGCAL_SLICES_END(place_);
   }
   bool outdated() const { return outdated_; }
-  /// What is known of the spread already: a sum of squares of unit variance, with `degrees` of freedom.
-  void know_spread(S sum, int degrees) {
-    spread_ += sum / noise_;
-    spread_degrees_ += degrees;
+  /// What the item that take_step() has judged is known to scatter by in itself: a sum of squares of unit variance, with `degrees`.
+  void know_spread(S sum, int degrees) { (outdated_ ? spread_of_outdated_ : spread_).add(sum / noise_, degrees); }
+  /// After the last one: whether all that is outdated, together, contradicts all that agreed; by chance with probability p. Either may
+  /// scatter more.
+  bool changed(S p) {
+    if (outdated_items_ == 0) return false;
+    PackedTriangle<S> T = copy_of_newer(), older = outdated_ones();
+    S* row = block();
+    for (int i = 0; i < n_; ++i) {
+      for (int c = 0; c <= n_; ++c) row[c] = c < i ? S(0) : older(i, c);
+      fold_rows(T, row, 1, n_ + 1, i, n_ + 1);
+    }
+    Spread<S> both = spread_;
+    both.add(spread_of_outdated_);
+    const Spread<S>& spread = both.mean() > spread_.mean() ? both : spread_;
+    const S limit = spread.uneven_limit(n_, p), square = T(n_, n_) * T(n_, n_) / noise_;
+    return limit > S(0) && square > limit * S(n_) * spread.mean();
   }
   bool outdated(const SegmentInformation<S>& information) {
     while (!take_step(information)) {
@@ -61,17 +78,22 @@ class Agreement {
 
  private:
   void agree(const SegmentInformation<S>& information) {
-    if (agreed_ > 0) {
-      spread_ += statistic_;
-      spread_degrees_ += degrees_;
-    }
+    if (agreed_ > 0) spread_.add(statistic_, degrees_);
     PackedTriangle<S> T = newer();
     add(information, &T);
     ++agreed_;
   }
+  void contradict(const SegmentInformation<S>& information) {
+    if constexpr (kEpochs > 0) {
+      PackedTriangle<S> T = outdated_ones();
+      if (outdated_items_++ == 0) T.clear();
+      add(information, &T);
+    }
+  }
   PackedTriangle<S> newer() { return PackedTriangle<S>(scratch_, n_ + 1); }
   PackedTriangle<S> trial() { return PackedTriangle<S>(scratch_ + packed_size(n_ + 1), n_ + 1); }
-  S* block() { return scratch_ + 2 * packed_size(n_ + 1); }
+  PackedTriangle<S> outdated_ones() { return PackedTriangle<S>(scratch_ + 2 * packed_size(n_ + 1), n_ + 1); }
+  S* block() { return scratch_ + 3 * packed_size(n_ + 1); }
 
   /// The prior alone, in units of its sigmas.
   void begin() {
@@ -103,11 +125,18 @@ class Agreement {
     fold_rows(*T, B, n_, n_ + 1, 0, n_ + 1);
   }
 
+  /// Without what it left over.
+  PackedTriangle<S> copy_of_newer() {
+    PackedTriangle<S> T = trial();
+    for (int k = 0; k < packed_size(n_ + 1); ++k) scratch_[packed_size(n_ + 1) + k] = scratch_[k];
+    T.row(n_)[n_] = S(0);
+    return T;
+  }
+
   /// The limit grows with how little is known about the spread.
   bool contradicted() const {
-    if (degrees_ == 0 || spread_degrees_ == 0) return false;
-    const S limit = f_upper_quantile(degrees_, spread_degrees_, level_), spread = spread_ / S(spread_degrees_);
-    return limit > S(0) && statistic_ > limit * S(degrees_) * (spread > S(1) ? spread : S(1));
+    const S limit = spread_.limit(degrees_, level_);
+    return limit > S(0) && statistic_ > limit * S(degrees_) * spread_.mean();
   }
 
   void compare(const SegmentInformation<S>& information) {
@@ -115,9 +144,7 @@ class Agreement {
     statistic_ = S(0);
     while (degrees_ < n_ && analysis_->relative_sigma(degrees_) < kExcited<S>) shown_row(information, degrees_++);
     if (degrees_ == 0) return;
-    PackedTriangle<S> T = trial();
-    for (int k = 0; k < packed_size(n_ + 1); ++k) scratch_[packed_size(n_ + 1) + k] = scratch_[k];
-    T.row(n_)[n_] = S(0);
+    PackedTriangle<S> T = copy_of_newer();
     fold_rows(T, block(), degrees_, n_ + 1, 0, n_ + 1);
     statistic_ = T(n_, n_) * T(n_, n_) / noise_;
   }
@@ -137,8 +164,9 @@ class Agreement {
 
   const ThetaPrior<S>* prior_ = nullptr;
   const Calibration<S>* theta_ = nullptr;
-  int n_ = 0, agreed_ = 0, degrees_ = 0, spread_degrees_ = 0;
-  S level_ = S(0), noise_ = S(1), statistic_ = S(0), spread_ = S(0);  // of the last comparison; of all that agreed
+  int n_ = 0, agreed_ = 0, outdated_items_ = 0, degrees_ = 0;
+  S level_ = S(0), noise_ = S(1), statistic_ = S(0);  // of the last comparison
+  Spread<S> spread_, spread_of_outdated_;             // of all that agreed; of each that did not, in itself
   InformationAnalysis<S>* analysis_ = nullptr;
   S* scratch_ = nullptr;
   Place place_ = 0;

@@ -1,7 +1,7 @@
 // When the device became another one: steps between what was known and a release that dropped it.
 //
-// A segment that contradicts what is known (contradiction.h) opens a change and says when. The next calibration closes it: a change if it
-// dropped something, and an entry that it releases left its old value by more than chance.
+// A segment that contradicts what is known (contradiction.h) opens a change and says when. The next calibration closes it: a change if
+// all that it dropped, taken together, contradicts what it kept (agreement.h).
 #pragma once
 
 #include "sensors/calibration.h"
@@ -9,8 +9,8 @@
 namespace SEGCAL_NS {
 
 constexpr int kChanges = 4;
-/// Of a step's sigmas. One of 27 entries reaches four of them by chance once in 600 false alarms (kFalseAlarm).
-constexpr double kSureStep = 4;
+/// Probability that a calibration after a false alarm (kFalseAlarm), which also dropped something, finds a change.
+constexpr double kFalseChange = 1e-4;
 
 template <class S>
 struct Change {
@@ -53,17 +53,13 @@ class Changes {
     }
   }
 
-  /// At a release: from `before` to `after`, with its sigmas.
+  /// At a release that found one: from `before` to `after`, with its sigmas.
   void decide(const Calibration<S>& before, const Calibration<S>& after, const S* sigma) {
     if (!is_open_) return;
     is_open_ = false;
     difference(before, after, open_.step);
-    bool sure = false;
-    for (int i = 0; i < open_.n; ++i) {
-      open_.sigma[i] = square_root(open_.sigma[i] * open_.sigma[i] + sigma[i] * sigma[i]);
-      sure = sure || absolute(open_.step[i]) > S(kSureStep) * open_.sigma[i];
-    }
-    if (sure) push();
+    for (int i = 0; i < open_.n; ++i) open_.sigma[i] = square_root(open_.sigma[i] * open_.sigma[i] + sigma[i] * sigma[i]);
+    push();
   }
 
  private:

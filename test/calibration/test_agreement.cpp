@@ -1,0 +1,134 @@
+// Whether what is outdated, all together, tells of another theta than what agrees: rows drawn around a known theta.
+#include <algorithm>
+#include <memory>
+
+#include "../support/cases.h"
+#include "../support/random.h"
+#include "calibration/agreement.h"
+
+using namespace SEGCAL_NS;
+using test::Id;
+
+extern "C" void setUp() {}
+extern "C" void tearDown() {}
+
+namespace {
+
+using S = float;
+
+/// Sum of squares of r normal numbers, of which the first `loud` have standard deviation `sigma`.
+double sum_of_squares(test::Random* random, int r, int loud, double sigma) {
+  double sum = 0;
+  for (int i = 0; i < r; ++i) {
+    const double x = random->normal(i < loud ? sigma : 1);
+    sum += x * x;
+  }
+  return sum;
+}
+
+/// Of 20000 sums like those of the eight items before, how many exceed their limits at 1e-3.
+struct Exceeding {
+  int even = 0, uneven = 0;
+};
+Exceeding exceeding(int loud, double sigma) {
+  constexpr int kTrials = 20000, kItems = 8, kDegrees = 20;
+  test::Random random(7);
+  Exceeding count;
+  for (int t = 0; t < kTrials; ++t) {
+    Spread<S> spread;
+    for (int i = 0; i < kItems; ++i) spread.add(static_cast<S>(sum_of_squares(&random, kDegrees, loud, sigma)), kDegrees);
+    const S ratio = static_cast<S>(sum_of_squares(&random, kDegrees, loud, sigma)) / S(kDegrees) / spread.mean();
+    const S even = spread.limit(kDegrees, S(1e-3)), uneven = spread.uneven_limit(kDegrees, S(1e-3));
+    count.even += even > S(0) && ratio > even ? 1 : 0;
+    count.uneven += uneven > S(0) && ratio > uneven ? 1 : 0;
+  }
+  return count;
+}
+
+/// 20 are expected where the limit holds. Real IMUs: what segments leave over has a mean square of about 10, in few directions.
+void test_few_directions_have_long_tails() {
+  const Exceeding white = exceeding(0, 1), few = exceeding(3, 8);
+  test::check_between(Id(), "white, even", 1, white.even, 35);   // at most 3.5 sigmas of a count more; fewer, as the yardstick is 1 at least
+  test::check_between(Id(), "white, uneven", 1, white.uneven, white.even);   // a spread that is above 1 by chance makes it careful
+  test::check_between(Id(), "few directions, even", 400, few.even, 20000);
+  test::check_between(Id(), "few directions, uneven", 1, few.uneven, 60);   // Paulson's approximation is poor with three degrees
+}
+
+/// A device whose theta is the prior's mean plus `truth` of its sigmas. Columns 0 and 1 are hardly told apart.
+struct World {
+  Calibration<S> theta;
+  ThetaPrior<S> prior;
+  InformationAnalysis<S> analysis;
+  std::unique_ptr<S[]> W = std::make_unique<S[]>(kMaxTheta * kMaxTheta), scratch = std::make_unique<S[]>(Agreement<S>::kScratch);
+  test::Random random;
+  double truth[kMaxTheta] = {};
+
+  explicit World(std::uint32_t seed) : random(seed) {
+    theta.n_cameras = 1;
+    prior.mean = theta;
+    default_prior_sigmas(prior.mean, prior.sigma);
+    analysis.W = W.get();
+  }
+  int n() const { return theta.columns(); }
+
+  SegmentInformation<S> segment() {
+    SegmentInformation<S> s;
+    s.n_theta = n();
+    s.dof = 1000;
+    PackedTriangle<S> T = s.triangle();
+    T.clear();
+    for (int i = 0; i < n(); ++i) {
+      double d = random.normal(1);
+      for (int c = i; c < n(); ++c) {
+        const double r = i == 0 && c < 2 ? kRow : c == i ? (i == 1 ? 0.02 * kRow : kRow) : 0;
+        d += r * truth[c];
+        T.row(i)[c] = static_cast<S>(r / static_cast<double>(prior.sigma[c]));
+      }
+      T.row(i)[n()] = static_cast<S>(d);
+    }
+    return s;
+  }
+  static constexpr double kRow = 30;
+};
+
+struct Verdict {
+  int outdated = 0;
+  bool changed = false;
+};
+/// Six segments, and six older ones from before theta made a step of `step` sigmas of each: half of it by column 0, half by 1.
+Verdict judge(std::uint32_t seed, double step) {
+  const auto w = std::make_unique<World>(seed);
+  Agreement<S> agreement(w->prior, w->theta, S(1e-3 / 11), S(1), &w->analysis, w->scratch.get());
+  Verdict v;
+  for (int k = 0; k < 12; ++k) {
+    if (k == 6) w->truth[0] = w->truth[1] = 0.5 * step / World::kRow;
+    const SegmentInformation<S> s = w->segment();
+    v.outdated += agreement.outdated(s) ? 1 : 0;
+  }
+  v.changed = agreement.changed(S(1e-4));
+  return v;
+}
+
+/// The step is 12 sigmas of a segment in the sum of two columns, and a twentieth of that in either alone: 6 / (30 / 0.6) of the prior's
+/// sigma, where six segments know it to a quarter of it.
+void test_what_no_entry_shows_alone_is_a_change() {
+  int changed = 0, false_ones = 0;
+  for (std::uint32_t seed = 0; seed < 50; ++seed) {
+    const Verdict v = judge(seed, 12), none = judge(seed, 0);
+    test::check_true(Id().add("seed", seed), "older ones agree", v.outdated >= 4);
+    changed += v.changed ? 1 : 0;
+    false_ones += none.changed ? 1 : 0;
+  }
+  test::check_between(Id(), "changes of 50", 50, changed, 50);
+  test::check_between(Id(), "of none", 0, false_ones, 0);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  test::select_cases(argc, argv);
+  UNITY_BEGIN();
+  RUN_TEST(test_few_directions_have_long_tails);
+  RUN_TEST(test_what_no_entry_shows_alone_is_a_change);
+  return UNITY_END();
+}
