@@ -215,13 +215,13 @@ void conclude_fits(Diagnosis* d) {
 }  // namespace
 
 void conclude(Diagnosis* d) {
-  if (!d->faults.empty() && !d->faults_accepted) {
+  if (spoil_fits(d->faults) && !d->faults_accepted) {
     d->verdict = "bad_data";
     d->sentence = fault_words(*d);
     return;
   }
   conclude_fits(d);
-  if (!d->faults.empty()) d->sentence += ". The data are at fault, which may be behind this or hide more: " + fault_words(*d);
+  if (spoil_fits(d->faults)) d->sentence += ". The data are at fault, which may be behind this or hide more: " + fault_words(*d);
 }
 
 }  // namespace host::diagnosis

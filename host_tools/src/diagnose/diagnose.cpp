@@ -71,7 +71,7 @@ class Diagnoser {
       out_.faults.insert(out_.faults.end(), found.begin(), found.end());
     }
     out_.faults_accepted = options_.accept_faults;
-    return !out_.faults.empty() && !options_.accept_faults;
+    return spoil_fits(out_.faults) && !options_.accept_faults;
   }
 
   /// Noise above the stated one is an effect of its own; the fits below are weighted with what was found.

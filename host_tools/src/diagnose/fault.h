@@ -11,7 +11,7 @@
 namespace host {
 
 /// One finding. `kind` is one of: saturation, dropped_samples, stamp_jitter, stamps_back, not_finite, frozen, unit, axes,
-/// gravity_norm, rate, no_overlap, clock_offset, clock_drift, image_size.
+/// gravity_norm, rate, no_overlap, clock_offset, clock_drift, image_size, outlier_tracks, mixed_tracks, lost_tracks.
 struct Fault {
   std::string kind;
   std::string sensor;          ///< gyro, accel, imu, cam0, ...; with an axis: gyro.x
@@ -22,7 +22,12 @@ struct Fault {
   double limit = 0;
   std::string unit;            ///< of value and limit
   std::string words;           ///< what it is, and what to do: one sentence each
+
+  /// Whether fits to such data say little. Tracks that end and begin anew are only fewer.
+  bool spoils_fits() const { return kind != "lost_tracks"; }
 };
+
+bool spoil_fits(const std::vector<Fault>& faults);
 
 /// All checks; empty for a sound recording. `start` need not be precise: a few degrees, a few percent. Never throws on data:
 /// what cannot be judged (too short, too still, no tracks) is passed over.
@@ -33,6 +38,7 @@ std::vector<Fault> stamp_faults(const Recording& recording);                    
 std::vector<Fault> value_faults(const Recording& recording);                            ///< saturation, repeats, not a number
 std::vector<Fault> magnitude_faults(const Recording& recording);                        ///< gravity norm, g, deg/s
 std::vector<Fault> image_faults(const Recording& recording, const Calibration& start);     ///< corners that the image cannot have
+std::vector<Fault> track_faults(const Recording& recording, const Calibration& start);     ///< corners that do not belong to one scene
 std::vector<Fault> rotation_faults(const Recording& recording, const Calibration& start);  ///< axes, deg/s, clocks: gyroscope and image
 
 }  // namespace host

@@ -13,6 +13,10 @@ bool holds(const std::vector<Fault>& faults, const char* kind) {
 
 }  // namespace
 
+bool spoil_fits(const std::vector<Fault>& faults) {
+  return std::any_of(faults.begin(), faults.end(), [](const Fault& f) { return f.spoils_fits(); });
+}
+
 std::vector<Fault> find_faults(const Recording& recording, const Calibration& start) {
   std::vector<Fault> all;
   const auto add = [&all](std::vector<Fault> faults) {
@@ -25,6 +29,7 @@ std::vector<Fault> find_faults(const Recording& recording, const Calibration& st
   add(value_faults(recording));
   add(magnitude_faults(recording));
   add(image_faults(recording, start));
+  if (!holds(all, "image_size")) add(track_faults(recording, start));
   // Where stamps or values cannot be used at all there is nothing to compare the images with.
   if (!holds(all, "no_overlap") && !holds(all, "not_finite")) add(rotation_faults(recording, start));
   return all;

@@ -64,11 +64,11 @@ std::vector<FaultKind> value_kinds() {
 
 std::vector<FaultKind> image_kinds() {
   return {
-      {"outliers_random", "30 % of the tracks anywhere in the image", {"pixel_noise", "track", "outlier"}, [](Recording& r, Seed s) { spoil::outliers(r, 0.3, 0, s); }},
-      {"outliers_drifting", "30 % of the tracks run off by 20 px/s", {"pixel_noise", "track", "outlier"}, [](Recording& r, Seed s) { spoil::outliers(r, 0.3, 20, s); }},
-      {"ids_permuted", "the track ids of every 20th image permuted", {"track", "pixel_noise", "outlier"}, [](Recording& r, Seed s) { spoil::permute_ids(r, 20, s); }},
+      {"outliers_random", "30 % of the tracks anywhere in the image", {"pixel_noise", "outlier"}, [](Recording& r, Seed s) { spoil::outliers(r, 0.3, 0, s); }},
+      {"outliers_drifting", "30 % of the tracks run off by 20 px/s", {"pixel_noise", "outlier"}, [](Recording& r, Seed s) { spoil::outliers(r, 0.3, 20, s); }},
+      {"ids_permuted", "the track ids of every 20th image permuted", {"mixed_tracks", "pixel_noise", "outlier"}, [](Recording& r, Seed s) { spoil::permute_ids(r, 20, s); }},
       {"ids_repeated", "track ids modulo 97: several corners with one", {"points_repeated"}, [](Recording& r, Seed) { spoil::reuse_ids(r, 97); }},
-      {"tracks_lost", "all tracks end in the middle, others begin", {"few_tracks", "restart"}, [](Recording& r, Seed) { spoil::renumber_from_middle(r); }},
+      {"tracks_lost", "all tracks end in the middle, others begin", {"lost_tracks", "few_tracks", "restart"}, [](Recording& r, Seed) { spoil::renumber_from_middle(r); }},
       {"camera_covered", "no corners for 3 s", {"few_tracks", "frames_dropped"}, [](Recording& r, Seed) { spoil::cover(r, 3); }},
       {"half_resolution", "images of half the calibrated size", {"image_size"}, [](Recording& r, Seed) { spoil::scale_pixels(r, 0.5); }},
       {"principal_point_moves", "the principal point moves by 4 px in the middle", {"calibration_shift", "moved", "disagree", "outdated"}, [](Recording& r, Seed) { spoil::move_pixels(r, 4, 0); }},
