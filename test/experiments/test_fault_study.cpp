@@ -5,9 +5,9 @@
 #include <cstring>
 #include <set>
 
-#include "experiments/fault_kinds.h"
+#include "simulate/fault_kinds.h"
 #include "experiments/registry.h"
-#include "experiments/spoil.h"
+#include "simulate/spoil.h"
 #include "recording.h"
 #include "simulate/simulate.h"
 
@@ -18,6 +18,7 @@ namespace {
 
 using namespace host;
 using namespace host::experiments;
+using namespace host::sim;
 
 const Recording& clean() {
   static const Recording recording = [] {

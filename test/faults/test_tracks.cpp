@@ -4,7 +4,7 @@
 #include <string>
 
 #include "diagnose/fault.h"
-#include "experiments/spoil.h"
+#include "simulate/spoil.h"
 #include "simulate/simulate.h"
 
 extern "C" void setUp() {}
@@ -13,7 +13,7 @@ extern "C" void tearDown() {}
 namespace {
 
 using namespace host;
-using namespace host::experiments;
+namespace spoil = host::sim::spoil;
 
 SimulationResult session(const char* scenario) {
   SimulationOptions options;

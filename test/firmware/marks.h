@@ -12,6 +12,7 @@ SEGCAL_MARK(segcal_mark_frame)           /* the tracks of one image */
 SEGCAL_MARK(segcal_mark_frame_closing)   /* the same, and it ended a segment */
 SEGCAL_MARK(segcal_mark_score_slice)     /* a slice of background work while a score was pending */
 SEGCAL_MARK(segcal_mark_calibrate_slice) /* any other slice of background work */
+SEGCAL_MARK(segcal_mark_start_slice)     /* a slice of the filter's start */
 SEGCAL_MARK(segcal_mark_calibrate)       /* a calibration in one call */
 
 #endif

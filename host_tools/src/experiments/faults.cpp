@@ -6,7 +6,7 @@
 #include <set>
 
 #include "experiments/experiment.h"
-#include "experiments/fault_kinds.h"
+#include "simulate/fault_kinds.h"
 #include "experiments/registry.h"
 #include "replay/model_file.h"
 #include "replay/replay.h"
@@ -16,6 +16,8 @@
 
 namespace host::experiments {
 namespace {
+
+using sim::FaultKind, sim::fault_kind, sim::fault_kinds;
 
 constexpr double session_s = 40;
 constexpr double wrong_sigmas = 5;

@@ -9,7 +9,7 @@
 #include <map>
 
 #include "experiments/datasets.h"
-#include "experiments/fault_kinds.h"
+#include "simulate/fault_kinds.h"
 #include "experiments/registry.h"
 #include "experiments/statistics.h"
 #include "replay/replay.h"
@@ -17,6 +17,8 @@
 
 namespace host::experiments {
 namespace {
+
+using sim::FaultKind, sim::fault_kinds;
 
 constexpr double pause_s = 1, fault_share = 1.0 / 15;   // s between sessions; of a session
 constexpr int parts = 12;

@@ -11,6 +11,7 @@
 #include "../render/render_images.h"
 #include "effect_model.h"
 #include "effect_names.h"
+#include "fault_kinds.h"
 #include "scenarios.h"
 #include "simulate.h"
 
@@ -50,6 +51,7 @@ struct Command {
   std::vector<std::string> effects, faults;
   std::filesystem::path model;
   std::vector<double> temperature;
+  std::vector<const sim::FaultKind*> spoil;
 };
 
 std::string scenario_help() {
@@ -105,10 +107,11 @@ void run(const Command& command) {
   check_output(command);
   expect_output_folder(command.out, "simulate", true);
   if (command.options.images) render::read_photographs(command.images.photographs);  // complain before anything is written
-  const SimulationResult result = simulate(command.options, [](double share) {
+  SimulationResult result = simulate(command.options, [](double share) {
     std::cerr << "\rsimulating " << static_cast<int>(100 * share) << " %" << std::flush;
   });
   std::cerr << "\rsimulating 100 %\n";
+  for (const sim::FaultKind* kind : command.spoil) kind->spoil(result.recording, command.options.seed);
   OutputRun files(command.out, "simulate");
   write_simulation(result, command.out);
   if (command.options.images) write_images(command, result);
@@ -195,7 +198,8 @@ void add_effect_options(CLI::App& app, Command& command) {
       ->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--model", command.model, "model.yaml of a diagnosis or a replay: its effects, with its values, before those of --effect");
   app.add_option("--fault", command.faults,
-                 "NAME=v1,...: a fault of wiring, units or clocks; repeatable:\n" + sim::effect_help(sim::EffectKind::fault))
+                 "NAME=v1,...: a fault of wiring, units or clocks; repeatable:\n" + sim::effect_help(sim::EffectKind::fault) +
+                     "or one of `segcal experiments faults`, at its size: " + sim::fault_kind_names())
       ->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--temperature", command.temperature,
                  "BEGIN,END[,TIME CONSTANT]: degC, degC, s: temperature column of an IMU that warms up; without it effects\n"
@@ -203,10 +207,19 @@ void add_effect_options(CLI::App& app, Command& command) {
       ->expected(1, 3)->delimiter(',')->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
+/// A fault without values is one of the study's.
+void take_effect(const std::string& text, bool is_fault, Command* command) {
+  if (!is_fault || text.find('=') != std::string::npos) return command->options.effects.push_back(sim::parse_effect(text));
+  const sim::FaultKind& kind = sim::fault_kind(text);
+  if (command->options.images) throw InputError("--fault " + text + ": changes tracks and samples, which --images has none of; leave one away");
+  if (!kind.effect.empty()) command->options.effects.push_back(sim::parse_effect(kind.effect));
+  command->spoil.push_back(&kind);
+}
+
 void take_effects(Command& command) {
   if (!command.model.empty()) command.options.effects = sim::effects_of_model(command.model);
   for (const auto* list : {&command.effects, &command.faults})
-    for (const std::string& text : *list) command.options.effects.push_back(sim::parse_effect(text));
+    for (const std::string& text : *list) take_effect(text, list == &command.faults, &command);
   const std::vector<double>& t = command.temperature;
   if (t.empty()) return;
   if (t.size() < 2 || (t.size() == 3 && !(t[2] > 0)))

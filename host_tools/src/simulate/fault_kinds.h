@@ -8,7 +8,7 @@
 
 #include "recording.h"
 
-namespace host::experiments {
+namespace host::sim {
 
 struct FaultKind {
   const char* name;
@@ -22,5 +22,6 @@ struct FaultKind {
 /// The first one is no fault: what a clean recording gives.
 const std::vector<FaultKind>& fault_kinds();
 const FaultKind& fault_kind(const std::string& name);  ///< throws InputError
+std::string fault_kind_names();                         ///< for a help text, in lines
 
-}  // namespace host::experiments
+}  // namespace host::sim

@@ -1,4 +1,4 @@
-// What faults do to a recording in memory; the study of faults gives them sizes (experiments/fault_kinds.cpp). Places are shares of
+// What faults do to a recording in memory; sizes in fault_kinds.cpp. Places are shares of
 // the recording's samples.
 #pragma once
 
@@ -6,7 +6,7 @@
 
 #include "recording.h"
 
-namespace host::experiments::spoil {
+namespace host::sim::spoil {
 
 ImuSample& sample(Recording& r, double place);
 
@@ -44,4 +44,4 @@ void scale_pixels(Recording& r, double factor);
 /// From the middle on, px.
 void move_pixels(Recording& r, double du, double dv);
 
-}  // namespace host::experiments::spoil
+}  // namespace host::sim::spoil

@@ -1,4 +1,4 @@
-#include "experiments/spoil.h"
+#include "simulate/spoil.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "simulate/disturb.h"
 #include "simulate/random.h"
 
-namespace host::experiments::spoil {
+namespace host::sim::spoil {
 namespace {
 
 constexpr double full_scale = 35;  // rad/s, of the gyroscope where the configuration does not say another (segcal.h)
@@ -15,7 +15,7 @@ constexpr double width_px = 640, height_px = 480;
 
 std::int64_t ns(double seconds) { return std::llround(1e9 * seconds); }
 
-sim::Random random_of(std::uint64_t seed) { return sim::Random(seed, sim::Stream::stamps); }
+Random random_of(std::uint64_t seed) { return Random(seed, Stream::stamps); }
 
 template <class Change>
 void each_frame(Recording& r, const Change& change) {
@@ -74,13 +74,13 @@ void lose_bursts(Recording& r, double every_s, double seconds) {
 }
 
 void drop_samples(Recording& r, double share, std::uint64_t seed) {
-  sim::Random random = random_of(seed);
+  Random random = random_of(seed);
   keep(r.imu.samples, [&](std::size_t) { return random.uniform() >= share; });
 }
 
 void drop_frames(Recording& r, double share, std::uint64_t seed) {
   for (CameraData& camera : r.cameras) {
-    sim::Random same_for_all_cameras = random_of(seed);
+    Random same_for_all_cameras = random_of(seed);
     keep(camera.frames, [&](std::size_t) { return same_for_all_cameras.uniform() >= share; });
   }
 }
@@ -98,7 +98,7 @@ void halve_camera_rate(Recording& r) {
 }
 
 void spikes(Recording& r, double share, double value, std::uint64_t seed) {
-  sim::Random random = random_of(seed);
+  Random random = random_of(seed);
   for (ImuSample& s : r.imu.samples) {
     const bool hit = random.uniform() < share;
     const auto axis = static_cast<std::size_t>(random.uniform() * 2.999);
@@ -121,7 +121,7 @@ void freeze_accel_z(Recording& r) {
 }
 
 void outliers(Recording& r, double share, double drift, std::uint64_t seed) {
-  sim::Random random = random_of(seed);
+  Random random = random_of(seed);
   std::map<std::uint32_t, std::pair<bool, double>> chosen;         // and the direction it runs off in
   std::map<std::uint32_t, std::int64_t> since;
   each_frame(r, [&](Frame& f) {
@@ -141,7 +141,7 @@ void outliers(Recording& r, double share, double drift, std::uint64_t seed) {
 }
 
 void permute_ids(Recording& r, std::size_t every_frame, std::uint64_t seed) {
-  sim::Random random = random_of(seed);
+  Random random = random_of(seed);
   std::size_t count = 0;
   each_frame(r, [&](Frame& f) {
     if (++count % every_frame != 0) return;
@@ -176,4 +176,4 @@ void move_pixels(Recording& r, double du, double dv) {
   });
 }
 
-}  // namespace host::experiments::spoil
+}  // namespace host::sim::spoil

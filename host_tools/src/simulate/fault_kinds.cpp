@@ -1,11 +1,11 @@
-#include "experiments/fault_kinds.h"
+#include "simulate/fault_kinds.h"
 
 #include <cmath>
 
-#include "experiments/spoil.h"
 #include "simulate/disturb.h"
+#include "simulate/spoil.h"
 
-namespace host::experiments {
+namespace host::sim {
 namespace {
 
 using disturb::Sensor;
@@ -87,10 +87,25 @@ const std::vector<FaultKind>& fault_kinds() {
   return all;
 }
 
+std::string fault_kind_names() {
+  std::string text;
+  std::size_t line = 0;
+  for (const FaultKind& kind : fault_kinds()) {
+    const std::string name = kind.name;
+    if (line + name.size() > 90 || text.empty()) {
+      text += "\n  ";
+      line = 0;
+    }
+    text += name + " ";
+    line += name.size() + 1;
+  }
+  return text;
+}
+
 const FaultKind& fault_kind(const std::string& name) {
   for (const FaultKind& kind : fault_kinds())
     if (name == kind.name) return kind;
-  throw InputError("faults: unknown kind '" + name + "'");
+  throw InputError("unknown fault '" + name + "'");
 }
 
-}  // namespace host::experiments
+}  // namespace host::sim

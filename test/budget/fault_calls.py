@@ -1,0 +1,74 @@
+#!/usr/bin/env python3
+"""The longest calls on faulty data: each fault of `segcal experiments faults` is simulated, made a device log of profile mcu, and fed
+to the core under QEMU, where a plugin counts the instructions of every call. A table, and exit code 1 if a call is beyond the limits
+of fixtures/budget/limits.json for cortex-m7 (counted are aarch64's instructions, which are some 5 % fewer).
+
+usage: fault_calls.py --segcal PROGRAM --image count_log.elf --counter instruction_counter.so --out FOLDER
+                      [--kinds none,camera_jitter,...] [--seconds 40] [--seed 1] [--slices 8] [--requests 0]
+--kinds: the default is all of them. --slices: of background work after each sample. --requests: calibrations asked for on the way."""
+import argparse
+import json
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+COLUMNS = (("imu_sample", "imu_sample"), ("frame", "frame_max"), ("frame_closing", "frame_max"), ("start_slice", "slice_max"),
+           ("score_slice", "slice_max"), ("calibrate_slice", "slice_max"), ("calibrate", "calibrate"))
+
+
+def run(*command):
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(map(str, command))}:\n{done.stdout}{done.stderr}exit code {done.returncode}")
+    return done.stdout
+
+
+def all_kinds(segcal):
+    """The names that `segcal simulate --help` lists."""
+    text = run(segcal, "simulate", "--help")
+    names = re.search(r"experiments faults`, at its size:\s*(.*?)\s*--temperature", text, re.S).group(1).split()
+    return names
+
+
+def longest_calls(args, kind):
+    recording, log, counts = args.out / kind, args.out / f"{kind}.segcal", args.out / f"{kind}.counts"
+    run(args.segcal, "simulate", "--out", recording, "--seconds", args.seconds, "--seed", args.seed, "--tracks", 40, "--fault", kind)
+    run(args.segcal, "convert", recording, "--profile", "mcu", "--out", log)
+    text = run("qemu-aarch64", "-plugin", f"{args.counter},out={counts}", args.image, log, args.slices, args.requests)
+    longest = dict.fromkeys((name for name, _ in COLUMNS), 0)
+    for line in counts.read_text().splitlines():
+        name, n = line.split()
+        if name in longest:
+            longest[name] = max(longest[name], int(n))
+    counts.unlink()
+    return longest, dict(line.split() for line in text.splitlines())
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    for name in ("segcal", "image", "counter", "out"):
+        parser.add_argument(f"--{name}", type=pathlib.Path, required=True)
+    parser.add_argument("--kinds", default="")
+    parser.add_argument("--seconds", type=float, default=40)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--slices", type=int, default=8)
+    parser.add_argument("--requests", type=int, default=0)
+    args = parser.parse_args()
+    limits = json.loads((ROOT / "fixtures/budget/limits.json").read_text())["limits"]["cortex-m7 mcu -O2"]
+    args.out.mkdir(parents=True, exist_ok=True)
+    beyond = []
+    print("| fault | " + " | ".join(name for name, _ in COLUMNS) + " | calibrations | late |")
+    print("|---|" + "---:|" * (len(COLUMNS) + 2))
+    for kind in args.kinds.split(",") if args.kinds else all_kinds(args.segcal):
+        longest, counters = longest_calls(args, kind)
+        print(f"| {kind} | " + " | ".join(f"{longest[name]:,}" for name, _ in COLUMNS) + f" | {counters['calibrations']} | {counters['late']} |", flush=True)
+        beyond += [f"{kind}: {name} took {longest[name]:,} instructions, the limit is {limits['instructions.' + key]:,}"
+                   for name, key in COLUMNS if longest[name] > limits["instructions." + key]]
+    print("\n".join(beyond) if beyond else "no call beyond its limit")
+    return 1 if beyond else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
