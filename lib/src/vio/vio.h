@@ -98,7 +98,7 @@ class Vio {
   void forget();
   void make_room();
   bool healthy() const;
-  void move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuIntegral<S>& I, int place);
+  void move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuIntegral<S>& I, int place, int spent);
 
   VioOptions<S> options_;
   Window<S> window_;

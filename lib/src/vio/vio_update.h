@@ -154,6 +154,11 @@ constexpr int fold_work(int rows, int columns) { return rows * columns * columns
 /// What the features of one frame may cost.
 constexpr int kFrameWork = SEGCAL_FRAME_FEATURES * fold_work(kFeatureRows - kLandmarkColumns, kFilterColumns + 1 - pose_column(0));
 
+/// What a frame's inertial link has cost of that beyond the usual: after a gap in the images, or where they are slow, there are more
+/// samples to integrate, and fewer features are used then. A sample takes as long as some 1500 products on a Cortex-M7.
+constexpr int kUsualSamples = 40, kSampleWork = 1500;
+constexpr int link_work(int samples) { return samples > kUsualSamples ? (samples - kUsualSamples) * kSampleWork : 0; }
+
 /// What folding a track costs at most.
 template <class S>
 int feature_work(const Window<S>& w, const VioTrack<S>& track) {
@@ -162,13 +167,13 @@ int feature_work(const Window<S>& w, const VioTrack<S>& track) {
   return fold_work(2 * track.length() + 1 - kLandmarkColumns, w.columns() + 1 - pose_column(first));
 }
 
-/// Uses the tracks that `due` names, as many as a frame has time for, and updates the state. Ended tracks leave the table; a
+/// Uses the tracks that `due` names, as many as a frame has time for, of which `work` is spent, and updates the state. Ended tracks leave the table; a
 /// track that lives on begins anew with its next point, since each point is used once, or waits for the next frame if it had no
 /// turn. Returns the number of features used.
 template <class S, class Due>
 int use_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
-               VioStatistics* statistics, Due due) {
-  int used = 0, tried = 0, work = 0;
+               VioStatistics* statistics, int work, Due due) {
+  int used = 0, tried = 0;
   for (int i = 0; i < tracks->end(); ++i) {
     VioTrack<S>& track = (*tracks)[i];
     if (!track.used || !due(track)) continue;
@@ -188,17 +193,17 @@ int use_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options
 
 template <class S>
 int use_ended_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
-                     VioStatistics* statistics) {
-  return use_tracks(w, tracks, options, monitor, statistics,
+                     VioStatistics* statistics, int spent) {
+  return use_tracks(w, tracks, options, monitor, statistics, spent,
                     [](const VioTrack<S>& track) { return !track.alive; });
 }
 
 /// Also the tracks that the oldest pose sees: it is about to leave.
 template <class S>
 int use_leaving_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
-                       VioStatistics* statistics) {
+                       VioStatistics* statistics, int spent) {
   const int slot = w->pose[0].slot;
-  return use_tracks(w, tracks, options, monitor, statistics,
+  return use_tracks(w, tracks, options, monitor, statistics, spent,
                     [slot](const VioTrack<S>& track) { return !track.alive || track.in(slot); });
 }
 

@@ -51,7 +51,6 @@ struct Window {
   std::int32_t n_poses;
   S triangle[packed_size(kFilterColumns + 1)];
   alignas(8) S block[kBlockSize];
-  S work[kBlockStride];
   bool learnt;                       ///< R's rows of the sensors hold what earlier sessions told
   S pivot[kFilterColumns];           ///< diagonal of R before the last fold, to undo it
   /// The inertial link that is folded in; before that, while there are no links yet, the start's.

@@ -46,19 +46,9 @@ void unfold_columns(Window<S>* w, S* rows, int n_rows, int first, int last) {
   PackedTriangle<S> R = w->R();
   for (int j = last - 1; j >= first; --j) {
     S* r = R.row(j);
-    S below = S(0);
-    for (int i = 0; i < n_rows; ++i) below += rows[i * kBlockStride + j] * rows[i * kBlockStride + j];
-    if (below < smallest_square<S>) continue;
-    const S v0 = w->pivot[j] - r[j], scale = S(-1) / (r[j] * v0);
-    for (int c = j + 1; c < R.columns(); ++c) w->work[c] = v0 * r[c];
-    for (int i = 0; i < n_rows; ++i) {
-      add_scaled(w->work, rows[i * kBlockStride + j], rows + i * kBlockStride, j + 1, R.columns());
-    }
-    for (int c = j + 1; c < R.columns(); ++c) w->work[c] *= scale;
-    add_scaled(r, -v0, w->work, j + 1, R.columns());
-    for (int i = 0; i < n_rows; ++i) {
-      add_scaled(rows + i * kBlockStride, -rows[i * kBlockStride + j], w->work, j + 1, R.columns());
-    }
+    if (square_sum(rows + j, n_rows, kBlockStride) < smallest_square<S>) continue;   // as reflect_column() found
+    const S v0 = w->pivot[j] - r[j];
+    reflect_range(Reflection<S>{r, rows, n_rows, kBlockStride, j, v0, S(-1) / (r[j] * v0)}, j + 1, R.columns());
     r[j] = w->pivot[j];
   }
 }
