@@ -257,7 +257,7 @@ class DenseProblem {
     const Eigen::LLT<Eigen::MatrixXd> llt(Q);
     const Eigen::MatrixXd J = llt.matrixL().solve(Eigen::MatrixXd(rows.J));
     const Eigen::VectorXd r = llt.matrixL().solve(Eigen::VectorXd(rows.r));
-    J_terms = llt.matrixL().solve(J_terms).eval();
+    if (terms.n > 0) J_terms = llt.matrixL().solve(J_terms).eval();
     for (int i = 0; i < 15; ++i) {
       Eigen::VectorXd row = Eigen::VectorXd::Zero(columns());
       row.segment<15>(column0) = J.row(i).head<15>().transpose();
