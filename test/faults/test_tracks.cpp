@@ -39,10 +39,11 @@ void test_corners_that_move_unlike_the_rest() {
       const std::vector<Fault> faults = track_faults(s.recording, s.nominal);
       const Fault* const f = found(faults, "outlier_tracks");
       TEST_ASSERT_NOT_NULL_MESSAGE(f, scenario);
-      // 30 % of the tracks; some of those are within 4 px of their epipolar line by chance. Measured: 0.16 to 0.22.
-      TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.08, 0.2, f->value, scenario);
+      // 30 % of the tracks; some of those are within 4 px of their epipolar line by chance. Measured: 0.11 to 0.23, over 40 s
+      // 0.13 to 0.22.
+      TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.08, 0.17, f->value, scenario);
       TEST_ASSERT_EQUAL_MESSAGE(1, faults.size(), scenario);
-      TEST_ASSERT_TRUE(f->spoils_fits());
+      TEST_ASSERT_FALSE(f->spoils_fits());
     }
   }
 }
@@ -64,6 +65,7 @@ void test_ids_that_change_places() {
     TEST_ASSERT_NOT_NULL_MESSAGE(f, scenario);
     // One of 20 images, 10 a second over 20 s; the one after it jumps back.
     TEST_ASSERT_EQUAL_MESSAGE(20, f->count, scenario);
+    TEST_ASSERT_TRUE(f->spoils_fits());
   }
 }
 
