@@ -75,6 +75,7 @@ Share unlike_the_rest(const Frame& a, const Frame& b, const CameraCalibration& c
   const cv::Mat E = cv::findEssentialMat(rays_a, rays_b, 1.0, {0, 0}, cv::RANSAC, 0.999, tolerated_px / focal_px, fits);
   if (E.empty() || fits.empty()) return {};
   std::vector<double> radius;
+  radius.reserve(rays_a.size());
   for (const cv::Point2d& x : rays_a) radius.push_back(std::hypot(x.x, x.y));
   const double middle = quantile(radius, 0.5);
   Share out;
