@@ -127,6 +127,7 @@ inline float Renderer::light_from(const View& view, const Bearing& bearing, cons
   meet_walls(room_.walls, view.p_GC, d, inverse, hit);
   for (const Block* block : seen) meet_block(*block, view.p_GC, d, inverse, hit);
   const Vector3f p = view.p_GC + hit.distance * d;
+  if (!(p.cwiseAbs().maxCoeff() < 1e6f)) return 0;   // m: no ray, where the lens has none for the pixel
   float s, t;
   texel_of(room_, *hit.paint, hit.axis, p, s, t);
   const float across = hit.distance * bearing.angle * room_.texels_per_m;  // texels per px, facing the ray

@@ -155,8 +155,8 @@ constexpr int fold_work(int rows, int columns) { return rows * columns * columns
 constexpr int kFrameWork = SEGCAL_FRAME_FEATURES * fold_work(kFeatureRows - kLandmarkColumns, kFilterColumns + 1 - pose_column(0));
 
 /// What a frame's inertial link has cost of that beyond the usual: after a gap in the images, or where they are slow, there are more
-/// samples to integrate, and fewer features are used then. A sample takes as long as some 1500 products on a Cortex-M7.
-constexpr int kUsualSamples = 40, kSampleWork = 1500;
+/// samples to integrate, and fewer features are used then. A sample takes as long as some 2000 products, integrated for the filter and looked at for rest.
+constexpr int kUsualSamples = 25, kSampleWork = 2000;
 constexpr int link_work(int samples) { return samples > kUsualSamples ? (samples - kUsualSamples) * kSampleWork : 0; }
 
 /// What folding a track costs at most.
