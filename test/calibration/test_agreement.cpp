@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "../support/cases.h"
-#include "../support/random.h"
+#include "../support/drawn_theta.h"
 #include "calibration/agreement.h"
 
 using namespace SEGCAL_NS;
@@ -54,39 +54,15 @@ void test_few_directions_have_long_tails() {
   test::check_between(Id(), "few directions, uneven", 1, few.uneven, 60);   // Paulson's approximation is poor with three degrees
 }
 
-/// A device whose theta is the prior's mean plus `truth` of its sigmas. Columns 0 and 1 are hardly told apart.
-struct World {
-  Calibration<S> theta;
-  ThetaPrior<S> prior;
+/// Columns 0 and 1 are hardly told apart.
+struct World : test::DrawnTheta {
   InformationAnalysis<S> analysis;
   std::unique_ptr<S[]> W = std::make_unique<S[]>(kMaxTheta * kMaxTheta), scratch = std::make_unique<S[]>(Agreement<S>::kScratch);
-  test::Random random;
-  double truth[kMaxTheta] = {};
 
-  explicit World(std::uint32_t seed) : random(seed) {
-    theta.n_cameras = 1;
-    prior.mean = theta;
-    default_prior_sigmas(prior.mean, prior.sigma);
-    analysis.W = W.get();
-  }
-  int n() const { return theta.columns(); }
+  explicit World(std::uint32_t seed) : DrawnTheta(seed) { analysis.W = W.get(); }
 
   SegmentInformation<S> segment() {
-    SegmentInformation<S> s;
-    s.n_theta = n();
-    s.dof = 1000;
-    PackedTriangle<S> T = s.triangle();
-    T.clear();
-    for (int i = 0; i < n(); ++i) {
-      double d = random.normal(1);
-      for (int c = i; c < n(); ++c) {
-        const double r = i == 0 && c < 2 ? kRow : c == i ? (i == 1 ? 0.02 * kRow : kRow) : 0;
-        d += r * truth[c];
-        T.row(i)[c] = static_cast<S>(r / static_cast<double>(prior.sigma[c]));
-      }
-      T.row(i)[n()] = static_cast<S>(d);
-    }
-    return s;
+    return information(1, [](int i, int c) { return i == 0 && c < 2 ? kRow : c == i ? (i == 1 ? 0.02 * kRow : kRow) : 0; });
   }
   static constexpr double kRow = 30;
 };

@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "../support/cases.h"
-#include "../support/random.h"
+#include "../support/drawn_theta.h"
 #include "calibration/contradiction.h"
 
 using namespace SEGCAL_NS;
@@ -19,21 +19,14 @@ constexpr int kKept = 6;
 constexpr double kRow = 30;   // length of a segment's rows, in units of 1 / (sigma of the prior)
 
 /// A device whose theta is the prior's mean plus `offset` sigmas of it, until it moves.
-struct World {
-  Calibration<S> theta;
-  ThetaPrior<S> prior;
+struct World : test::DrawnTheta {
   Database<S> database;
   Epochs<S> epochs;
   Contradiction<S> contradiction;
   std::unique_ptr<S[]> scratch = std::make_unique<S[]>(Contradiction<S>::kScratch);
-  test::Random random;
-  double truth[kMaxTheta] = {};   // from theta, in sigmas of the prior
   double noise = 1;
 
-  explicit World(std::uint32_t seed) : random(seed) {
-    theta.n_cameras = 1;
-    prior.mean = theta;
-    default_prior_sigmas(prior.mean, prior.sigma);
+  explicit World(std::uint32_t seed) : DrawnTheta(seed) {
     for (double& t : truth) t = random.normal(0.05);   // as near as a release is
     database.reset(kKept, Metric::A, Strategy::multi_session, S(0), 1);
     for (int i = 0; i < kKept; ++i) {
@@ -44,25 +37,10 @@ struct World {
     }
     epochs.begin(theta, 0);
   }
-  int n() const { return theta.columns(); }
 
   /// R (theta [-] theta_0) = d with noise; every fifth column is not shown at all.
   SegmentInformation<S> segment() {
-    SegmentInformation<S> s;
-    s.n_theta = n();
-    s.dof = 1000;
-    PackedTriangle<S> T = s.triangle();
-    T.clear();
-    for (int i = 0; i < n(); ++i) {
-      double d = random.normal(noise);
-      for (int c = i; c < n(); ++c) {
-        const double r = (i % 5 == 4 || c % 5 == 4) ? 0 : c == i ? kRow : random.normal(0.2 * kRow);
-        d += r * truth[c];
-        T.row(i)[c] = static_cast<S>(r / static_cast<double>(prior.sigma[c]));
-      }
-      T.row(i)[n()] = static_cast<S>(d);
-    }
-    return s;
+    return information(noise, [this](int i, int c) { return (i % 5 == 4 || c % 5 == 4) ? 0 : c == i ? kRow : random.normal(0.2 * kRow); });
   }
   bool contradicts(SegmentInformation<S>* s) {
     contradiction.begin(S(1));

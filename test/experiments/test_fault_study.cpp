@@ -5,11 +5,11 @@
 #include <cstring>
 #include <set>
 
-#include "simulate/fault_kinds.h"
 #include "experiments/registry.h"
-#include "simulate/spoil.h"
 #include "recording.h"
+#include "simulate/fault_kinds.h"
 #include "simulate/simulate.h"
+#include "simulate/spoil.h"
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}

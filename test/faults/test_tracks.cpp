@@ -4,8 +4,8 @@
 #include <string>
 
 #include "diagnose/fault.h"
-#include "simulate/spoil.h"
 #include "simulate/simulate.h"
+#include "simulate/spoil.h"
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}
@@ -39,8 +39,7 @@ void test_corners_that_move_unlike_the_rest() {
       const std::vector<Fault> faults = track_faults(s.recording, s.nominal);
       const Fault* const f = found(faults, "outlier_tracks");
       TEST_ASSERT_NOT_NULL_MESSAGE(f, scenario);
-      // 30 % of the tracks; some of those are within 4 px of their epipolar line by chance. Measured: 0.11 to 0.23, over 40 s
-      // 0.13 to 0.22.
+      // 30 % of the tracks; some of those are within 4 px of their epipolar line by chance. Measured: 0.11 to 0.23.
       TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.08, 0.17, f->value, scenario);
       TEST_ASSERT_EQUAL_MESSAGE(1, faults.size(), scenario);
       TEST_ASSERT_FALSE(f->spoils_fits());
@@ -83,7 +82,7 @@ void test_tracks_that_all_end_at_once() {
                             1e-9 * static_cast<double>(f->first_ns - frames[0].t_ns));
 }
 
-/// A start that a data sheet gives: focal length 10 % off, no distortion.
+/// A focal length that is 10 % off.
 void test_a_poor_start_is_no_fault_of_the_tracks() {
   for (const char* scenario : scenarios) {
     SimulationResult s = session(scenario);

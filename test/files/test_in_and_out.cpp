@@ -50,6 +50,17 @@ void check_refused(const std::string& command, const std::string& words) {
   TEST_ASSERT_TRUE_MESSAGE(outcome.err.find("Traceback") == std::string::npos, outcome.err.c_str());
 }
 
+/// Ids modulo 97, and the truth says that it was done.
+void test_a_fault_of_the_study_can_be_simulated() {
+  TEST_ASSERT_EQUAL_INT(0, shell("segcal simulate --out spoilt --seconds 8 --fault ids_repeated").code);
+  std::uint32_t most = 0;
+  const host::Recording spoilt = host::read_recording(scratch / "spoilt", 1);
+  for (const host::Frame& frame : spoilt.cameras[0].frames)
+    for (const host::TrackPoint& p : frame.points) most = std::max(most, p.track_id);
+  TEST_ASSERT_EQUAL_UINT32(96, most);
+  TEST_ASSERT_TRUE(test::text_of(scratch / "spoilt/truth/truth.json").find("ids_repeated") != std::string::npos);
+}
+
 void test_a_full_disk_or_closed_pipe_is_an_error() {
   for (const char* command : {"segcal --help", "segcal --version", "segcal replay rec --out out --json", "segcal replay rec --out out",
                               "segcal compare out out", "segcal compare out out --json", "segcal experiments --list",
@@ -134,6 +145,7 @@ int main() {
   host::write_simulation(host::simulate(options), scratch / "rec");
   shell("segcal replay rec --out out > /dev/null");
   UNITY_BEGIN();
+  RUN_TEST(test_a_fault_of_the_study_can_be_simulated);
   RUN_TEST(test_a_full_disk_or_closed_pipe_is_an_error);
   RUN_TEST(test_an_empty_text_names_nothing);
   RUN_TEST(test_only_regular_files_are_read);

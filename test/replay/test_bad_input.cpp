@@ -124,6 +124,8 @@ std::vector<Case> usage_cases() {
       {"calibration_file", nothing, "none.yaml", "replay REC --out OUT --calib none.yaml"},
       {"scenario", nothing, "--scenario", "simulate --out OUT --scenario rest"},
       {"seconds", nothing, "--seconds", "simulate --out OUT --seconds x"},
+      {"fault", nothing, "unknown fault 'rain'", "simulate --out OUT --fault rain"},
+      {"fault of images", nothing, "--fault tracks_lost", "simulate --out OUT --images --fault tracks_lost"},
       {"report_of_nothing", nothing, "OUT", "report OUT"},
   };
 }

@@ -5,6 +5,7 @@
 #include "clock/clock_search.h"
 #include "review/linearised.h"
 #include "simulate/effect_names.h"
+#include "simulate/spoil.h"
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}
@@ -59,6 +60,17 @@ void test_an_offset_that_is_not_modelled_is_named() {
   }
 }
 
+/// Tracks that end once are said, and are not the cause: the clocks are.
+void test_a_remark_is_no_cause() {
+  const host::SimulationResult session = test::simulated("rich", 60, 3);
+  host::Recording recording = session.recording;
+  host::shift_frames(-0.008, &recording);
+  host::sim::spoil::renumber_from_middle(recording);
+  const host::ReplayResult out = reviewed(session, recording);
+  test::check_true(Id(), ("cause: " + out.cause).c_str(), out.cause.find("image rotation and gyroscope are shifted by") != std::string::npos);
+  test::check_true(Id(), "said", !out.health.suspects.empty() && out.health.suspects.back().name == "lost_tracks.cam0");
+}
+
 /// The prior allows 4 % in f: a start that is 40 % off is no start of this device.
 void test_a_step_that_the_prior_forbids_is_refused() {
   host::SimulationResult session = test::simulated("rich", 60, 3);
@@ -89,6 +101,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_steps_of_rotations_are_small_rotations);
   RUN_TEST(test_sound_data_stay_as_they_are);
   RUN_TEST(test_an_offset_that_is_not_modelled_is_named);
+  RUN_TEST(test_a_remark_is_no_cause);
   RUN_TEST(test_a_step_that_the_prior_forbids_is_refused);
   return UNITY_END();
 }

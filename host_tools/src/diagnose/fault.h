@@ -23,9 +23,10 @@ struct Fault {
   std::string unit;            ///< of value and limit
   std::string words;           ///< what it is, and what to do: one sentence each
 
-  /// Whether fits to such data say little. Tracks that end and begin anew are only fewer, and those that
-  /// move unlike the rest may be good ones of another lens, which fits are to tell.
-  bool spoils_fits() const { return kind != "lost_tracks" && kind != "outlier_tracks"; }
+  /// Worth knowing, and the cause of nothing: tracks that end and begin anew are only fewer.
+  bool is_remark() const { return kind == "lost_tracks"; }
+  /// Whether fits to such data say little. Corners that move unlike the rest may be good ones of another lens, which fits are to tell.
+  bool spoils_fits() const { return !is_remark() && kind != "outlier_tracks"; }
 };
 
 bool spoil_fits(const std::vector<Fault>& faults);

@@ -6,11 +6,11 @@
 #include <set>
 
 #include "experiments/experiment.h"
-#include "simulate/fault_kinds.h"
 #include "experiments/registry.h"
 #include "replay/model_file.h"
 #include "replay/replay.h"
 #include "simulate/device.h"
+#include "simulate/fault_kinds.h"
 #include "simulate/effect_names.h"
 #include "simulate/simulate.h"
 

@@ -9,11 +9,11 @@
 #include <map>
 
 #include "experiments/datasets.h"
-#include "simulate/fault_kinds.h"
 #include "experiments/registry.h"
 #include "experiments/statistics.h"
 #include "replay/replay.h"
 #include "simulate/device.h"
+#include "simulate/fault_kinds.h"
 
 namespace host::experiments {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "diagnose/chi_square.h"
 #include "diagnose/fault.h"
+#include "formatted.h"
 #include "replay/words.h"
 #include "review/linearised.h"
 #include "review/missing_effects.h"
@@ -25,13 +25,6 @@ constexpr double kObserved = 0.3, kWeak = 0.5;  // as in lib/src/api/release.h
 /// 6, since a fit that failed shows no residuals, and it is they that tell what was stated wrong.
 constexpr double kMostRatio = 4;
 const char* const kOneSegment = "one segment alone cannot show whether what is left in it is noise: two that agree are needed";
-
-template <typename... T>
-std::string text(const char* format, T... values) {
-  char buffer[500];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
 
 std::uint32_t counter(const ReplayResult& result, const char* name) {
   for (const auto& [key, count] : result.counters)
@@ -56,13 +49,15 @@ class Review {
     const bool open = !out_.result.changes.empty() && out_.result.changes.back().open;
     if (out_.result.status == "calibrated" && open) refuse("insufficient", change_words(out_.result.changes.back(), out_.result));
     if (out_.result.status != "calibrated" && out_.cause.empty()) out_.cause = reason();
+    health_.suspects.insert(health_.suspects.end(), remarks_.begin(), remarks_.end());
   }
 
  private:
   void find_faults_of_data() {
     for (const Recording& r : sessions_) {
       for (const Fault& f : find_faults(r, options_.calibration)) {
-        health_.suspects.push_back({f.kind + "." + f.sensor, f.limit != 0 ? std::abs(f.value / f.limit) : 0, 0, 0, "", f.words});
+        const Suspect suspect{f.kind + "." + f.sensor, f.limit != 0 ? std::abs(f.value / f.limit) : 0, 0, 0, "", f.words};
+        (f.is_remark() ? remarks_ : health_.suspects).push_back(suspect);
       }
     }
     faults_ = health_.suspects.size();
@@ -86,7 +81,7 @@ class Review {
     if (worst != missing.end() && worst->bias_sigmas > kMostBias) return refuse("failed", missing.front().words);
     const auto observed = std::count_if(out_.result.parameters.begin(), out_.result.parameters.end(), [](const CoreParameter& p) { return p.verdict == "observed"; });
     if (2 * static_cast<std::size_t>(observed) < out_.result.parameters.size())
-      refuse("insufficient", text("the segments disagree with each other by %.1f times their noise: with that in the sigmas, %d of %zu parameters are observed",
+      refuse("insufficient", formatted("the segments disagree with each other by %.1f times their noise: with that in the sigmas, %d of %zu parameters are observed",
                                   std::sqrt(health_.segment_scatter), static_cast<int>(observed), out_.result.parameters.size()));
   }
 
@@ -121,7 +116,7 @@ class Review {
   }
 
   std::string used_words() const {
-    return text("odometry used %u of %u images that it was offered (%u restarts)", health_.frames_used, health_.frames_offered, health_.filter_restarts);
+    return formatted("odometry used %u of %u images that it was offered (%u restarts)", health_.frames_used, health_.frames_offered, health_.filter_restarts);
   }
 
   /// The prior says where the truth may be; a step far beyond it was not made by noise.
@@ -143,7 +138,7 @@ class Review {
     health_.step_chi2 = sum;
     health_.step_dof = n;
     if (diagnosis::log10_upper_tail(sum, n) > kImplausible) return "";
-    return text("the result is too far from the start to be believed: %s from %.5g to %.5g is %.1f of the start's sigmas (chi2 %.0f of %d); "
+    return formatted("the result is too far from the start to be believed: %s from %.5g to %.5g is %.1f of the start's sigmas (chi2 %.0f of %d); "
                 "start nearer, or state a clock or lens error first (segcal diagnose)",
                 p[which].name.c_str(), p[which].initial, p[which].value, largest, sum, n);
   }
@@ -160,17 +155,17 @@ class Review {
     const ClockSearch clock = clocks();
     std::string what;
     if (r.status == "failed") {
-      what = r.dof > 0 && r.converged ? text("the fit leaves %.1f times the stated noise (chi2/dof %.2f)", std::sqrt(r.chi2 / r.dof), r.chi2 / r.dof) : "the fit did not settle";
+      what = r.dof > 0 && r.converged ? formatted("the fit leaves %.1f times the stated noise (chi2/dof %.2f)", std::sqrt(r.chi2 / r.dof), r.chi2 / r.dof) : "the fit did not settle";
     } else if (!odometry_stayed()) {
       what = used_words();
     } else if (out_.kept.empty()) {
       what = !core_.outdated().empty()
-                 ? text("the calibration changed: %zu kept segments contradict later ones, which had been condensed at the old one; the next session shows the new one",
+                 ? formatted("the calibration changed: %zu kept segments contradict later ones, which had been condensed at the old one; the next session shows the new one",
                         core_.outdated().size())
-                 : text("no segment told enough to be kept: %zu scored", out_.segments.size());
+                 : formatted("no segment told enough to be kept: %zu scored", out_.segments.size());
     } else {
       const auto observed = std::count_if(r.parameters.begin(), r.parameters.end(), [](const CoreParameter& p) { return p.verdict == "observed"; });
-      what = text("the motion tells %d of %zu parameters, half are needed: move and turn about all axes", static_cast<int>(observed), r.parameters.size());
+      what = formatted("the motion tells %d of %zu parameters, half are needed: move and turn about all axes", static_cast<int>(observed), r.parameters.size());
     }
     if (faults_ > 0) return what + ": " + health_.suspects.front().words;
     const std::string trouble = odometry_stayed() ? "" : core_.trouble();
@@ -198,6 +193,7 @@ class Review {
   ReplayResult& out_;
   Health& health_;
   std::size_t faults_ = 0;
+  std::vector<Suspect> remarks_;   ///< said, and the cause of nothing
 };
 
 }  // namespace

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "diagnose/imu_noise.h"
 #include "diagnose/pixel_noise.h"
+#include "formatted.h"
 #include "gravity.h"
 
 namespace host::review {
@@ -19,19 +19,12 @@ constexpr double kPriorSigmas = 3.5;           // once in 2000 devices
 constexpr double kStudent2 = 31.6;             // |t| with two degrees of freedom: once in 1000 devices
 constexpr double kSeen = 5;                    // sigmas of the common scale, below which nothing is said of it
 
-template <typename... T>
-std::string text(const char* format, T... values) {
-  char buffer[500];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
-
 void judge(const char* name, const char* sensor, double factor, double sigma, bool steady, const char* entry, double stated, std::vector<Note>* out) {
   const char* verdict = nullptr;
   if (factor - 3 * sigma > kAbove && steady) verdict = "sigmas are too small by up to that";
   if (factor + 3 * sigma < kBelow) verdict = "sigmas are too large by up to that, unless it was stated on purpose, for drift or for what a filter in the sensor hides";
   if (!verdict) return;
-  out->push_back({name, factor, text("%s noise is %.2f +- %.2f times what was stated: %s. State %s %.3g (--config)", sensor, factor, sigma, verdict, entry, factor * stated)});
+  out->push_back({name, factor, formatted("%s noise is %.2f +- %.2f times what was stated: %s. State %s %.3g (--config)", sensor, factor, sigma, verdict, entry, factor * stated)});
 }
 
 void judge_imu(const char* name, const char* sensor, const SensorNoise& noise, const char* entry, std::vector<Note>* out) {
@@ -83,14 +76,14 @@ std::vector<Note> notes_on_gravity(const CoreOptions& options, const ReplayResul
   const double by_spread = std::abs(common) / std::sqrt(spread / 3 + sigma * sigma);
   if (std::abs(common) > kSeen * sigma && (by_prior > kPriorSigmas || by_spread > kStudent2)) {
     return {{"gravity", 1 + common,
-             text("all three accelerometer scales left the start by %+.2f +- %.2f %%, which sensors seldom do together: with gravity %.4f m/s^2 in place "
+             formatted("all three accelerometer scales left the start by %+.2f +- %.2f %%, which sensors seldom do together: with gravity %.4f m/s^2 in place "
                   "of %.5g they would have stayed. No residual tells the two apart. State gravity in --config, by m_s2 or by latitude_deg and height_m",
                   100 * common, 100 * sigma, g * (1 + common), g)}};
   }
   const double share = kTypicalError / g;
   if (options.gravity > 0 || sigma > share) return {};
   return {{"gravity", 1,
-           text("gravity is not stated, %.5f m/s^2 is taken: where it is off by %.2f (Earth has 9.76 to 9.83), accel.s* and all lengths, p_CI too, are off by "
+           formatted("gravity is not stated, %.5f m/s^2 is taken: where it is off by %.2f (Earth has 9.76 to 9.83), accel.s* and all lengths, p_CI too, are off by "
                 "%.2f %%, %.1f sigma of accel.s*, and no residual shows it. State it in --config, by latitude_deg and height_m",
                 kStandardGravity, kTypicalError, 100 * share, share / sigma)}};
 }

@@ -91,6 +91,7 @@ std::string fault_kind_names() {
   std::string text;
   std::size_t line = 0;
   for (const FaultKind& kind : fault_kinds()) {
+    if (kind.names.empty() || kind.keep_clock) continue;
     const std::string name = kind.name;
     if (line + name.size() > 90 || text.empty()) {
       text += "\n  ";
@@ -105,7 +106,7 @@ std::string fault_kind_names() {
 const FaultKind& fault_kind(const std::string& name) {
   for (const FaultKind& kind : fault_kinds())
     if (name == kind.name) return kind;
-  throw InputError("unknown fault '" + name + "'");
+  throw InputError("unknown fault '" + name + "': `segcal simulate --help` lists them");
 }
 
 }  // namespace host::sim

@@ -14,34 +14,10 @@
 #include "fault_kinds.h"
 #include "scenarios.h"
 #include "simulate.h"
+#include "simulate_help.h"
 
 namespace host {
 namespace {
-
-constexpr const char* explanation =
-    "Simulates a session of a camera and IMU with a known device and writes it as a recording (EuRoC's layout).\n"
-    "The starting calibration (REC/camchain-imucam.yaml) is the data sheet's; the device itself is drawn around it.\n"
-    "What the device really was is in REC/truth, for evaluation only.";
-
-constexpr const char* examples = R"(Examples:
-  segcal simulate --out rec --scenario arvr --seconds 60 --seed 1
-      one minute with a headset; the same command gives the same files
-  segcal simulate --out day2 --scenario arvr --seed 2 --device-seed 1
-      another session of the same device
-  segcal simulate --out stereo --scenario rich --cameras 2 --distortion radtan --pixel-noise 0.3
-  segcal simulate --out late --effect time_offset=0.003 --effect gyro_lag=0.004
-      a device that departs from the model: REC/truth/truth.json says by what, `segcal diagnose late --out d` is to find it
-  segcal simulate --out twin --model d/model.yaml
-      the same departure from the model, in another device
-  segcal simulate --out mh03 --trajectory groundtruth.csv --imu imu.csv --seconds 100
-      landmarks simulated along a recorded motion, with the real IMU samples
-  segcal simulate --out room --images --rate-camera 20 --seconds 20 && segcal track room
-      images of a room papered with photographs, for the real tracker; some 0.1 s per image, progress on stderr
-  segcal simulate --out phone --images --rate-camera 30 --effect rolling_shutter=3e-5 --exposure 0.015 --grey-noise 4
-      a telephone's camera: rows exposed one after another, motion blur, noise
-
-The device is drawn around nominal with 1 px (f, c), 0.004 and 0.002 (gyroscope scale, misalignment), 0.012
-(accelerometer scale, misalignment; rotations, rad) and 4 mm. Exit code 2: bad usage or an unusable file.)";
 
 struct Command {
   SimulationOptions options;
@@ -111,7 +87,10 @@ void run(const Command& command) {
     std::cerr << "\rsimulating " << static_cast<int>(100 * share) << " %" << std::flush;
   });
   std::cerr << "\rsimulating 100 %\n";
-  for (const sim::FaultKind* kind : command.spoil) kind->spoil(result.recording, command.options.seed);
+  for (const sim::FaultKind* kind : command.spoil) {
+    kind->spoil(result.recording, command.options.seed);
+    result.effects.push_back({kind->name, {}});
+  }
   OutputRun files(command.out, "simulate");
   write_simulation(result, command.out);
   if (command.options.images) write_images(command, result);
@@ -230,8 +209,8 @@ void take_effects(Command& command) {
 }  // namespace
 
 void add_simulate_command(CLI::App& app, int& exit_code) {
-  CLI::App* const sub = app.add_subcommand("simulate", explanation);
-  sub->footer(examples);
+  CLI::App* const sub = app.add_subcommand("simulate", simulate_explanation);
+  sub->footer(simulate_examples);
   const auto command = std::make_shared<Command>();
   sub->add_option("--out", command->out, "folder of the new recording")->required();
   add_motion_options(*sub, *command);

@@ -1,5 +1,4 @@
-// What faults do to a recording in memory; sizes in fault_kinds.cpp. Places are shares of
-// the recording's samples.
+// What faults do to a recording in memory; their sizes are in fault_kinds.cpp. Places are shares of the recording's samples.
 #pragma once
 
 #include <cstdint>

@@ -31,7 +31,7 @@
 #define SEGCAL_FILTER_BYTES                                                                                            \
   (SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_FILTER_COLUMNS + 1u) +                                                     \
                         SEGCAL_LARGER(SEGCAL_FILTER_BLOCK, SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u)) +                   \
-                        SEGCAL_FILTER_COLUMNS + SEGCAL_LARGER(690u, 76u * (SEGCAL_MAX_CLONES + 1u)) +        \
+                        SEGCAL_FILTER_COLUMNS + SEGCAL_LARGER(690u, 76u * (SEGCAL_MAX_CLONES + 1u)) +                    \
                         24u * (SEGCAL_MAX_CLONES + 1u) + 200u * SEGCAL_MAX_CAMERAS + 100u) +                            \
    16u * (SEGCAL_MAX_CLONES + 1u) +                                                                                     \
    SEGCAL_MAX_CAMERAS * SEGCAL_MAX_TRACKS * ((SEGCAL_MAX_CLONES + 1u) * 2u * SEGCAL_REAL_BYTES + 8u + 2u * SEGCAL_REAL_BYTES) + 256u)

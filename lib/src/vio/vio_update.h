@@ -155,7 +155,8 @@ constexpr int fold_work(int rows, int columns) { return rows * columns * columns
 constexpr int kFrameWork = SEGCAL_FRAME_FEATURES * fold_work(kFeatureRows - kLandmarkColumns, kFilterColumns + 1 - pose_column(0));
 
 /// What a frame's inertial link has cost of that beyond the usual: after a gap in the images, or where they are slow, there are more
-/// samples to integrate, and fewer features are used then. A sample takes as long as some 2000 products, integrated for the filter and looked at for rest.
+/// samples to integrate, and fewer features are used then. A sample, integrated for the filter and looked at for rest, takes as long as
+/// some 2000 products.
 constexpr int kUsualSamples = 25, kSampleWork = 2000;
 constexpr int link_work(int samples) { return samples > kUsualSamples ? (samples - kUsualSamples) * kSampleWork : 0; }
 
@@ -167,9 +168,9 @@ int feature_work(const Window<S>& w, const VioTrack<S>& track) {
   return fold_work(2 * track.length() + 1 - kLandmarkColumns, w.columns() + 1 - pose_column(first));
 }
 
-/// Uses the tracks that `due` names, as many as a frame has time for, of which `work` is spent, and updates the state. Ended tracks leave the table; a
-/// track that lives on begins anew with its next point, since each point is used once, or waits for the next frame if it had no
-/// turn. Returns the number of features used.
+/// Uses the tracks that `due` names, as many as a frame has time for, of which `work` is spent, and updates the state. Ended tracks leave
+/// the table; a track that lives on begins anew with its next point, since each point is used once, or waits for the next frame if it
+/// had no turn. Returns the number of features used.
 template <class S, class Due>
 int use_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
                VioStatistics* statistics, int work, Due due) {
