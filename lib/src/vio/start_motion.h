@@ -97,7 +97,7 @@ class MotionStart {
   static void copy_cameras(const CameraCalibration<S>* from, int n, CameraCalibration<S>* to) {
     for (int i = 0; i < n; ++i) to[i] = from[i];
   }
-  static constexpr int kSamplesPerSlice = 12, kTracksPerSlice = 2;
+  static constexpr int kSamplesPerSlice = 12, kPointsPerSlice = 48;   ///< points: linearised, of two tracks as they usually are
   static constexpr int kFoldWork = 30000;  // products per slice, as fold_work() counts them
   bool pending_ = false, good_ = false, had_before_ = false, settled_ = false;
   Place place_ = 0, inner_ = 0, leaf_ = 0;

@@ -44,7 +44,9 @@ bool MotionStart<S>::linearise_step(const StartContext<S>& c) {
     for (k_ = 0; k_ < c.tracks->end(); ++k_) {
       if (!(*c.tracks)[k_].used) continue;
       refine_track(c.w, (*c.tracks)[k_], c.options, *c.s, &R, &trial_, &rho_[k_]);
-      if (k_ % kTracksPerSlice == 0) SEGCAL_PAUSE(leaf_);
+      if (trial_.work < kPointsPerSlice) continue;
+      trial_.work = 0;
+      SEGCAL_PAUSE(leaf_);
     }
   }
   SEGCAL_SLICES_END(leaf_);

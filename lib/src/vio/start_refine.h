@@ -86,6 +86,7 @@ struct RefineFit {
   int tracks = 0;
   int tried = 0;  ///< tracks long enough
   int good = 0;   ///< tracks whose residuals are about what pixel_sigma says
+  std::int32_t work = 0;   ///< points linearised since the last pause
 };
 
 /// Two rows [l 3 | x0 15 | extrinsics | rhs] of an image point, n numbers beside the landmark's and the right-hand side.
@@ -114,7 +115,8 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
   const int n = R->columns() - 1, stride = kLandmarkColumns + n + 1;
   const CameraCalibration<S>& camera = w->theta.camera[track.camera];
   S cost = S(0);
-  bool good = triangulate_again(*w, view, S(4) * options.pixel_sigma, w->block, &l, rho);
+  bool good = triangulate_again(*w, view, S(4) * options.pixel_sigma, w->block, &l, rho, &fit->work);
+  fit->work += 2 * view.n;   // its rows, and their fold
   for (int i = 0; good && i < view.n; ++i) {
     const WindowPose<S>& pose = w->pose[view.pose[i]];
     ReprojectionRows<S> rows;

@@ -103,12 +103,13 @@ bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<
   return true;
 }
 
-/// Gauss-Newton from *l.
+/// Gauss-Newton from *l. Optional: the inverse distance's sigma, and `points`, to which those that were linearised are added.
 template <class S>
 bool refine_landmark(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l,
-                     S rho_sigma = kInverseDistanceSigma<S>, S* sigma_rho = nullptr) {
+                     S rho_sigma = kInverseDistanceSigma<S>, S* sigma_rho = nullptr, std::int32_t* points = nullptr) {
   S step[3], pivot, cost = S(0), last = S(-1);
   for (int iteration = 0; iteration < 6; ++iteration) {
+    if (points) *points += view.n;
     if (!landmark_step(w, view, *l, rho_sigma, pixel_sigma, scratch, step, &pivot, &cost)) return false;
     const S limit = S(0.5) * (absolute(l->rho) + S(0.2));
     if (step[2] > limit) step[2] = limit;
@@ -130,14 +131,16 @@ bool triangulate(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S*
   return guess_landmark(w, view, l) && refine_landmark(w, view, pixel_sigma, scratch, l, rho_sigma, sigma_rho);
 }
 
-/// The same with *rho for a first guess of the inverse distance, if it is not negative; afterwards *rho serves the next time.
+/// The same with *rho for a first guess of the inverse distance, if it is not negative; afterwards *rho serves the next time. `points`: as
+/// of refine_landmark().
 template <class S>
-bool triangulate_again(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l, S* rho) {
+bool triangulate_again(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l, S* rho,
+                       std::int32_t* points) {
   const S guess = *rho;
   *rho = S(-1);
   if (!(guess < S(0)) ? !ray_in_world(w, view, 0, &l->o, &l->m) : !guess_landmark(w, view, l)) return false;
   if (!(guess < S(0))) l->rho = guess;
-  if (!refine_landmark<S>(w, view, pixel_sigma, scratch, l)) return false;
+  if (!refine_landmark<S>(w, view, pixel_sigma, scratch, l, kInverseDistanceSigma<S>, nullptr, points)) return false;
   *rho = l->rho > S(0) ? l->rho : S(0);
   return true;
 }
