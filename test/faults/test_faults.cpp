@@ -7,6 +7,7 @@
 #include "diagnose/fault.h"
 #include "simulate/disturb.h"
 #include "simulate/effect_names.h"
+#include "simulate/fault_kinds.h"
 #include "simulate/simulate.h"
 #include "unity.h"
 
@@ -131,6 +132,18 @@ void counts_and_places_are_right() {
     TEST_ASSERT_EQUAL_size_t(clipped[f.sensor.back() - 'x'], f.count);
 }
 
+/// Spikes, not a range that ends there, even where many have one height.
+void spikes_are_found() {
+  for (const char* kind : {"spikes_inside_range", "bits_flipped"})
+    for (const char* scenario : {"rich", "arvr", "still"}) {
+      const auto id = test::Id().add("fault", kind).add("scenario", scenario);
+      if (!test::selected(id.text())) continue;
+      auto session = simulated(scenario, 43);
+      host::sim::fault_kind(kind).spoil(session.recording, 43);
+      only(id, host::find_faults(session.recording, session.nominal), "spikes", "imu");
+    }
+}
+
 void other_faults_of_the_log_are_found() {
   const auto clean = simulated("rich", 61, {}, 30);
   const auto id = test::Id().add("check", "log");
@@ -192,6 +205,7 @@ int main(int argc, char** argv) {
   RUN_TEST(effects_are_no_faults);
   RUN_TEST(each_fault_is_found_alone);
   RUN_TEST(counts_and_places_are_right);
+  RUN_TEST(spikes_are_found);
   RUN_TEST(other_faults_of_the_log_are_found);
   RUN_TEST(other_image_sizes_are_found);
   RUN_TEST(little_data_is_no_trouble);

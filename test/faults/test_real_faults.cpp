@@ -24,6 +24,7 @@ void euroc_mh01_is_sound() {
   host::write_camchain(folder.path() / "start.yaml", published);
   const host::Recording recording = test::euroc::tracked(data, folder.path() / "start.yaml", folder.path() / "tracks");
   check_none(test::Id().add("recording", "euroc_mh01"), host::find_faults(recording, published));
+  TEST_ASSERT_EQUAL_size_t(0, host::spikes_of(recording).size());
   const host::RawNoise noise = host::raw_imu_noise(recording);
   std::printf("%s\n%s\n", noise.gyro.words.c_str(), noise.accel.words.c_str());
   TEST_ASSERT_TRUE(noise.gyro.verdict == host::SensorNoise::Verdict::as_stated);
@@ -41,6 +42,7 @@ void real_samples_with_simulated_landmarks_are_sound() {
     options.seconds = 60;
     const auto session = host::simulate(options);
     check_none(id, host::find_faults(session.recording, session.nominal));
+    test::check_near(id, "samples taken for spikes", 0, static_cast<double>(host::spikes_of(session.recording).size()), 0);
     const auto noise = host::raw_imu_noise(session.recording);
     test::check_true(id, noise.gyro.words.c_str(), noise.gyro.verdict != host::SensorNoise::Verdict::above);
     test::check_true(id, noise.accel.words.c_str(), noise.accel.verdict != host::SensorNoise::Verdict::above);

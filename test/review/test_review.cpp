@@ -39,6 +39,20 @@ void test_sound_data_stay_as_they_are() {
   }
 }
 
+/// 8.8 sigma of accel.sy at chi2/dof 2: refused with the cause. Beyond full scale the device leaves them out itself.
+void test_spikes_are_refused() {
+  const host::SimulationResult session = test::simulated("rich", 40, 7);
+  for (const double value : {30.0, 300.0}) {
+    const Id id = Id().add("spikes", value);
+    host::Recording recording = session.recording;
+    host::sim::spoil::spikes(recording, 0.005, value, 7);
+    const host::ReplayResult out = reviewed(session, recording);
+    const bool inside = value < 157;
+    test::check_true(id, ("status " + out.result.status).c_str(), out.result.status == (inside ? "insufficient" : "calibrated"));
+    test::check_true(id, ("cause: " + out.cause).c_str(), (out.cause.find("stand alone") != std::string::npos) == inside);
+  }
+}
+
 /// 2 ms move values by two sigmas: suspected by name. With 8 ms the odometry of a shaken device does not stay: refused, the
 /// start stays, and the cause names the clocks.
 void test_an_offset_that_is_not_modelled_is_named() {
@@ -100,6 +114,7 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_steps_of_rotations_are_small_rotations);
   RUN_TEST(test_sound_data_stay_as_they_are);
+  RUN_TEST(test_spikes_are_refused);
   RUN_TEST(test_an_offset_that_is_not_modelled_is_named);
   RUN_TEST(test_a_remark_is_no_cause);
   RUN_TEST(test_a_step_that_the_prior_forbids_is_refused);

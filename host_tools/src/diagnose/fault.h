@@ -10,7 +10,7 @@
 
 namespace host {
 
-/// One finding. `kind` is one of: saturation, dropped_samples, stamp_jitter, stamps_back, not_finite, frozen, unit, axes,
+/// One finding. `kind` is one of: saturation, spikes, dropped_samples, stamp_jitter, stamps_back, not_finite, frozen, unit, axes,
 /// gravity_norm, rate, no_overlap, clock_offset, clock_drift, image_size, outlier_tracks, mixed_tracks, lost_tracks.
 struct Fault {
   std::string kind;
@@ -37,10 +37,14 @@ std::vector<Fault> find_faults(const Recording& recording, const Calibration& st
 
 // The groups of checks, one file each.
 std::vector<Fault> stamp_faults(const Recording& recording);                            ///< order, gaps, jitter, rate, overlap
-std::vector<Fault> value_faults(const Recording& recording);                            ///< saturation, repeats, not a number
+std::vector<Fault> value_faults(const Recording& recording);                            ///< spikes, saturation, repeats, not a number
 std::vector<Fault> magnitude_faults(const Recording& recording);                        ///< gravity norm, g, deg/s
 std::vector<Fault> image_faults(const Recording& recording, const Calibration& start);     ///< corners that the image cannot have
 std::vector<Fault> track_faults(const Recording& recording, const Calibration& start);     ///< corners that do not belong to one scene
 std::vector<Fault> rotation_faults(const Recording& recording, const Calibration& start);  ///< axes, deg/s, clocks: gyroscope and image
+
+/// IMU samples that stand alone, by their places.
+std::vector<std::size_t> spikes_of(const Recording& recording);
+std::vector<Fault> spike_faults(const Recording& recording, const std::vector<std::size_t>& spikes);
 
 }  // namespace host

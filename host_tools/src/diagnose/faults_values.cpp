@@ -1,4 +1,4 @@
-// Values of single samples: stuck at an extreme, repeated, not a number.
+// Values of samples: stuck at an extreme, repeated, not a number. Those that stand alone are looked at first (faults_spikes.cpp).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -176,8 +176,17 @@ void check_repeats(const std::vector<ImuSample>& samples, const Sensor& sensor, 
 }  // namespace
 
 std::vector<Fault> value_faults(const Recording& recording) {
-  std::vector<Fault> out;
-  const std::vector<ImuSample>& samples = recording.imu.samples;
+  const std::vector<std::size_t> spikes = spikes_of(recording);
+  std::vector<Fault> out = spike_faults(recording, spikes);
+  std::vector<ImuSample> samples;   // without those that are reported: several spikes of one height are no limit of the range
+  std::size_t next = out.empty() ? spikes.size() : 0;
+  for (std::size_t i = 0; i < recording.imu.samples.size(); ++i) {
+    if (next < spikes.size() && spikes[next] == i) {
+      ++next;
+    } else {
+      samples.push_back(recording.imu.samples[i]);
+    }
+  }
   const ImuNoise& noise = recording.imu.noise;
   if (samples.size() < 100) return out;
   for (const Sensor& sensor : sensors) {

@@ -74,6 +74,9 @@ class Review {
     widen_sigmas();
     if (out_.result.status != "calibrated") return;
     if (!odometry_stayed()) return refuse("insufficient", used_words());
+    // Half a percent of them is 8.8 sigma of an accelerometer's entry, and hardly shows in a chi2 of thousands of image points.
+    const auto spikes = std::find_if(health_.suspects.begin(), health_.suspects.end(), [](const Suspect& s) { return s.name == "spikes.imu"; });
+    if (spikes != health_.suspects.end()) return refuse("insufficient", spikes->words);
     if (out_.result.chi2 > kMostRatio * out_.result.dof) return refuse("failed", "");
     const std::string step = implausible_step();
     if (!step.empty()) return refuse("failed", step);

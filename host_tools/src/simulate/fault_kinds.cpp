@@ -49,7 +49,8 @@ std::vector<FaultKind> value_kinds() {
   return {
       {"not_a_number", "1 % of the IMU samples hold NaN", {"not_finite"}, [](Recording& r, Seed s) { spoil::spikes(r, 0.01, std::nan(""), s); }},
       {"spikes_beyond_range", "0.5 % of the accelerations 300 m/s^2", {"saturat"}, [](Recording& r, Seed s) { spoil::spikes(r, 0.005, 300, s); }},
-      {"spikes_inside_range", "0.5 % of the accelerations 30 m/s^2", {"saturation", "frozen", "accel", "imu_noise"}, [](Recording& r, Seed s) { spoil::spikes(r, 0.005, 30, s); }},
+      {"spikes_inside_range", "0.5 % of the accelerations 30 m/s^2", {"spikes"}, [](Recording& r, Seed s) { spoil::spikes(r, 0.005, 30, s); }},
+      {"bits_flipped", "in 1 % of the IMU samples one of 16 bits of one axis", {"spikes"}, [](Recording& r, Seed s) { spoil::flip_bits(r, 0.01, s); }},
       {"saturation_known", "a gyroscope that clips at half of what it should show, its readings there at full scale", {"saturat"},
        [](Recording& r, Seed) { spoil::saturate(r, 0.5, true); }},
       {"saturation_unknown", "the same, and the clipped readings look like others", {"saturat"}, [](Recording& r, Seed) { spoil::saturate(r, 0.5, false); }},

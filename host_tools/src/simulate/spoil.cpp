@@ -106,6 +106,20 @@ void spikes(Recording& r, double share, double value, std::uint64_t seed) {
   }
 }
 
+void flip_bits(Recording& r, double share, std::uint64_t seed) {
+  constexpr double gyro_digit = 2000 * M_PI / 180 / 32768, accel_digit = 16 * 9.80665 / 32768;
+  Random random = random_of(seed);
+  for (ImuSample& s : r.imu.samples) {
+    const bool hit = random.uniform() < share;
+    const auto axis = static_cast<std::size_t>(random.uniform() * 5.999), bit = static_cast<std::size_t>(random.uniform() * 15.999);
+    if (!hit) continue;
+    double& value = axis < 3 ? s.gyro[axis] : s.accel[axis - 3];
+    const double digit = axis < 3 ? gyro_digit : accel_digit;
+    const auto raw = static_cast<std::int16_t>(std::lround(value / digit));
+    value = digit * static_cast<std::int16_t>(static_cast<std::uint16_t>(raw) ^ (1U << bit));
+  }
+}
+
 void saturate(Recording& r, double share, bool known) {
   double largest = 0;
   for (const ImuSample& s : r.imu.samples)
