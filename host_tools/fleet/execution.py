@@ -10,6 +10,7 @@ import logs
 
 MOST_IN_BATCH = 100   # 10^6 logs are 10^4 tasks for a scheduler
 BATCHES_A_WORKER = 8  # so that all end at about the same time
+AWAKE_S = 0.2
 WITHOUT_PROGRESS = 3  # rounds of lost workers in which not one batch came back
 
 
@@ -65,6 +66,14 @@ def say(done, total):
     sys.stderr.flush()
 
 
+def as_completed(futures):
+    """As concurrent.futures has it, but awake from time to time: a signal that comes while all is waited for may not wake this thread."""
+    waiting = set(futures)
+    while waiting:
+        done, waiting = concurrent.futures.wait(waiting, timeout=AWAKE_S, return_when=concurrent.futures.FIRST_COMPLETED)
+        yield from done
+
+
 def run_all(paths, task, address=None, jobs=None, batch_size=None):
     """`task` is run_batch without its batch. Entries of all logs in the order of `paths`. A batch whose worker died is given to
     another one; what the dead one had finished is in the store."""
@@ -75,7 +84,7 @@ def run_all(paths, task, address=None, jobs=None, batch_size=None):
         while waiting:
             futures = {executor.submit(task, batch): batch for batch in waiting}
             waiting, before = [], len(entries)
-            for future in concurrent.futures.as_completed(futures):
+            for future in as_completed(futures):
                 try:
                     entries += future.result()
                 except lost:
@@ -87,6 +96,9 @@ def run_all(paths, task, address=None, jobs=None, batch_size=None):
             lost_rounds = lost_rounds + 1 if len(entries) == before else 0
             if lost_rounds == WITHOUT_PROGRESS:
                 raise logs.InputError("workers die without finishing any log; see their own messages")
+    except KeyboardInterrupt:
+        work.STOPPING.append(True)  # else each thread would go on to the end of its batch
+        raise
     finally:
         executor.shutdown(wait=False, cancel_futures=True) if not to_close else executor.shutdown(wait=False)
         for client in to_close:

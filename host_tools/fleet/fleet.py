@@ -5,9 +5,13 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the matrices are small, and the cores are busy with replays
 
 import argparse
+import collections
 import functools
 import pathlib
+import signal
+import subprocess
 import sys
+import tempfile
 
 import execution
 import judge
@@ -71,15 +75,47 @@ def parsed(arguments):
     p.add_argument("--program", default=os.environ.get("SEGCAL_PROGRAM"), help="the segcal program on the workers (default: this one)")
     p.add_argument("--version", default=os.environ.get("SEGCAL_PROGRAM_VERSION", ""), help=argparse.SUPPRESS)
     a = p.parse_args(arguments)
-    a.options = options
+    a.options = one_word_each(options)
     return a
 
 
-def check_options(options):
+OWNED = "--out", "--json", "--hash", "--verify-hash"  # fleet's own
+FILES = "--config", "--priors", "--calib", "--model"
+
+
+def one_word_each(options):
+    """`--name=value` as `--name value`: what is behind a name decides what a log's key is."""
+    return [part for o in options for part in (o.split("=", 1) if o.startswith("--") else [o])]
+
+
+def check_options(options, program):
     """Found here, not in ten thousand replays."""
-    for owned in ("--out", "--json", "--verify-hash"):
-        if owned in options:
-            raise logs.InputError(f"{owned} behind --: segcal fleet uses it itself")
+    for name in OWNED:
+        if name in options:
+            raise logs.InputError(f"{name} behind --: segcal fleet uses it itself")
+    if "--state" in options:
+        raise logs.InputError("--state behind --: replays run at the same time, and a fleet fuses a device's logs itself")
+    if not options or not pathlib.Path(program).exists():  # on a cluster it may be on the workers alone
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        nowhere = f"{folder}/none"  # the options are read before it is missed
+        said = subprocess.run([program, "replay", nowhere, *options, "--out", f"{folder}/out"], capture_output=True, text=True, check=False).stderr.strip()
+    if nowhere not in said:
+        raise logs.InputError(f"options behind --: {said.removeprefix('segcal: ')}")
+    for name, value in zip(options, options[1:]):
+        if name in FILES and not pathlib.Path(value).is_file():
+            raise logs.InputError(f"{name} {value}: no such file")
+
+
+def store_of(tables):
+    protocol = tables.split("://")[0]
+    try:
+        return work.Store(tables)
+    except ImportError as error:  # its words name the package; fsspec's own, and raised without a name
+        words = str(error).replace("Install ", "install ")
+        raise logs.InputError(f"--out {tables}: {words} into the environment of {sys.executable}") from None
+    except ValueError:
+        raise logs.InputError(f"--out {tables}: expected a path or an address that fsspec knows, found the protocol '{protocol}'") from None
 
 
 def complain_of(entries):
@@ -117,13 +153,31 @@ def summarise(rows, said, out):
     print("\n".join(said) + (":" if named else ""))
     for row in named[:judge.WORST]:
         print(f"  {row['device']}: {row['sentence']}")
+    for words, first, count in reasons(rows):
+        print(f"  {count} refused: {words}" + ("" if first in words else f" ({first})"))
     print(f"tables and report.html in {out}")
+
+
+def reasons(rows):
+    """[(why, first log, how many)] of the logs that were refused, the most frequent first, three at most; paths do not make two of one."""
+    groups = collections.OrderedDict()
+    for row in rows["runs"]:
+        if row["status"] == "refused":
+            groups.setdefault((row["error"] or "").replace(row["log"], ""), []).append(row)
+    ordered = sorted(groups.values(), key=len, reverse=True)[:3]
+    return [(own[0]["error"].removeprefix("segcal: "), own[0]["log"], len(own)) for own in ordered]
+
+
+def interrupted(*_):
+    raise KeyboardInterrupt
 
 
 def run(arguments):
     a = parsed(arguments)
-    check_options(a.options)
+    check_options(a.options, a.program)
     paths = [str(path) for path in logs.find_logs(a.logs)]
+    if not paths:
+        raise logs.InputError(f"{' '.join(a.logs)}: no logs in it")
     if a.devices:
         for path in paths:
             logs.device_of(path, None, a.devices)
@@ -131,7 +185,7 @@ def run(arguments):
         paths = paths[a.shard[0]::a.shard[1]]
     if "://" not in a.out:
         a.out = os.path.abspath(a.out)  # workers have another working directory
-    store = work.Store(a.out)
+    store = store_of(a.out)
     output_run.expect_folder(store.fs, store.root, "fleet")
     task = functools.partial(work.run_batch, a.program, a.version, a.options, a.out, again=a.again)
     entries = execution.run_all(paths, task, a.scheduler, a.jobs, a.batch)
@@ -150,10 +204,14 @@ def run(arguments):
 
 
 def main():
+    signal.signal(signal.SIGTERM, interrupted)
     try:
         return run(sys.argv[1:])
     except logs.InputError as error:
         print(f"segcal: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("segcal: interrupted; the same command goes on where it was stopped", file=sys.stderr)
         return 2
     except OSError as error:
         print(f"segcal: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)

@@ -1,10 +1,14 @@
 """One piece of work: a log replayed by one version of the program with one configuration. Its key is the hash of these three, its
 record a file of that name, so that a piece is done once however often it is started, by whomever."""
 
+import contextlib
+import fcntl
 import json
 import os
 import pathlib
 import platform
+import shutil
+import signal
 import subprocess
 import tempfile
 import time
@@ -14,6 +18,9 @@ import fsspec
 from logs import digest, digest_of_file, digest_of_log  # functions: a worker gets them with this file's own
 
 ATTEMPTS = 3  # a replay that is killed from outside (memory, an operator) is begun again; one that dies each time is a finding
+FOLDER = "segcal_fleet_"  # of a replay, below the folder for temporary files
+UNLOCKED_S = 60  # a folder that is made is locked at once; one without a lock that is older is a killed run's
+STOPPING = []  # not empty: Ctrl-C or SIGTERM came, no further replay is begun. A list: what is sent to a worker holds no locks
 
 
 class Store:
@@ -60,13 +67,38 @@ def key_of(log, version, options):
     return digest(f"{digest_of_log(log, cameras)}\n{version}\n{digest_of_options(options)}\n".encode())
 
 
+def remove_abandoned():
+    """Folders of replays whose fleet was killed: nobody holds their lock."""
+    for folder in pathlib.Path(tempfile.gettempdir()).glob(f"{FOLDER}*"):
+        with contextlib.suppress(OSError):  # locked, another user's, or gone in the meantime
+            handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                if time.time() - folder.stat().st_mtime > UNLOCKED_S:
+                    shutil.rmtree(folder, ignore_errors=True)
+            finally:
+                os.close(handle)
+
+
+@contextlib.contextmanager
+def temporary_folder():
+    """(path, handle that holds its lock, for processes that write to it)."""
+    with tempfile.TemporaryDirectory(prefix=FOLDER) as folder:
+        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_SH)
+            yield folder, handle
+        finally:
+            os.close(handle)
+
+
 def replay(program, log, options):
     """(exit code, result or None, last line of the error output). A negative code: the process was killed."""
-    with tempfile.TemporaryDirectory(prefix="segcal_fleet_") as folder:
+    with temporary_folder() as (folder, lock):
         command = [program, "replay", log, *options, "--out", folder]
         for _ in range(ATTEMPTS):
-            done = subprocess.run(command, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
-            if done.returncode >= 0:
+            done = subprocess.run(command, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL, pass_fds=[lock])
+            if done.returncode >= 0 or done.returncode == -signal.SIGINT or STOPPING:
                 break
         file = pathlib.Path(folder) / "result.json"
         result = json.loads(file.read_text()) if file.exists() else None
@@ -89,7 +121,10 @@ def record_of(program, log, options):
 def run_batch(program, version, options, tables, batch, again):
     """Does what has not been done of these logs. One entry each: {log, key} and what went wrong with it, if anything."""
     store, entries = Store(tables), []
+    remove_abandoned()
     for log in batch:
+        if STOPPING:
+            break
         try:
             key = key_of(log, version, options)
         except OSError as error:

@@ -1,5 +1,7 @@
 """Which streams become the recording's IMU and cameras: what the user named, else what is obvious, else a question."""
 
+import re
+
 from checks import accel_unit
 from streams import InputError
 
@@ -13,6 +15,22 @@ def calibrated(streams):
     return [s for s in streams if "uncalib" not in s.name.lower()] or streams
 
 
+NO_PICTURE = re.compile(r"depth|disparity|confidence|segmentation", re.IGNORECASE)
+COMPRESSED = re.compile(r"/compressed$")
+
+
+def pictures(streams, notes):
+    """Without distances (depth cameras publish them as images), and without the compressed copy of a stream that is there raw, where others
+    are left."""
+    names = {s.name for s in streams}
+    twins = [s for s in streams if COMPRESSED.search(s.name) and COMPRESSED.sub("", s.name) in names]
+    left = [s for s in streams if s not in twins]
+    left = [s for s in left if not NO_PICTURE.search(s.name)] or left
+    notes += [f"{s.name}: not taken, {'the same images as ' + COMPRESSED.sub('', s.name) if s in twins else 'by its name no picture'}; --camera NAME takes it"
+              for s in streams if s not in left]
+    return left
+
+
 class Choice:
     """Streams of all sources by name; a name is what --list shows."""
 
@@ -21,7 +39,7 @@ class Choice:
         self.owner, self.streams = {}, []
         for source in sources:
             for stream in source.streams():
-                if stream.count > 0:
+                if stream.count > 0 and stream.kind != "other":
                     self.owner[stream.name] = source
                     self.streams.append(stream)
 
@@ -33,10 +51,12 @@ class Choice:
             raise InputError(f"{option} {name}: no such stream; found {listing(self.of_kind(*kinds))}")
         return name
 
-    def cameras(self, wanted):
+    def cameras(self, wanted, notes):
+        if len(wanted) > 2 or len(set(wanted)) < len(wanted):
+            raise InputError(f"--camera {' --camera '.join(wanted)}: expected one stream or two different ones, cam0 first")
         if wanted:
             return [self.named(name, "--camera", "camera") for name in wanted]
-        found = self.of_kind("camera")
+        found = pictures(self.of_kind("camera"), notes)
         if len(found) > 2:
             raise InputError(f"{len(found)} cameras, segcal takes two at most: choose with --camera NAME; found {listing(found)}")
         return [s.name for s in found]
@@ -71,7 +91,7 @@ class Choice:
             return self.both(gyros[0], accels[0])
         if gyros and accels:
             raise InputError(f"choose with --gyro NAME and --accel NAME; found {listing(self.of_kind('imu', 'gyro', 'accel'))}")
-        raise InputError(f"{self.sources[0].where}: no gyroscope and accelerometer in it; found {listing(self.streams)}")
+        raise InputError(f"{self.sources[0].where}: no gyroscope and accelerometer in it; found {listing(self.streams)} (segcal import --list shows all that is inside)")
 
     def both(self, gyro, accel):
         for imu, values, what in ((gyro, gyro.gyro, "rotation rates"), (accel, accel.accel, "accelerations")):

@@ -46,7 +46,7 @@ def opened_one(path):
         source = module.probe([path])
         if source:
             return source
-    raise InputError(f"{path}: not a log that segcal knows; `segcal import --help` lists the formats")
+    raise InputError(f"{path}: not a log that segcal knows; `segcal import --help` lists the formats{formats.phone.table_without_heading(path)}")
 
 
 def show(sources):

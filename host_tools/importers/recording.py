@@ -106,11 +106,14 @@ class CameraWriter:
         file = self.folder / "data" / name
         if image.encoded is not None:
             file.write_bytes(image.encoded)
-            self.size = self.size or size_of(file)
+            size = size_of(file)
         else:
             # Lossless; level 1 takes a tenth of the time of the default and makes files a tenth larger.
             Png.fromarray(np.ascontiguousarray(image.pixels)).save(file, compress_level=1)
-            self.size = self.size or (image.pixels.shape[1], image.pixels.shape[0])
+            size = (image.pixels.shape[1], image.pixels.shape[0])
+        if size != (self.size or size):
+            raise InputError(f"expected images of one size, found {self.size[0]} x {self.size[1]} and, at {t_ns}, {size[0]} x {size[1]}")
+        self.size = size
         self.names[t_ns] = name
 
     def finish(self):

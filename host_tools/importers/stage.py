@@ -66,10 +66,12 @@ def check_overlap(imu, cameras, stamp_source):
 
 def convert(sources, options):
     notes, warnings = [], []
+    if options.calib and not options.calib.is_file():
+        raise InputError(f"{options.calib}: no such file")
     choice = Choice(sources)
     with NewFolder(options.out) as folder:
         imu, stamp_source, dropped = imu_stage.prepared(choice, options, notes, warnings)
-        names = choice.cameras(options.camera)
+        names = choice.cameras(options.camera, notes)
         notes += [note for source in sources for note in getattr(source, "notes", [])]
         noise = calibration.noise_of(options, choice.owner[imu.name.split(' + ')[0]])
         imu_folder = folder / "mav0" / "imu0"
@@ -80,7 +82,7 @@ def convert(sources, options):
         check_overlap(imu, cameras, stamp_source)
         chain = calibration.write(folder, choice, imu, names, cameras, options, notes, warnings)
         if not names:
-            warnings.append("no images: the recording serves `segcal allan` and `segcal track` has nothing to do")
+            warnings.append("no images: a recording for `segcal allan`; `segcal track` and `segcal replay` need images or tracks")
         if noise[1].startswith("assumed"):
             warnings.append("the IMU's noise is assumed; --imu-noise FILE states it, `segcal allan` measures it from a recording at rest")
         account = {

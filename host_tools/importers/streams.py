@@ -22,7 +22,7 @@ from input_error import InputError  # noqa: F401  formats raise it
 @dataclass
 class StreamInfo:
     name: str
-    kind: str  # "imu", "gyro", "accel", "camera"
+    kind: str  # "imu", "gyro", "accel", "camera"; "other": not used, shown by --list
     count: int
     note: str = ""  # for --list: type of the messages, rate
 

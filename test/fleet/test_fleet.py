@@ -1,6 +1,7 @@
 """segcal fleet as a user runs it: on this machine, in shards, interrupted, on a Dask scheduler whose worker is killed; always the same tables.
 Usage: test_fleet.py SEGCAL SOURCE_TREE FOLDER [SEED]; SEGCAL_LONG=1 kills ten workers, not two."""
 
+import fcntl
 import os
 import pathlib
 import random
@@ -104,6 +105,51 @@ def check_interrupted():
     check_same("whole", "killed")
 
 
+def check_stopped():
+    """Ctrl-C and SIGTERM: the replays under way end, no other is begun although a batch has many, no folder is left; the folders that a
+    killed run left are removed by the next one, and those of a living one are not."""
+    temporary = FOLDER / "temporary"
+    environment = {**ENVIRONMENT, "TMPDIR": str(temporary)}
+    command = [SEGCAL, "fleet", FOLDER / "logs", "--out", FOLDER / "stopped", "--jobs", "1", "--batch", "100", *REPLAY]
+    work, before = FOLDER / "stopped" / "work", 0
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+        temporary.mkdir(exist_ok=True)
+        process = subprocess.Popen(list(map(str, command)), env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True,
+                                   preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
+        while len(list(work.rglob("*.json"))) == before:
+            assert process.poll() is None
+            time.sleep(0.02)
+        os.killpg(process.pid, number)
+        said = process.communicate()[1]  # to the end of all that write to it
+        done = len(list(work.rglob("*.json")))
+        assert before < done <= before + 2, f"signal {number}: {done - before} logs were done, {said}"  # one may have ended in the meantime
+        before, left = done, list(temporary.glob("segcal_fleet_*"))
+        assert number == signal.SIGKILL or ("interrupted" in said and not left), (said, left)
+    for folder in left:
+        os.utime(folder, (0, 0))
+    alive = temporary / "segcal_fleet_alive"
+    alive.mkdir()
+    os.utime(alive, (0, 0))
+    lock = os.open(alive, os.O_RDONLY)
+    fcntl.flock(lock, fcntl.LOCK_SH)
+    subprocess.run(list(map(str, command)), env=environment, check=False, capture_output=True)
+    os.close(lock)
+    assert list(temporary.iterdir()) == [alive], list(temporary.iterdir())
+    check_same("whole", "stopped")
+
+
+def check_options_of_replay():
+    """--name=value is --name value: the same key, and a file is known by its content, not by its name."""
+    log, config = FOLDER / "logs/device_1/session_0", FOLDER / "config.yaml"
+    keys = []
+    for text, option in (("0.5", ["--config", config]), ("0.5", [f"--config={config}"]), ("0.6", [f"--config={config}"])):
+        config.write_text(f"format: 1\nnoise:\n  pixel_sigma_px: {text}\n")
+        done = segcal("fleet", log, "--out", FOLDER / "options", *REPLAY, *option)
+        assert done.returncode == 0, done.stderr
+        keys.append(table("options", "runs")[0]["key"])
+    assert keys[0] == keys[1] != keys[2], keys
+
+
 def worker(address):
     return subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1"],
                             cwd=FOLDER, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -151,7 +197,14 @@ def check_dask():
 
 
 def check_refusals():
+    (FOLDER / "empty.txt").write_text("# none yet\n")
     for arguments, says in (
+        ([f"@{FOLDER / 'empty.txt'}", "--out", FOLDER / "x"], "no logs in it"),
+        ([FOLDER / "logs", "--out", "foo://x"], "found the protocol 'foo'"),
+        ([FOLDER / "logs", "--out", FOLDER / "x", "--", "--state", "f"], "--state behind --"),
+        ([FOLDER / "logs", "--out", FOLDER / "x", "--", "--segmentz", "3"], "not expected: --segmentz"),
+        ([FOLDER / "logs", "--out", FOLDER / "x", "--", "--cameras", "x"], "Value x not in range"),
+        ([FOLDER / "logs", "--out", FOLDER / "x", "--", "--config=none.yaml"], "--config none.yaml: no such file"),
         (["nowhere", "--out", "x"], "nowhere: no such file or folder"),
         ([FOLDER / "logs", "--out", FOLDER / "x", "--shard", "2/2"], "expected i/n"),
         ([FOLDER / "logs"], "--out"),
@@ -161,6 +214,7 @@ def check_refusals():
     ):
         done = segcal("fleet", *arguments)
         assert done.returncode == 2 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1, (arguments, done.stderr)
+    assert not (FOLDER / "x").exists()
     assert "--scheduler" in segcal("fleet", "--help").stdout
 
 
@@ -176,10 +230,13 @@ def check_queries():
 def main():
     shutil.rmtree(FOLDER, ignore_errors=True)
     make_logs()
-    fleet("whole")
+    whole = fleet("whole")
+    assert "1 refused: " in whole.stdout and "tracks.csv:" in whole.stdout, whole.stdout  # on the terminal too
     check_tables()
     check_resumed_and_sharded()
     check_interrupted()
+    check_stopped()
+    check_options_of_replay()
     killed = check_dask()
     check_refusals()
     check_queries()

@@ -64,6 +64,26 @@ class Tables(Case):
         self.converted(self.log)
         self.check(rtol=1e-15 * 4)  # two roundings
 
+    def test_headings_of_one_table(self):
+        both = np.concatenate((self.gyro, self.accel), axis=1)
+        for heading in ("timestamp [ns],gx,gy,gz,ax,ay,az", "t_ns,wx,wy,wz,ax,ay,az", "t,gyro_x,gyro_y,gyro_z,acc_x,acc_y,acc_z",
+                        "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]"):
+            with self.subTest(heading):
+                table(self.log / "imu.csv", heading, self.stamps, both)
+                self.converted(self.log)
+                self.check()
+                shutil.rmtree(self.rec)
+
+    def test_no_heading(self):
+        """Four columns have their meaning from the file's name; seven may be in either order."""
+        self.put("", "")
+        self.converted(self.log)
+        self.check()
+        for file in self.log.iterdir():
+            file.unlink()
+        table(self.log / "imu.csv", "", self.stamps, np.concatenate((self.gyro, self.accel), axis=1))
+        self.refused("imu.csv has no heading: give it one that names time and axes", self.log, "--out", self.folder / "none")
+
     def test_units_by_gravity(self):
         self.put("t_ns,x,y,z", "t_ns,x,y,z", np.degrees(self.gyro), self.accel / 9.80665)
         done = self.converted(self.log)

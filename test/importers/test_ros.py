@@ -158,6 +158,26 @@ class Choices(Case):
         self.refused("choose with --imu NAME; found /imu0, /imu1", bag.path, "--out", self.rec)
         self.converted(bag.path, "--imu", "/imu1", "--camera", "/cam1/image_raw")
 
+    def test_copies_and_distances_are_no_second_camera(self):
+        """The compressed copy of a raw stream, and a depth camera's distances, would pass for the right camera of a pair."""
+        buffer = io.BytesIO()
+        Image.fromarray(random_images(1)[0]).save(buffer, "PNG")
+        with Bag(self.folder, "mcap") as bag:
+            stamps, _, images = filled(bag)
+            for t_ns in stamps.tolist()[::IMAGE_STEP]:
+                bag.compressed("/cam0/image_raw/compressed", t_ns, buffer.getvalue(), "png")
+                bag.image("/depth/image_rect_raw", t_ns, images[0].astype(np.uint16), "16UC1")
+        done = self.converted(bag.path)
+        self.assertIn("note: /cam0/image_raw/compressed: not taken, the same images as /cam0/image_raw", done.stderr)
+        self.assertIn("note: /depth/image_rect_raw: not taken", done.stderr)
+        np.testing.assert_array_equal(pixels(images_of(self.rec)[0][1]), images[0])
+        self.assertFalse((self.rec / "mav0/cam1").exists())
+        shutil.rmtree(self.rec)
+        self.converted(bag.path, "--camera", "/cam0/image_raw/compressed", "--camera", "/depth/image_rect_raw")
+        self.assertEqual(images_of(self.rec)[0][1].read_bytes(), buffer.getvalue())
+        for names in (("/cam0/image_raw",) * 2, ("/cam0/image_raw", "/depth/image_rect_raw", "/cam0/image_raw/compressed")):
+            self.refused("expected one stream or two different ones", bag.path, "--out", self.folder / "none", *(x for n in names for x in ("--camera", n)))
+
     def test_no_stamps_in_the_headers(self):
         stamps, gyro, accel = tumbling(2)
         with Bag(self.folder, "ros1") as bag:
@@ -189,6 +209,21 @@ class Damage(Case):
                 bag.storage.write_bytes(data)
                 self.refused(str(bag.path), bag.path, "--out", self.rec)
 
+    def test_an_image_that_is_none(self):
+        """Not the first one: each is looked into as far as its size."""
+        pictures = []
+        for size in (SIZE, (SIZE[0] + 8, SIZE[1])):
+            buffer = io.BytesIO()
+            Image.new("L", size).save(buffer, "PNG")
+            pictures.append(buffer.getvalue())
+        for second, words in ((b"no image", "/cam: an image that cannot be decoded"), (pictures[1], "/cam: expected images of one size, found 24 x 16 and")):
+            with Bag(self.folder, "ros1") as bag:
+                stamps, *_ = filled(bag, camera="/other")
+                bag.compressed("/cam", int(stamps[5]), pictures[0], "png")
+                bag.compressed("/cam", int(stamps[15]), second, "png")
+            self.refused(words, bag.path, "--camera", "/cam", "--out", self.rec)
+            bag.path.unlink()
+
     def test_unknown_and_occupied(self):
         strange = self.folder / "notes.bin"
         strange.write_bytes(b"\x00\x01\x02 nothing that anybody knows" * 50)
@@ -202,11 +237,13 @@ class Damage(Case):
 
     def test_list(self):
         with Bag(self.folder, "mcap") as bag:
-            filled(bag)
+            stamps, *_ = filled(bag)
+            bag.fixed_transform(int(stamps[0]), "base", "imu", (1, 0, 0, 0), (0, 0, 0))
         done = segcal("import", bag.path, "--list")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stdout, r"imu +/imu0 +400 ")
         self.assertRegex(done.stdout, r"camera +/cam0/image_raw +40 ")
+        self.assertRegex(done.stdout, r"other +/tf_static +1 +tf2_msgs/msg/TFMessage\n")  # what is not used, with its type
 
 
 if __name__ == "__main__":

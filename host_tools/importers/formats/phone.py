@@ -39,6 +39,16 @@ def probe(paths):
     return source if source.sensors or source.images else None
 
 
+def table_without_heading(path):
+    """Words about a table of numbers whose columns nothing names; empty where there is none."""
+    for file in files_below(path):
+        first = next((line for line in head_of(file) if line.strip()), "") if file.suffix.lower() in TEXT else ""
+        if len(fields := tables.split(first)) > 3 and all(map(tables.is_number, fields)):
+            return (f". {file.name} has no heading: give it one that names time and axes, such as timestamp [ns],gyro_x,gyro_y,gyro_z,acc_x,acc_y,acc_z, "
+                    "or, for t,x,y,z of one sensor, a name with gyro or acc")
+    return ""
+
+
 class Source:
     title = "phone log"
 

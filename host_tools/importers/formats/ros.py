@@ -80,11 +80,11 @@ class Source:
 
     def streams(self):
         counts, types = {}, {}
-        for connection in self.connections(*KINDS):
+        for connection in self.reader.connections:
             counts[connection.topic] = counts.get(connection.topic, 0) + connection.msgcount
             types[connection.topic] = connection.msgtype
-        seconds = max(self.reader.duration * 1e-9, 1e-9)
-        return [StreamInfo(topic, KINDS[types[topic]], count, f"{types[topic]}, {count / seconds:.1f} Hz")
+        seconds = self.reader.duration * 1e-9
+        return [StreamInfo(topic, KINDS.get(types[topic], "other"), count, types[topic] + (f", {count / seconds:.1f} Hz" if count > 1 and seconds > 0 else ""))
                 for topic, count in sorted(counts.items())]
 
     def messages(self, topic, *types):

@@ -13,8 +13,8 @@ from streams import InputError
 NOTED = set()
 NS_OF = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000}
 UNIT_WORDS = {"nanoseconds": "ns", "microseconds": "us", "milliseconds": "ms", "seconds": "s", "sec": "s", "µs": "us"}
-GYRO = re.compile(r"gyr|angular|rotation_?rate|omega|^w_?[xyz]\b|^rot")
-ACCEL = re.compile(r"acc|^a_?[xyz]\b")
+GYRO = re.compile(r"gyr|angular|rotation_?rate|omega|^[wg]_?(rs_s_)?[xyz]\b|^rot")
+ACCEL = re.compile(r"acc|^a_?(rs_s_)?[xyz]\b")
 OTHER = re.compile(r"linear|user|gravity|magn|orient|attitude|quat|baro|light|compass|without")  # and no raw accelerometer
 TIME = re.compile(r"^(sensor_?|event_?|hardware_?)?(time_?stamps?|time|t|seconds_elapsed|elapsed(_?time)?)(_?(ns|us|ms|s|seconds|nanoseconds|milliseconds))?$")
 FILE_NAME = re.compile(r"^(file_?name|file|image|image_?name|path|frame_?file)$")
