@@ -39,6 +39,7 @@ What is done on the way, each noted in REC/import.json:
             those of callbacks are made regular
   units     rad/s and m/s^2; others as the format says, else by the size of gravity and how it turns
   axes      gyroscope and accelerometer must agree about how gravity turns; a warning names the axes that would
+  copies    a compressed copy of a raw stream and depth images are left out, unless --camera names them
   images    kept as they are where the log has files, else written without loss as PNG; Bayer mosaics become grey
   cameras   lenses with more coefficients than segcal has are replaced by the nearest one, and how near it is
 REC appears whole or not at all. Tracks of your own: REC/mav0/camN/tracks.csv, see docs/formats.md.

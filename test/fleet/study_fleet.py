@@ -9,6 +9,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pyarrow.parquet as pq
+from scipy.stats import chi2, kstest
+
+TOOLS = pathlib.Path(__file__).resolve().parents[2] / "host_tools"
+sys.path[:0] = [str(TOOLS / "fleet"), str(TOOLS / "common")]
+import judge
+import work
 
 SEGCAL, FOLDER = sys.argv[1], pathlib.Path(sys.argv[2])
 DEVICES, LOGS = (int(sys.argv[3]) if len(sys.argv) > 3 else 50), (int(sys.argv[4]) if len(sys.argv) > 4 else 20)
@@ -43,6 +49,32 @@ def rows(name):
     return pq.read_table(FOLDER / "tables" / f"{name}.parquet").to_pylist()
 
 
+def fused_devices():
+    """With their covariances, which the tables leave out."""
+    keys = sorted(rows("runs"), key=lambda r: (r["device"], r["place"]))
+    entries = [{"log": r["log"], "key": r["key"]} for r in keys]
+    fused, _ = judge.fuse_devices(judge.runs_of(entries, work.Store(str(FOLDER / "tables")), None))
+    return {int(d.device.split("-")[1]) - 1: d.fit for d in fused}
+
+
+def scatter_by_chance(devices):
+    """e' C^-1 e of each device, against chi-square; and how many devices lie in 0.8..1.3 if errors are drawn from their covariances: the
+    mean of (error / sigma)^2 then is a sum of chi-squares of one degree of freedom, weighted by the eigenvalues of the correlations."""
+    squares, shares = [], []
+    for device, fit in fused_devices().items():
+        if device not in devices:
+            continue
+        truth, C = truth_of(device), fit.covariance
+        e, sigma = fit.value - [truth[name] for name in fit.names], np.sqrt(np.diag(C))
+        squares.append(e @ np.linalg.solve(C, e))
+        weights = np.linalg.eigvalsh(C / np.outer(sigma, sigma)) / len(e)
+        drawn = np.random.default_rng(0).standard_normal((20000, len(e))) ** 2 @ weights
+        shares.append(np.mean((drawn > 0.8) & (drawn < 1.3)))
+    n = len(e)
+    print(f"e' C^-1 e / {n}: mean {np.mean(squares) / n:.3f}, chi-square with p = {kstest(chi2.cdf(squares, n), 'uniform').pvalue:.2f}; "
+          f"{np.mean(shares):.0%} of devices in 0.8..1.3 by chance")
+
+
 def main():
     with ThreadPoolExecutor(2) as pool:
         list(pool.map(simulate, [(d, n) for d in range(DEVICES) for n in range(LOGS)]))
@@ -58,6 +90,7 @@ def main():
     each = np.array([np.mean(s) for s in squares.values()])
     print(f"(error / sigma)^2: mean {np.mean([x for s in squares.values() for x in s]):.3f} over {len(squares)} devices; of single devices "
           f"{each.min():.2f} to {each.max():.2f}, {np.mean((each > 0.8) & (each < 1.3)):.0%} in 0.8..1.3")
+    scatter_by_chance(set(squares))
     for kind, truly in (("change", set(SHOCKS)), ("misfit", set(LENSES)), ("outlier", set())):
         named = {int(r["device"].split("-")[1]) - 1 for r in rows("attention") if r["kind"] == kind}
         print(f"{kind}: {len(named & truly)} of {len(truly)} named, others: {sorted(named - truly)}")
