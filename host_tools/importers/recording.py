@@ -10,6 +10,7 @@ import numpy as np
 import output_run
 from PIL import Image as Png
 
+from image_files import size_of
 from streams import InputError
 
 IMU_HEADER = "#timestamp [ns],w_x [rad s^-1],w_y [rad s^-1],w_z [rad s^-1],a_x [m s^-2],a_y [m s^-2],a_z [m s^-2]"
@@ -105,8 +106,8 @@ class CameraWriter:
         name = f"{t_ns}{image.suffix}"
         file = self.folder / "data" / name
         if image.encoded is not None:
+            size = size_of(image.encoded, name)
             file.write_bytes(image.encoded)
-            size = size_of(file)
         else:
             # Lossless; level 1 takes a tenth of the time of the default and makes files a tenth larger.
             Png.fromarray(np.ascontiguousarray(image.pixels)).save(file, compress_level=1)
@@ -119,14 +120,6 @@ class CameraWriter:
     def finish(self):
         rows = "".join(f"{t_ns},{self.names[t_ns]}\n" for t_ns in sorted(self.names))
         (self.folder / "data.csv").write_text("#timestamp [ns],filename\n" + rows)
-
-
-def size_of(file):
-    try:
-        with Png.open(file) as image:
-            return image.size
-    except OSError:
-        raise InputError(f"an image that cannot be decoded ({file.name})") from None
 
 
 def camchain_text(cameras):

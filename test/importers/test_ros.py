@@ -224,6 +224,19 @@ class Damage(Case):
             self.refused(words, bag.path, "--camera", "/cam", "--out", self.rec)
             bag.path.unlink()
 
+    def test_an_image_that_was_cut_short(self):
+        """Its header is whole. Cut in the middle or at its very end: the card was full, or the message's buffer too small. Padding harms nobody."""
+        for kind, how, left in (("png", {}, -1), ("png", {}, 200), ("jpeg", {"progressive": True}, -1), ("webp", {}, -1), ("bmp", {}, -1)):
+            buffer = io.BytesIO()
+            Image.fromarray(random_images(1)[0]).save(buffer, kind.upper(), **how)
+            whole = buffer.getvalue()
+            with self.subTest(kind=kind, left=left), Bag(self.folder, "ros1") as bag:
+                stamps, *_ = filled(bag, seconds=0.5, camera="/other")
+                bag.compressed("/cam", int(stamps[5]), whole + bytes(16), kind)
+                bag.compressed("/cam", int(stamps[15]), whole[:left], kind)
+            self.refused(f"/cam: an image that cannot be decoded, damaged or cut short ({stamps[15]}.", bag.path, "--camera", "/cam", "--out", self.rec)
+            bag.path.unlink()
+
     def test_unknown_and_occupied(self):
         strange = self.folder / "notes.bin"
         strange.write_bytes(b"\x00\x01\x02 nothing that anybody knows" * 50)
