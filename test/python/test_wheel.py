@@ -1,5 +1,5 @@
-"""The wheel is built, installed into a folder of its own, and runs the README's example on a simulated recording: the same bits as `segcal
-replay`, whatever optimisation either was compiled with.   Usage: test_wheel.py SEGCAL SOURCE_TREE FOLDER"""
+"""The wheel is built, installed into a fresh venv, and runs the README's example on simulated recordings: the same bits as `segcal replay`,
+whatever optimisation either was compiled with.   Usage: test_wheel.py SEGCAL SOURCE_TREE FOLDER"""
 
 import json
 import os
@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 
 SEGCAL, SOURCE, FOLDER = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
 PIP = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
@@ -36,6 +37,7 @@ for what, error in (("nowhere", FileNotFoundError), ("broken", ValueError)):
     except error as reason:
         assert what in str(reason), reason
 print("hash", device.result_hash())
+print("from", segcal.__file__)
 """
 
 
@@ -50,30 +52,45 @@ def build():
     made = run(*PIP, "wheel", "--no-build-isolation", "--no-deps", "-Ccmake.define.SEGCAL_OPTIMISATION=-O1", f"-Cbuild-dir={FOLDER / 'build'}",
                "-w", FOLDER / "wheel", SOURCE / "python")
     assert made.returncode == 0, made.stderr
-    wheel = next((FOLDER / "wheel").glob("segcal-*.whl"))
-    shutil.rmtree(FOLDER / "site", ignore_errors=True)
-    installed = run(*PIP, "install", "--no-deps", "--target", FOLDER / "site", wheel)
-    assert installed.returncode == 0, installed.stderr
-    assert (FOLDER / "site" / "segcal" / "py.typed").exists() and (FOLDER / "site" / "segcal" / "__init__.pyi").exists()
+    return next((FOLDER / "wheel").glob("segcal-*.whl"))
+
+
+def installed(wheel):
+    """The Python of a new venv with the wheel. There is no network here: what the wheel asks for must be in the project's own .venv, which a
+    .pth file lets the new one see; pip fails where it is not."""
+    venv = FOLDER / "venv"
+    assert run(sys.executable, "-m", "venv", "--clear", "--without-pip", venv).returncode == 0
+    python = venv / "bin" / "python"
+    site = pathlib.Path(run(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").stdout.strip())
+    (site / "project.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    done = run(*PIP, "--python", python, "install", "--no-index", wheel)
+    assert done.returncode == 0, done.stderr
+    assert (site / "segcal" / "py.typed").exists() and (site / "segcal" / "__init__.pyi").exists()
+    return python, site
 
 
 def main():
     FOLDER.mkdir(parents=True, exist_ok=True)
-    for name in ("rec", "out", "broken", "wheel"):
-        shutil.rmtree(FOLDER / name, ignore_errors=True)
-    build()
-    run(SEGCAL, "simulate", "--out", FOLDER / "rec", "--scenario", "rich", "--seconds", 20, "--seed", 1, "--temperature", "25,30,5")
-    run(SEGCAL, "replay", FOLDER / "rec", "--out", FOLDER / "out")
-    shutil.copytree(FOLDER / "rec", FOLDER / "broken")
-    (FOLDER / "broken" / "mav0" / "cam0" / "tracks.csv").write_text("#t\n1,2,three,4\n")
+    shutil.rmtree(FOLDER / "wheel", ignore_errors=True)
+    python, site = installed(build())
     example = re.search(r"```python\n(.*?)```", (SOURCE / "README.md").read_text(), re.DOTALL)[1]
     assert len(example.strip().splitlines()) <= 10
-    environment = {**os.environ, "PYTHONPATH": str(FOLDER / "site")}
-    said = run(sys.executable, "-c", example + MORE, cwd=FOLDER, env=environment)
-    assert said.returncode == 0, said.stderr
-    result = json.loads((FOLDER / "out" / "result.json").read_text())
-    assert f"hash {result['result_hash']}" in said.stdout, (result["result_hash"], said.stdout)
-    assert result["parameters"][6]["name"] in said.stdout
+    environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+    # The demo's recording, which is calibrated (host_tools/demo.sh), and a short one with the column of the temperature.
+    for how, status in (("--scenario arvr --seconds 60", "calibrated"), ("--scenario rich --seconds 20 --temperature 25,30,5", None)):
+        for name in ("rec", "out", "broken"):
+            shutil.rmtree(FOLDER / name, ignore_errors=True)
+        run(SEGCAL, "simulate", "--out", FOLDER / "rec", "--seed", 1, *how.split())
+        run(SEGCAL, "replay", FOLDER / "rec", "--out", FOLDER / "out")
+        shutil.copytree(FOLDER / "rec", FOLDER / "broken")
+        (FOLDER / "broken" / "mav0" / "cam0" / "tracks.csv").write_text("#t\n1,2,three,4\n")
+        said = run(python, "-c", example + MORE, cwd=FOLDER, env=environment)
+        assert said.returncode == 0, said.stderr
+        assert f"from {site}" in said.stdout, said.stdout
+        result = json.loads((FOLDER / "out" / "result.json").read_text())
+        assert f"hash {result['result_hash']}" in said.stdout, (result["result_hash"], said.stdout)
+        assert result["parameters"][6]["name"] in said.stdout
+        assert status is None or said.stdout.startswith(f"{status} "), said.stdout
     print("wheel: the README's example has the bits of segcal replay")
 
 
