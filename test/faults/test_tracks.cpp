@@ -68,6 +68,18 @@ void test_ids_that_change_places() {
   }
 }
 
+/// Corners move further between images that are further apart.
+void test_missing_images_mix_no_ids() {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    SimulationResult s = session("rich");
+    spoil::drop_frames(s.recording, 0.3, seed);
+    TEST_ASSERT_NULL(found(track_faults(s.recording, s.nominal), "mixed_tracks"));
+    spoil::permute_ids(s.recording, 20, 1);   // found all the same, as one or the other
+    const std::vector<Fault> faults = track_faults(s.recording, s.nominal);
+    TEST_ASSERT_TRUE(found(faults, "mixed_tracks") || found(faults, "outlier_tracks"));
+  }
+}
+
 void test_tracks_that_all_end_at_once() {
   SimulationResult s = session("arvr");
   spoil::renumber_from_middle(s.recording);
@@ -99,6 +111,7 @@ int main() {
   RUN_TEST(test_corners_that_move_unlike_the_rest);
   RUN_TEST(test_a_few_such_corners_are_usual);
   RUN_TEST(test_ids_that_change_places);
+  RUN_TEST(test_missing_images_mix_no_ids);
   RUN_TEST(test_tracks_that_all_end_at_once);
   RUN_TEST(test_a_poor_start_is_no_fault_of_the_tracks);
   return UNITY_END();

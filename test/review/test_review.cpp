@@ -39,7 +39,12 @@ void test_sound_data_stay_as_they_are() {
   }
 }
 
-/// 8.8 sigma of accel.sy at chi2/dof 2: refused with the cause. Beyond full scale the device leaves them out itself.
+/// In a kept segment: whether the answer was made from it.
+bool in_use(const host::ReplayResult& out, std::int64_t t) {
+  return std::any_of(out.segments.begin(), out.segments.end(), [t](const host::CoreSegment& s) { return s.kept && s.start_ns <= t && t <= s.end_ns; });
+}
+
+/// Half a percent of them is 8.8 sigma of accel.sy at chi2/dof 2: refused with the cause. At full scale the device leaves them out itself.
 void test_spikes_are_refused() {
   const host::SimulationResult session = test::simulated("rich", 40, 7);
   for (const double value : {30.0, 300.0}) {
@@ -51,6 +56,24 @@ void test_spikes_are_refused() {
     test::check_true(id, ("status " + out.result.status).c_str(), out.result.status == (inside ? "insufficient" : "calibrated"));
     test::check_true(id, ("cause: " + out.cause).c_str(), (out.cause.find("stand alone") != std::string::npos) == inside);
   }
+}
+
+/// One alone can be 7.8 sigma of gyro.mx: refused where the answer was made from it, and only there.
+void test_one_spike_in_use_is_refused() {
+  const host::SimulationResult session = test::simulated("rich", 40, 7);
+  int refused = 0;
+  const std::size_t first = 600, step = 900;
+  for (std::size_t at = first; at + 100 < session.recording.imu.samples.size(); at += step) {
+    const Id id = Id().add("spike", at);
+    host::Recording recording = session.recording;
+    recording.imu.samples[at].gyro[1] += 5;
+    const host::ReplayResult out = reviewed(session, recording);
+    const bool used = in_use(out, recording.imu.samples[at].t_ns);
+    test::check_true(id, "named", !out.health.suspects.empty() && out.health.suspects.front().name == "spikes.imu");
+    test::check_true(id, ("status " + out.result.status).c_str(), out.result.status == (used ? "insufficient" : "calibrated"));
+    refused += used ? 1 : 0;
+  }
+  test::check_between(Id().add("check", "both happen"), "refused of nine", 1, refused, 8);
 }
 
 /// 2 ms move values by two sigmas: suspected by name. With 8 ms the odometry of a shaken device does not stay: refused, the
@@ -115,6 +138,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_steps_of_rotations_are_small_rotations);
   RUN_TEST(test_sound_data_stay_as_they_are);
   RUN_TEST(test_spikes_are_refused);
+  RUN_TEST(test_one_spike_in_use_is_refused);
   RUN_TEST(test_an_offset_that_is_not_modelled_is_named);
   RUN_TEST(test_a_remark_is_no_cause);
   RUN_TEST(test_a_step_that_the_prior_forbids_is_refused);

@@ -23,10 +23,11 @@ struct Fault {
   std::string unit;            ///< of value and limit
   std::string words;           ///< what it is, and what to do: one sentence each
 
-  /// Worth knowing, and the cause of nothing: tracks that end and begin anew are only fewer.
-  bool is_remark() const { return kind == "lost_tracks"; }
-  /// Whether fits to such data say little. Corners that move unlike the rest may be good ones of another lens, which fits are to tell.
-  bool spoils_fits() const { return !is_remark() && kind != "outlier_tracks"; }
+  /// Worth knowing, and hardly why odometry went wrong: tracks that end and begin anew are only fewer, a few spikes a jerk each.
+  bool is_remark() const { return kind == "lost_tracks" || (kind == "spikes" && value < limit); }
+  /// Whether fits to such data say little. One spike is enough. Corners that move unlike the rest may be good ones of another lens, which fits
+  /// are to tell.
+  bool spoils_fits() const { return kind != "lost_tracks" && kind != "outlier_tracks"; }
 };
 
 bool spoil_fits(const std::vector<Fault>& faults);
@@ -43,7 +44,7 @@ std::vector<Fault> image_faults(const Recording& recording, const Calibration& s
 std::vector<Fault> track_faults(const Recording& recording, const Calibration& start);     ///< corners that do not belong to one scene
 std::vector<Fault> rotation_faults(const Recording& recording, const Calibration& start);  ///< axes, deg/s, clocks: gyroscope and image
 
-/// IMU samples that stand alone, by their places.
+/// Places of IMU samples that stand alone, among those that the device takes.
 std::vector<std::size_t> spikes_of(const Recording& recording);
 std::vector<Fault> spike_faults(const Recording& recording, const std::vector<std::size_t>& spikes);
 

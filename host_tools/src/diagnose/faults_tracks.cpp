@@ -24,6 +24,7 @@ constexpr double most_jumping = 0.3;         // share of corners: a few wrong ma
 constexpr double shared_at_least = 0.05;     // of an image's corners with the one before; where half are usual, fewer are a loss
 constexpr double usually_shared = 0.5;
 constexpr double longest_step_s = 0.25;      // beyond, corners have reason to be others
+constexpr double longest_step = 1.5;         // intervals of the camera: beyond, an image is missing, and corners move further than from one to the next
 
 using Points = std::unordered_map<std::uint32_t, Eigen::Vector2d>;
 
@@ -121,6 +122,13 @@ Share jumping(const Matches& pixels, double diagonal_px) {
   return out;
 }
 
+/// s.
+double usual_interval(const std::vector<Frame>& frames) {
+  std::vector<double> all;
+  for (std::size_t i = 1; i < frames.size(); ++i) all.push_back(seconds_between(frames[i - 1], frames[i]));
+  return quantile(std::move(all), 0.5);
+}
+
 /// From one image to the next: where ids change places, where every track ends, and what share of corners neighbours usually have in common.
 struct Continuity {
   std::vector<std::size_t> mixed, lost;
@@ -131,9 +139,10 @@ Continuity continuity_of(const std::vector<Frame>& frames, double diagonal_px) {
   Continuity out;
   std::vector<double> shared;
   Points before = points_of(frames.front());
+  const double longest_s = std::min(longest_step_s, longest_step * usual_interval(frames));
   for (std::size_t i = 1; i < frames.size(); ++i) {
     const std::size_t fewer = std::min(before.size(), frames[i].points.size());
-    if (seconds_between(frames[i - 1], frames[i]) <= longest_step_s && fewer >= least_common) {
+    if (seconds_between(frames[i - 1], frames[i]) <= longest_s && fewer >= least_common) {
       const Matches pixels = matches_of(before, frames[i]);
       shared.push_back(static_cast<double>(pixels.size()) / static_cast<double>(fewer));
       if (shared.back() < shared_at_least) out.lost.push_back(i);

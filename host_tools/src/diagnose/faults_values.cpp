@@ -178,8 +178,8 @@ void check_repeats(const std::vector<ImuSample>& samples, const Sensor& sensor, 
 std::vector<Fault> value_faults(const Recording& recording) {
   const std::vector<std::size_t> spikes = spikes_of(recording);
   std::vector<Fault> out = spike_faults(recording, spikes);
-  std::vector<ImuSample> samples;   // without those that are reported: several spikes of one height are no limit of the range
-  std::size_t next = out.empty() ? spikes.size() : 0;
+  std::vector<ImuSample> samples;   // without spikes: several of one height are no limit of the range
+  std::size_t next = 0;
   for (std::size_t i = 0; i < recording.imu.samples.size(); ++i) {
     if (next < spikes.size() && spikes[next] == i) {
       ++next;

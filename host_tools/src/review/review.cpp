@@ -74,9 +74,9 @@ class Review {
     widen_sigmas();
     if (out_.result.status != "calibrated") return;
     if (!odometry_stayed()) return refuse("insufficient", used_words());
-    // Half a percent of them is 8.8 sigma of an accelerometer's entry, and hardly shows in a chi2 of thousands of image points.
-    const auto spikes = std::find_if(health_.suspects.begin(), health_.suspects.end(), [](const Suspect& s) { return s.name == "spikes.imu"; });
-    if (spikes != health_.suspects.end()) return refuse("insufficient", spikes->words);
+    if (const std::size_t spikes = spikes_in_use(); spikes > 0)
+      return refuse("insufficient", formatted("%zu of the IMU samples that the calibration was made from stand alone, far from the ones before and after: spikes, that it took for motion. "
+                                              "Look at the sensor's bus, and at what knocks against it, or leave them out of the log", spikes));
     if (out_.result.chi2 > kMostRatio * out_.result.dof) return refuse("failed", "");
     const std::string step = implausible_step();
     if (!step.empty()) return refuse("failed", step);
@@ -86,6 +86,19 @@ class Review {
     if (2 * static_cast<std::size_t>(observed) < out_.result.parameters.size())
       refuse("insufficient", formatted("the segments disagree with each other by %.1f times their noise: with that in the sigmas, %d of %zu parameters are observed",
                                   std::sqrt(health_.segment_scatter), static_cast<int>(observed), out_.result.parameters.size()));
+  }
+
+  /// One within kept segments moves an answer by up to eight sigmas, and hardly shows in a chi2 of thousands of image points. Epochs are made
+  /// of all segments.
+  std::size_t spikes_in_use() const {
+    std::size_t n = 0;
+    for (const Recording& r : sessions_)
+      for (const std::size_t i : spikes_of(r)) {
+        const std::int64_t t = r.imu.samples[i].t_ns;
+        const bool kept = std::any_of(out_.segments.begin(), out_.segments.end(), [t](const CoreSegment& s) { return s.kept && s.start_ns <= t && t <= s.end_ns; });
+        n += kept || !out_.result.epochs.empty() ? 1 : 0;
+      }
+    return n;
   }
 
   void widen_sigmas() {
