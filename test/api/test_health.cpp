@@ -90,6 +90,9 @@ void test_what_is_no_matter_of_time() {
   how.gyro_range = 2.3;
   check("a range too small", SEGCAL_HEALTH_SATURATED, how);
   how = {};
+  how.sample = [](segcal_imu_t* s) { s->accel[2] += s->t_ns / 5000000 % 200 == 100 ? 30 : 0; };
+  check("one sample a second that stands alone", SEGCAL_HEALTH_SPIKES, how);
+  how = {};
   how.way = Way::keyframes;
   check("an odometry of the caller's", SEGCAL_HEALTH_RUNNING, how);
 }
@@ -100,7 +103,7 @@ void test_bad_handles() {
 
 /// Every code has words of its own, and unknown ones are said to be unknown.
 void test_words() {
-  for (int a = SEGCAL_HEALTH_RUNNING; a <= SEGCAL_HEALTH_FRAMES_CROWDED; ++a) {
+  for (int a = SEGCAL_HEALTH_RUNNING; a <= SEGCAL_HEALTH_SPIKES; ++a) {
     for (int b = SEGCAL_HEALTH_RUNNING; b < a; ++b) TEST_ASSERT_NOT_EQUAL(0, std::strcmp(segcal_health_words(a), segcal_health_words(b)));
     TEST_ASSERT_NOT_EQUAL(0, std::strcmp(segcal_health_words(a), "unknown"));
   }

@@ -23,11 +23,11 @@ struct Fault {
   std::string unit;            ///< of value and limit
   std::string words;           ///< what it is, and what to do: one sentence each
 
-  /// Worth knowing, and hardly why odometry went wrong: tracks that end and begin anew are only fewer, a few spikes a jerk each.
+  /// Worth knowing, and hardly why odometry went wrong: tracks that end and begin anew are only fewer, a few spikes a segment each.
   bool is_remark() const { return kind == "lost_tracks" || (kind == "spikes" && value < limit); }
-  /// Whether fits to such data say little. One spike is enough. Corners that move unlike the rest may be good ones of another lens, which fits
-  /// are to tell.
-  bool spoils_fits() const { return kind != "lost_tracks" && kind != "outlier_tracks"; }
+  /// Whether fits to such data say little. A few spikes cost as many segments, and corners that move unlike the rest may be good ones of
+  /// another lens, which fits are to tell.
+  bool spoils_fits() const { return !is_remark() && kind != "outlier_tracks"; }
 };
 
 bool spoil_fits(const std::vector<Fault>& faults);

@@ -20,9 +20,9 @@ constexpr double kImplausible = -6;      // log10 p of the step from the start
 constexpr double kMostBias = 3;          // sigmas that a missing effect may move a released value by
 constexpr double kObserved = 0.3, kWeak = 0.5;  // as in lib/src/api/release.h
 
-/// chi2/dof beyond which residuals are not the stated noise made larger (a factor of two), but something else: spikes in 0.5 % of the
-/// readings give 4 to 6, with answers 7 sigma off; drones, phones and effects of the catalogue's sizes stay below 3. The core goes on to
-/// 6, since a fit that failed shows no residuals, and it is they that tell what was stated wrong.
+/// chi2/dof beyond which residuals are not the stated noise made larger (a factor of two), but something else: drones, phones and effects
+/// of the catalogue's sizes stay below 3. The core goes on to 6, since a fit that failed shows no residuals, and it is they that tell what
+/// was stated wrong.
 constexpr double kMostRatio = 4;
 const char* const kOneSegment = "one segment alone cannot show whether what is left in it is noise: two that agree are needed";
 
@@ -74,9 +74,6 @@ class Review {
     widen_sigmas();
     if (out_.result.status != "calibrated") return;
     if (!odometry_stayed()) return refuse("insufficient", used_words());
-    if (const std::size_t spikes = spikes_in_use(); spikes > 0)
-      return refuse("insufficient", formatted("%zu of the IMU samples that the calibration was made from stand alone, far from the ones before and after: spikes, that it took for motion. "
-                                              "Look at the sensor's bus, and at what knocks against it, or leave them out of the log", spikes));
     if (out_.result.chi2 > kMostRatio * out_.result.dof) return refuse("failed", "");
     const std::string step = implausible_step();
     if (!step.empty()) return refuse("failed", step);
@@ -86,19 +83,6 @@ class Review {
     if (2 * static_cast<std::size_t>(observed) < out_.result.parameters.size())
       refuse("insufficient", formatted("the segments disagree with each other by %.1f times their noise: with that in the sigmas, %d of %zu parameters are observed",
                                   std::sqrt(health_.segment_scatter), static_cast<int>(observed), out_.result.parameters.size()));
-  }
-
-  /// One within kept segments moves an answer by up to eight sigmas, and hardly shows in a chi2 of thousands of image points. Epochs are made
-  /// of all segments.
-  std::size_t spikes_in_use() const {
-    std::size_t n = 0;
-    for (const Recording& r : sessions_)
-      for (const std::size_t i : spikes_of(r)) {
-        const std::int64_t t = r.imu.samples[i].t_ns;
-        const bool kept = std::any_of(out_.segments.begin(), out_.segments.end(), [t](const CoreSegment& s) { return s.kept && s.start_ns <= t && t <= s.end_ns; });
-        n += kept || !out_.result.epochs.empty() ? 1 : 0;
-      }
-    return n;
   }
 
   void widen_sigmas() {

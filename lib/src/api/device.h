@@ -1,7 +1,7 @@
 // A device: the stream of samples through the filter into segments, the database, and calibration (paper, Alg. 1).
 // This is what the C API wraps; all memory is inside. The policy of the stream stands here: what is a fault, when a segment
-// ends, when work takes effect. What it does is in device_stream.h (samples and frames), device_segments.h (segments) and
-// device_work.h (jobs); the jobs are in score_job.h and calibrate_job.h.
+// ends, when work takes effect. What it does is in device_session.h (beginnings and ends), device_imu.h, device_stream.h (frames),
+// device_segments.h and device_work.h (jobs); the jobs are in score_job.h and calibrate_job.h.
 #pragma once
 
 #include "api/calibrate_job.h"
@@ -11,6 +11,7 @@
 #include "api/waiting_frames.h"
 #include "segments/boundary.h"
 #include "sensors/decimation.h"
+#include "sensors/spike_watch.h"
 #include "vio/vio.h"
 
 namespace SEGCAL_NS {
@@ -104,6 +105,8 @@ class Device {
   /// What had come when the odometry used a frame with enough points the last time.
   const StreamCounts& counts_at_last_use() const { return last_use_; }
   const VioStatistics& vio_statistics() const { return vio_.statistics(); }
+  /// IMU readings that stood alone, since create(): of what was made from them nothing is kept.
+  std::uint32_t imu_spikes() const { return imu_spikes_; }
   /// Frames that found no place to wait for their IMU samples.
   std::uint32_t frames_crowded_out() const { return crowded_out_; }
   /// s between the frames that the odometry is offered: the camera's period, or frame_interval_s where that is longer.
@@ -120,26 +123,32 @@ class Device {
   const ThetaPrior<S>& prior() const { return d_.options.prior; }
   SegmentBuilder<S>& builder() { return d_.builder; }
 
+  // device_session.h
+  void restart_filter();
+  void begin_session();
+  VioOptions<S> vio_options() const;
+
+  // device_imu.h
+  static bool in_range(const Vec3<S>& reading, S range) { return reading.cwiseAbs().maxCoeff() < range; }
+  void keep_unbroken(std::int64_t t_ns, const InertialReading<S>& reading);
+  void break_stream();
+  void start_clock(std::int64_t t_ns);
+
   // device_stream.h
   bool take_frame_stamp(std::int64_t t_ns);
-  bool take_reading(std::int64_t t_ns, const InertialReading<S>& reading);
   Taken process_frame();
   bool frame_ready() { return !frames_.empty() && imu_.size() > 1 && imu_.newest() >= frames_.front().time_ns(); }
   void count_missing_frames(std::int64_t t_ns);
   void take_state(std::int64_t t_ns, const State<S>& state);
   void keep_near_origin();
-  void break_stream();
-  void restart_filter();
-  void begin_session();
-  void start_clock(std::int64_t t_ns);
   void use_odometry(bool own);
-  VioOptions<S> vio_options() const;
 
   // device_segments.h
   void take_keyframe(const Frame<S>& frame, const State<S>& state);
   bool keyframe_due(std::int64_t t_ns) const;
   bool segment_complete(std::int64_t t_ns, std::int64_t spacing);
   void end_segment(bool continues);
+  void drop_segment();
   void begin_segment(bool continues);
   void hand_over();
   void set_condensing();
@@ -179,6 +188,7 @@ class Device {
   Vio<S> vio_;
   Liveliness<S> liveliness_;
   StampGuard imu_clock_;
+  SpikeWatch<S> spikes_;
   Decimation<S> decimation_;
   WaitingFrames<S> frames_;
   StreamCounts last_use_;
@@ -187,7 +197,7 @@ class Device {
   Hash trajectory_;        ///< of all states so far
   std::int64_t state_time_, last_imu_, last_frame_, last_offered_, next_keyframe_, frame_period_;
   Segment<S>* spare_;      ///< where the open segment stands while the one before is scored
-  std::uint32_t session_, serial_, frame_, crowded_out_;
+  std::uint32_t session_, serial_, frame_, crowded_out_, imu_spikes_;
   std::int32_t window_;          ///< > 0: segment ends until a calibration takes effect, if it is done then
   std::int32_t misfits_;         ///< segments in a row that could not be condensed
   std::int32_t made_from_;       ///< segments, kept and condensed, that the last calibration was made from
@@ -205,6 +215,8 @@ class Device {
 
 }  // namespace SEGCAL_NS
 
+#include "api/device_imu.h"
 #include "api/device_segments.h"
+#include "api/device_session.h"
 #include "api/device_stream.h"
 #include "api/device_work.h"

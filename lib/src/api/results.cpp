@@ -199,7 +199,7 @@ int segcal_get_counters(const segcal_t* device, segcal_counters_t* out) {
           std::uint32_t(v.standstill_frames), std::uint32_t(v.updates), std::uint32_t(v.gated), f.segments_closed,
           f.segments_discarded, f.segments_unsettled, b.ended_early, b.landmarks_left_out, b.points_left_out, f.segments_outdated,
           f.segments_missed, f.slices_late, f.calibrations, f.points_repeated + b.points_repeated, f.imu_stamps_far,
-          f.frame_stamps_far, f.clock_restarts, f.calibrations_published, f.segments_late};
+          f.frame_stamps_far, f.clock_restarts, f.calibrations_published, f.segments_late, d->device.imu_spikes()};
   return SEGCAL_OK;
 }
 

@@ -169,7 +169,7 @@ class ProfileCore final : public Core {
             {"segments_ended_early", c.segments_ended_early},
             {"landmarks_left_out", c.landmarks_left_out}, {"points_left_out", c.points_left_out},
             {"segments_outdated", c.segments_outdated}, {"segments_missed", c.segments_missed},
-            {"slices_late", c.slices_late}, {"segments_late", c.segments_late}, {"calibrations", c.calibrations},
+            {"slices_late", c.slices_late}, {"segments_late", c.segments_late}, {"imu_spikes", c.imu_spikes}, {"calibrations", c.calibrations},
             {"points_repeated", c.points_repeated}, {"imu_stamps_far", c.imu_stamps_far}, {"frame_stamps_far", c.frame_stamps_far},
             {"clock_restarts", c.clock_restarts}};
   }

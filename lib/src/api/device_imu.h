@@ -1,0 +1,77 @@
+// Device: IMU samples on their way to the filter. Faults are counted, gaps begin anew.
+#pragma once
+
+#include "api/device.h"
+
+namespace SEGCAL_NS {
+
+template <class S>
+Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading, S celsius) {
+  ++d_.faults.imu_samples;
+  if (!is_finite(reading.gyro.sum()) || !is_finite(reading.accel.sum())) {
+    ++d_.faults.imu_not_finite;
+    return Taken::not_finite;
+  }
+  const bool began = has_imu_;
+  switch (imu_clock_.take(t_ns)) {
+    case StampVerdict::good: break;
+    case StampVerdict::back: ++d_.faults.imu_stamps_back; return Taken::stamp_refused;
+    case StampVerdict::far: ++d_.faults.imu_stamps_far; return Taken::stamp_refused;
+    case StampVerdict::anew:
+      if (began && t_ns > last_imu_) break;   // a long gap
+      ++d_.faults.clock_restarts;
+      end_segment(false);
+      restart_filter();
+      imu_clock_.take(t_ns);
+      break;
+  }
+  if (!began && d_.faults.imu_samples - d_.faults.imu_not_finite - d_.faults.imu_stamps_far == 1) start_clock(t_ns);
+  if (d_.options.has_temperature && is_finite(celsius)) imu_.set_warmth(celsius - S(25));
+  if (!in_range(reading.gyro, d_.options.gyro_range) || !in_range(reading.accel, d_.options.accel_range)) {
+    ++d_.faults.imu_saturated;
+    return Taken::skipped;   // what it measured is not known; its neighbours bridge it, or it is a gap
+  }
+  keep_unbroken(t_ns, reading);
+  last_imu_ = t_ns;
+  has_imu_ = true;
+  InertialReading<S> mean = reading;
+  if (decimation_.take(&t_ns, &mean)) imu_.push(t_ns, mean);
+  return frame_ready() ? process_frame() : Taken::ok;
+}
+
+/// Begins a new stretch of data where a gap is, or a spike, which has been taken for motion: known only now, by what follows it.
+template <class S>
+void Device<S>::keep_unbroken(std::int64_t t_ns, const InertialReading<S>& reading) {
+  const bool gap = has_imu_ && S(t_ns - last_imu_) * S(1e-9) > S(3) / d_.options.imu_rate_hz;
+  if (gap || !has_imu_) spikes_.clear();
+  const bool spike = spikes_.after(reading);
+  if (!gap && !spike) return;
+  if (gap) {
+    ++d_.faults.imu_gaps;
+    end_segment(false);
+  } else {
+    ++imu_spikes_;
+    drop_segment();
+  }
+  break_stream();
+  imu_clock_.take(t_ns);
+}
+
+/// Signal::time counts from the first sample.
+template <class S>
+void Device<S>::start_clock(std::int64_t t_ns) {
+  d_.options.prior.mean.effects.time_zero_ns = theta_.effects.time_zero_ns = t_ns;
+  vio_.set_time_zero(t_ns);
+}
+
+/// The filter starts again.
+template <class S>
+void Device<S>::break_stream() {
+  const std::int64_t last_frame = last_frame_;
+  const bool has_frame = has_frame_;
+  restart_filter();
+  last_frame_ = last_frame;
+  has_frame_ = has_frame;
+}
+
+}  // namespace SEGCAL_NS
