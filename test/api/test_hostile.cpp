@@ -21,6 +21,7 @@ segcal_counters_t counters_of(const segcal_t* device) {
 struct Feed {
   void (*frame)(SyntheticStream::Frame*) = [](SyntheticStream::Frame*) {};
   bool (*bad_sample)(int i, segcal_imu_t*) = [](int, segcal_imu_t*) { return false; };  ///< fed before sample i
+  void (*change)(int i, segcal_imu_t*) = [](int, segcal_imu_t*) {};   ///< of sample i
   int block = 1;   ///< samples come in blocks of so many, after the frames of their time
   Way way = Way::tracks;
 };
@@ -43,7 +44,9 @@ void feed(segcal_t* device, const Feed& how, int from = 0, int to = 1 << 30) {
     for (int k = i; k < end; ++k) {
       segcal_imu_t bad = imu[k];
       if (how.bad_sample(k, &bad)) segcal_push_imu(device, &bad);
-      TEST_ASSERT_GREATER_OR_EQUAL_INT(0, segcal_push_imu(device, &imu[k]));
+      segcal_imu_t sample = imu[k];
+      how.change(k, &sample);
+      TEST_ASSERT_GREATER_OR_EQUAL_INT(0, segcal_push_imu(device, &sample));
       segcal_background(device, 3);
     }
     if (how.way == Way::keyframes) frames();
@@ -182,6 +185,29 @@ void test_a_spike_beyond_full_scale_is_not_used() {
   TEST_ASSERT_EQUAL_UINT(int(kSeconds * 200) / 400, counters_of(device).imu_saturated);
 }
 
+segcal_counters_t counters_of_stream(const Feed& how) {
+  Storage storage(0xFF);
+  segcal_t* device = create(&storage, SyntheticStream::config());
+  feed(device, how);
+  return counters_of(device);
+}
+
+/// A reading that stands alone is known as such when the next one has come. It is taken out again, and the filter goes on; if a frame has
+/// used it (they come with every twentieth), the filter starts again. A slow sensor may twitch in one reading.
+void test_a_spike_is_taken_out_of_the_stream() {
+  const std::uint32_t frames = counters_of_stream({}).frames_used;
+  Feed how;
+  how.change = [](int i, segcal_imu_t* s) { s->gyro[1] += i == 1007 ? 5.0f : 0.0f; };
+  const segcal_counters_t between = counters_of_stream(how);
+  TEST_ASSERT_EQUAL_UINT(1, between.imu_spikes);
+  TEST_ASSERT_EQUAL_UINT(frames, between.frames_used);
+  how.change = [](int i, segcal_imu_t* s) { s->gyro[1] += i == 1000 ? 5.0f : 0.0f; };
+  const segcal_counters_t used = counters_of_stream(how);
+  TEST_ASSERT_EQUAL_UINT(1, used.imu_spikes);
+  TEST_ASSERT_LESS_THAN_UINT(frames, used.frames_used);
+  TEST_ASSERT_EQUAL_UINT(0, used.imu_gaps + between.imu_gaps);
+}
+
 /// Largest difference of two results in units of the first one's sigmas.
 double difference_in_sigmas(const segcal_t* a, const segcal_t* b) {
   segcal_result_t x, y;
@@ -249,6 +275,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_one_image_from_another_time);
   RUN_TEST(test_blocks_of_samples_give_the_same_result);
   RUN_TEST(test_a_spike_beyond_full_scale_is_not_used);
+  RUN_TEST(test_a_spike_is_taken_out_of_the_stream);
   RUN_TEST(test_keyframes_far_from_the_origin_give_the_same_result);
   RUN_TEST(test_counts_below_zero_are_refused);
   return UNITY_END();

@@ -45,14 +45,21 @@ bool in_use(const host::ReplayResult& out, std::int64_t t) {
   return std::any_of(out.segments.begin(), out.segments.end(), [t](const host::CoreSegment& s) { return s.kept && s.start_ns <= t && t <= s.end_ns; });
 }
 
+double largest_error(const host::SimulationResult& session, const host::ReplayResult& out) {
+  double largest = 0;
+  for (const auto& [name, error] : test::normalised_errors(session, out.result)) largest = std::max(largest, std::abs(error));
+  return largest;
+}
+
 std::uint32_t counter(const host::ReplayResult& out, const char* name) {
   for (const auto& [key, count] : out.counters)
     if (key == name) return count;
   return 0;
 }
 
-/// One in a second costs every segment: nothing is kept, and the cause is said. At full scale the device leaves them out, and goes on.
-void test_many_spikes_are_refused() {
+/// One in a second, left out by the device, leaves short segments, which are right: 8.8 sigma off where they were taken for motion. Beyond
+/// full scale they are no spikes.
+void test_many_spikes_are_left_out_and_named() {
   const host::SimulationResult session = test::simulated("rich", 40, 7);
   for (const double value : {30.0, 300.0}) {
     const Id id = Id().add("spikes", value);
@@ -60,13 +67,14 @@ void test_many_spikes_are_refused() {
     host::sim::spoil::spikes(recording, 0.005, value, 7);
     const host::ReplayResult out = reviewed(session, recording);
     const bool inside = value < 157;
-    test::check_true(id, ("status " + out.result.status).c_str(), out.result.status == (inside ? "insufficient" : "calibrated"));
-    test::check_true(id, ("cause: " + out.cause).c_str(), (out.cause.find("stand alone") != std::string::npos) == inside);
+    test::check_true(id, ("status " + out.result.status + " " + out.cause).c_str(), out.result.status == "calibrated");
+    test::check_true(id, "named", (!out.health.suspects.empty() && out.health.suspects.front().name == "spikes.imu") == inside);
     test::check_near(id, "spikes that the device sees", inside ? host::spikes_of(recording).size() : 0, counter(out, "imu_spikes"), inside ? 2 : 0);
+    test::check_between(id, "largest error/sigma", 0, largest_error(session, out), 5);   // of 26 entries; 2.9 is the largest of ten such recordings
   }
 }
 
-/// One alone, taken for motion, moved gyro.mx by 7.8 sigma: the segment that it falls into is dropped, and the rest calibrates.
+/// One alone, taken for motion, moved gyro.mx by 7.8 sigma: the segment that it falls into ends before it, and the rest calibrates.
 void test_of_a_spike_nothing_is_used() {
   const host::SimulationResult session = test::simulated("rich", 40, 7);
   const std::size_t first = 600, step = 900;
@@ -79,9 +87,7 @@ void test_of_a_spike_nothing_is_used() {
     test::check_true(id, "none in a kept segment", !in_use(out, recording.imu.samples[at].t_ns));
     test::check_true(id, "named", !out.health.suspects.empty() && out.health.suspects.front().name == "spikes.imu");
     test::check_true(id, ("status " + out.result.status + " " + out.cause).c_str(), out.result.status == "calibrated");
-    double worst = 0;
-    for (const auto& [name, error] : test::normalised_errors(session, out.result)) worst = std::max(worst, std::abs(error));
-    test::check_between(id, "largest error/sigma", 0, worst, 5);   // of 26 entries; 3.2 without spikes, 7.8 with one that is used
+    test::check_between(id, "largest error/sigma", 0, largest_error(session, out), 5);   // of 26 entries; 3.2 without spikes, 7.8 with one that is used
   }
 }
 
@@ -146,7 +152,7 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_steps_of_rotations_are_small_rotations);
   RUN_TEST(test_sound_data_stay_as_they_are);
-  RUN_TEST(test_many_spikes_are_refused);
+  RUN_TEST(test_many_spikes_are_left_out_and_named);
   RUN_TEST(test_of_a_spike_nothing_is_used);
   RUN_TEST(test_an_offset_that_is_not_modelled_is_named);
   RUN_TEST(test_a_remark_is_no_cause);

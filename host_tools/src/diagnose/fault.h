@@ -23,9 +23,9 @@ struct Fault {
   std::string unit;            ///< of value and limit
   std::string words;           ///< what it is, and what to do: one sentence each
 
-  /// Worth knowing, and hardly why odometry went wrong: tracks that end and begin anew are only fewer, a few spikes a segment each.
+  /// Worth knowing, and hardly why odometry went wrong: tracks that end and begin anew are only fewer, a few spikes the end of a segment each.
   bool is_remark() const { return kind == "lost_tracks" || (kind == "spikes" && value < limit); }
-  /// Whether fits to such data say little. A few spikes cost as many segments, and corners that move unlike the rest may be good ones of
+  /// Whether fits to such data say little. A few spikes end as many segments, and corners that move unlike the rest may be good ones of
   /// another lens, which fits are to tell.
   bool spoils_fits() const { return !is_remark() && kind != "outlier_tracks"; }
 };

@@ -1,4 +1,5 @@
-// Single readings that no motion explains, as a device finds them that is given them all (sensors/spike_watch.h).
+// Single readings that no motion explains, as a device finds them whose stamps are in order and whose ranges are the usual ones
+// (sensors/spike_watch.h).
 #include "diagnose/fault.h"
 #include "formatted.h"
 #include "sensors/spike_watch.h"
@@ -10,7 +11,7 @@ using SEGCAL_NS::InertialReading;
 
 constexpr double gap_periods = 3;        // after which the readings before tell nothing
 constexpr double gyro_range = 35, accel_range = 157;   // rad/s, m/s^2: at full scale the device leaves a sample out by itself
-constexpr double many = 0.001;           // share from which they are a cause of what goes wrong, and not a remark
+constexpr double many = 0.25;            // per second, from which no segment is whole: they are a cause of what goes wrong, and not a remark
 
 InertialReading<double> reading_of(const ImuSample& s) { return {{s.gyro[0], s.gyro[1], s.gyro[2]}, {s.accel[0], s.accel[1], s.accel[2]}}; }
 
@@ -41,10 +42,10 @@ std::vector<std::size_t> spikes_of(const Recording& recording) {
 std::vector<Fault> spike_faults(const Recording& recording, const std::vector<std::size_t>& spikes) {
   if (spikes.empty()) return {};
   const std::vector<ImuSample>& samples = recording.imu.samples;
-  const double share = static_cast<double>(spikes.size()) / static_cast<double>(samples.size());
-  return {{"spikes", "imu", samples[spikes.front()].t_ns, samples[spikes.back()].t_ns, spikes.size(), share, many, "-",
-           formatted("IMU: %zu of %zu samples stand alone, far from the ones before and after, the first at stamp %lld ns. Each costs the segment that it falls "
-                     "into, and the odometry a new start: look at the sensor's bus, and at what knocks against it, or leave them out of the log.",
+  const double seconds = static_cast<double>(samples.back().t_ns - samples.front().t_ns) * 1e-9;
+  return {{"spikes", "imu", samples[spikes.front()].t_ns, samples[spikes.back()].t_ns, spikes.size(), static_cast<double>(spikes.size()) / seconds, many, "1/s",
+           formatted("IMU: %zu of %zu samples stand alone, far from the ones before and after, the first at stamp %lld ns. They are left out, and each ends "
+                     "a segment: look at the sensor's bus, and at what knocks against it, or leave them out of the log.",
                      spikes.size(), samples.size(), static_cast<long long>(samples[spikes.front()].t_ns))}};
 }
 

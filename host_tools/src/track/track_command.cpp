@@ -100,6 +100,16 @@ class RigTracker {
 };
 
 /// What a user wants to know of the tracks: how many at a time, and how long they live.
+/// Half of the points belong to tracks of so many images or more: corners of one image, of which there are many, hardly count. `lengths`: sorted.
+int length_of_half_the_points(const std::vector<int>& lengths, std::size_t points) {
+  std::size_t beyond = 0;
+  for (auto length = lengths.rbegin(); length != lengths.rend(); ++length) {
+    beyond += static_cast<std::size_t>(*length);
+    if (2 * beyond >= points) return *length;
+  }
+  return 0;
+}
+
 nlohmann::json statistics(const std::vector<Frame>& frames) {
   std::map<std::uint32_t, int> length;
   std::size_t points = 0;
@@ -113,7 +123,8 @@ nlohmann::json statistics(const std::vector<Frame>& frames) {
   return {{"images", frames.size()},
           {"tracks", lengths.size()},
           {"tracks_per_image_mean", frames.empty() ? 0.0 : static_cast<double>(points) / static_cast<double>(frames.size())},
-          {"track_length_median", lengths.empty() ? 0 : lengths[lengths.size() / 2]}};
+          {"track_length_median", lengths.empty() ? 0 : lengths[lengths.size() / 2]},
+          {"track_length_of_half_the_points", length_of_half_the_points(lengths, points)}};
 }
 
 fs::path tracks_file(const fs::path& root, int camera) {
@@ -177,7 +188,7 @@ void report(const std::vector<std::vector<Frame>>& tracks, const TrackSettings& 
   for (const nlohmann::json& camera : result)
     std::cout << camera["file"].get<std::string>() << ": " << camera["tracks"] << " tracks in " << camera["images"]
               << " images, " << static_cast<int>(camera["tracks_per_image_mean"].get<double>() + 0.5)
-              << " per image, median length " << camera["track_length_median"] << " images\n";
+              << " per image, half of the points in tracks of " << camera["track_length_of_half_the_points"] << " images or more\n";
 }
 
 void finish(const std::vector<std::vector<Frame>>& tracks, const TrackSettings& settings) {

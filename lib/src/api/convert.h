@@ -8,7 +8,7 @@ namespace SEGCAL_NS {
 
 using Real = SEGCAL_REAL;
 
-bool options_from_config(const segcal_config_t& config, DeviceOptions<Real>* out);
+[[gnu::cold]] bool options_from_config(const segcal_config_t& config, DeviceOptions<Real>* out);
 void parameter_names(const Calibration<Real>& theta, segcal_parameter_t* out);
 /// Values of theta as results print them: rotations as the rotation vectors nearest to those of `mean`, the prior's.
 void parameter_values(const Calibration<Real>& mean, const Calibration<Real>& theta, double* out);

@@ -34,7 +34,7 @@ class Device {
   friend struct StoredFields<S>;
 
  public:
-  void create(const DeviceOptions<S>& options);
+  [[gnu::cold]] void create(const DeviceOptions<S>& options);
 
   /// `celsius`: of this sample and those that follow; not-a-number: as before.
   Taken push_imu(std::int64_t t_ns, const InertialReading<S>& reading, S celsius);
@@ -105,7 +105,7 @@ class Device {
   /// What had come when the odometry used a frame with enough points the last time.
   const StreamCounts& counts_at_last_use() const { return last_use_; }
   const VioStatistics& vio_statistics() const { return vio_.statistics(); }
-  /// IMU readings that stood alone, since create(): of what was made from them nothing is kept.
+  /// IMU readings that stood alone, since create().
   std::uint32_t imu_spikes() const { return imu_spikes_; }
   /// Frames that found no place to wait for their IMU samples.
   std::uint32_t frames_crowded_out() const { return crowded_out_; }
@@ -148,7 +148,6 @@ class Device {
   bool keyframe_due(std::int64_t t_ns) const;
   bool segment_complete(std::int64_t t_ns, std::int64_t spacing);
   void end_segment(bool continues);
-  void drop_segment();
   void begin_segment(bool continues);
   void hand_over();
   void set_condensing();
@@ -204,6 +203,7 @@ class Device {
   std::int32_t open_segments_;   ///< scored while a change was open
   std::int32_t thinned_;         ///< how often the open segment was
   std::int32_t stamp_shift_ns_;  ///< from stamps of frames to the IMU's clock, as known: for frames that come from now on
+  bool newest_used_;             ///< by a frame, the newest IMU reading
   bool has_state_, has_imu_, has_frame_, has_offered_, has_next_keyframe_;
   bool calibrated_, knew_enough_, own_odometry_;
   bool condensing_, new_epoch_;  ///< segments that end go into epochs; the next one begins another

@@ -34,24 +34,26 @@ Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading, 
   keep_unbroken(t_ns, reading);
   last_imu_ = t_ns;
   has_imu_ = true;
+  newest_used_ = false;
   InertialReading<S> mean = reading;
   if (decimation_.take(&t_ns, &mean)) imu_.push(t_ns, mean);
   return frame_ready() ? process_frame() : Taken::ok;
 }
 
-/// Begins a new stretch of data where a gap is, or a spike, which has been taken for motion: known only now, by what follows it.
+/// The open segment ends at a gap and at a spike, which is known only now, by what follows it. A spike is taken out of the stream, and its
+/// neighbours bridge it: the filter goes on. If a frame has used it already, the segment is dropped, and a new stretch begins, as at a gap.
 template <class S>
 void Device<S>::keep_unbroken(std::int64_t t_ns, const InertialReading<S>& reading) {
   const bool gap = has_imu_ && S(t_ns - last_imu_) * S(1e-9) > S(3) / d_.options.imu_rate_hz;
   if (gap || !has_imu_) spikes_.clear();
   const bool spike = spikes_.after(reading);
   if (!gap && !spike) return;
-  if (gap) {
-    ++d_.faults.imu_gaps;
-    end_segment(false);
-  } else {
-    ++imu_spikes_;
-    drop_segment();
+  ++(gap ? d_.faults.imu_gaps : imu_spikes_);
+  if (spike && newest_used_) begin_segment(false);   // nothing of the open one is to be trusted
+  end_segment(false);
+  if (spike && !newest_used_) {
+    if (!decimation_.drop_group()) imu_.take_back();
+    return;
   }
   break_stream();
   imu_clock_.take(t_ns);

@@ -110,15 +110,6 @@ void Device<S>::hand_over() {
   }
 }
 
-/// Of the open segment nothing is believed.
-template <class S>
-void Device<S>::drop_segment() {
-  if (builder().empty()) return;
-  ++d_.faults.segments_closed;
-  ++d_.faults.segments_discarded;
-  begin_segment(false);
-}
-
 template <class S>
 void Device<S>::begin_segment(bool continues) {
   ++serial_;

@@ -9,8 +9,9 @@ constexpr std::int32_t kStartsTried = 5;
 /// s that the filter should run without being lost: as long as two segments.
 constexpr double kRunSeconds = 10;
 
-/// Share of the IMU's readings; so many stand alone in a segment of 4 s at 250 Hz.
-constexpr std::uint32_t kSpikesIn = 1000;
+/// Spikes so near to each other, s, and more than a few, leave no segment whole.
+constexpr Real kSpikeSeconds = Real(4);
+constexpr std::uint32_t kFewSpikes = 2;
 
 /// Too few to judge a share of.
 constexpr std::uint32_t kFewFrames = 2 * kStartFrames, kFewSamples = 100;
@@ -39,7 +40,8 @@ int cause(const Device<Real>& device) {
   const VioStatistics& v = device.vio_statistics();
   const int stream = cause_in_stream(StreamCounts(f), device.counts_at_last_use(), device.options().imu_rate_hz);
   if (stream != SEGCAL_HEALTH_RUNNING) return stream;
-  if (device.imu_spikes() > f.imu_samples / kSpikesIn) return SEGCAL_HEALTH_SPIKES;
+  const Real samples_between = kSpikeSeconds * device.options().imu_rate_hz;
+  if (device.imu_spikes() > kFewSpikes && samples_between * Real(device.imu_spikes()) > Real(f.imu_samples)) return SEGCAL_HEALTH_SPIKES;
   const double seconds = static_cast<double>(f.frames_used) * static_cast<double>(device.frame_distance_s());
   const bool lost_often = v.restarts >= 2 && seconds < kRunSeconds * v.restarts;
   if (lost_often || !device.odometry_runs()) {

@@ -18,6 +18,12 @@ class Decimation {
     clear();
   }
   void clear() { count_ = 0; }
+  /// True if there was an open one.
+  bool drop_group() {
+    const bool open = count_ > 0;
+    clear();
+    return open;
+  }
   /// Takes a sample; true if `t_ns` and `reading` have become the mean of a whole group. With groups of one: those of the sample.
   bool take(std::int64_t* t_ns, InertialReading<S>* reading) {
     if (group_ == 1) return true;

@@ -23,6 +23,13 @@ class ImuHistory {
     if (count_ < kImuHistory) ++count_;
   }
 
+  /// Undoes the last push(), if there was one since clear().
+  void take_back() {
+    if (count_ == 0) return;
+    head_ = (head_ == 0 ? kImuHistory : head_) - 1;
+    --count_;
+  }
+
   /// i = 0 is the oldest sample.
   std::int64_t time(int i) const { return t_[index(i)]; }
   const InertialReading<S>& reading(int i) const { return reading_[index(i)]; }

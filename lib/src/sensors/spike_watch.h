@@ -13,16 +13,16 @@ namespace SEGCAL_NS {
 template <class S>
 class SpikeWatch {
  public:
-  /// Of 164,000 real readings of each sensor at 200 Hz none that stands alone is further than 5.6 (docs/results.md).
+  /// Of 164,000 real readings of each sensor at 200 Hz one that stands alone is further off (docs/results.md, "Spikes").
   static constexpr S kFarBends = S(8);
-  /// Of a spike's distance: what follows it is nearer than that to where the readings before lead.
+  /// The next reading is nearer than this share of the spike's distance to where the readings before lead.
   static constexpr S kNearShare = S(0.5);
-  /// A spike is further off than so many steps of the line that it is measured from.
+  /// The distance is more than so many steps of the line that it is measured from.
   static constexpr S kSteeper = S(2);
-  /// That one bend counts for in the mean, in roots of it: what is being looked for does not raise its own scale.
+  /// A bend counts in the mean for so many roots of it at most: what is being looked for does not raise its own scale.
   static constexpr S kMostBends = S(4);
   static constexpr std::int32_t kMemory = 200;      ///< readings: a second, in which motion stays alike
-  static constexpr std::int32_t kFewReadings = 20;  ///< from which nothing is known yet
+  static constexpr std::int32_t kFewReadings = 20;  ///< fewer judge nothing
   static constexpr S kLeastRate = S(100);           ///< Hz; of a slower IMU one period may be a twitch of 30 ms
 
   /// `noise`: densities; `rate_hz`: of the readings.
