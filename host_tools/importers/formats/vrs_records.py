@@ -36,6 +36,8 @@ def data_records(path):
         if header_size < FILE_HEADER.size or record_header < RECORD_HEADER.size or not 0 <= description <= size - SIZE.size or not 0 <= first <= size:
             raise InputError(f"{path}: damaged VRS file: byte 16: expected sizes and places inside of its {size} bytes")
         at = first or description + SIZE.unpack_from(data, description)[0]
+        if at > size:
+            raise InputError(f"{path}: damaged VRS file: expected its first record at byte {at}, found the end of the file after {size}")
         return walked(path, data, at, record_header)
 
 
