@@ -16,7 +16,7 @@ import numpy as np
 from streams import Camera, InputError
 from transforms import rotation, transform
 
-# Streams by device: the type's number in VRS and the place. Names as in calib_json; None: no calibration by that name.
+# Streams by device: the type's number in VRS and the place; names as in calib_json.
 LABELS = {
     "Aria": {"1201-1": "camera-slam-left", "1201-2": "camera-slam-right", "214-1": "camera-rgb", "211-1": "camera-et", "1202-1": "imu-right", "1202-2": "imu-left"},
     "Oatmeal": {"1201-1": "slam-front-left", "1201-2": "slam-front-right", "1201-3": "slam-side-left", "1201-4": "slam-side-right", "214-1": "camera-rgb",
@@ -32,7 +32,6 @@ SENSORS = {
 CUTS = {(2880, 2880, 1408, 1408): (32, 32, 0.5), (2880, 2880, 704, 704): (32, 32, 0.25), (4032, 3024, 2016, 1512): (0, 0, 0.5),
         (4032, 3024, 2560, 3024): (640, 0, 1.0), (4032, 3024, 2560, 1920): (0, 0, 0.635)}
 WIDEST = 1.4  # rad; beyond, x / z of a pinhole camera's ray grows without bound
-FIT_LIMIT_PX = 0.5  # RMS; a start that is off by less is far inside what a calibration corrects
 
 
 @dataclass
@@ -153,9 +152,8 @@ class Factory:
             params = [params[0] * scale, (params[1] - left + 0.5) * scale - 0.5, (params[2] - top + 0.5) * scale - 0.5, *params[3:]]
             radius *= scale
         f, cx, cy, k, away = nearest_equidistant(params, width, height, radius)
-        verdict = "" if away < FIT_LIMIT_PX else ", too far for a start to be trusted: check it"
         return Camera(width, height, [f, f, cx, cy], "equidistant", k,
-                      [f"factory lens Fisheye624 replaced by the nearest equidistant, {away:.2f} px away (RMS){verdict}"])
+                      [f"factory lens Fisheye624 replaced by the nearest equidistant, {away:.2f} px away (RMS), which stays in the residuals"])
 
     def calibrated_size(self, entry, label):
         """(width, height, radius up to which the lens was measured), px; None where it is not known."""
