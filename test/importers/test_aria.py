@@ -1,6 +1,7 @@
 """The factory calibration of Aria's recordings, by its own equations, and real recordings as projectaria-tools reads them."""
 
 import importlib.util
+import io
 import os
 import re
 import shutil
@@ -8,8 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import yaml
-from aria_case import LATE_S, LENS, M_ACCEL, M_GYRO, PRISM, SIZE, T_CAMERA, T_IMU, Aria, calibration, needs_vrs, rotated
+from aria_case import LATE_S, LENS, M_ACCEL, M_GYRO, PLAIN, PRISM, SIZE, T_CAMERA, T_IMU, Aria, calibration, needs_vrs, rotated
+from PIL import Image
 from support import SOURCE, Case, imu_of, images_of, main, pixels
+from vrs_files import VrsFile, factory
 
 
 @needs_vrs
@@ -59,6 +62,20 @@ class Calibration(Aria):
         self.put(calibration((640, 480)))
         self.assertIn("no calibration of the camera in the log", self.converted(self.file).stderr)
         self.assertFalse((self.rec / "camchain-imucam.yaml").exists())
+
+    def test_the_colour_camera(self):
+        """Calibrated on the whole sensor: its image is cut by 32 px on each side and halved, and pixel centres are whole numbers."""
+        buffer = io.BytesIO()
+        Image.new("L", (1408, 1408)).save(buffer, "JPEG")
+        lens = [1220.0, 1451.8, 1453.2, *LENS[3:]]
+        vrs = VrsFile(factory((2880, 2880), {"camera-rgb": (lens + PLAIN, T_CAMERA)}, {"imu-right": (M_GYRO, M_ACCEL, T_IMU, *LATE_S)}))
+        vrs.imu("1202-1", self.stamps, self.gyro, self.accel)
+        vrs.camera("214-1", self.image_stamps[:2], [buffer.getvalue()] * 2, (1408, 1408), "jpg")
+        vrs.write(self.file)
+        self.converted(self.file)
+        camera = self.chain()["cam0"]
+        np.testing.assert_allclose(camera["intrinsics"], [610, 610, (1451.8 - 32 + 0.5) / 2 - 0.5, (1453.2 - 32 + 0.5) / 2 - 0.5], atol=1e-6)
+        np.testing.assert_allclose(camera["distortion_coeffs"], LENS[3:7], atol=1e-9)
 
     def test_mount_keeps_the_axes(self):
         self.put(calibration(SIZE))
