@@ -114,7 +114,7 @@ class VrsFile:
         index = struct.pack("<I", len(self.streams)) + b"".join(struct.pack("<iH", *key) for key in self.streams) + struct.pack("<I", len(ordered))
         index += b"".join(struct.pack("<dIBiH", t, RECORD.size + len(content), what, kind, instance) for t, kind, instance, what, _, _, content in ordered)
         parts.append((INDEX, 0, DATA, 0, 0, 0.0, index))
-        out, before = b"", 0
+        out, before = bytearray(), 0
         for kind, instance, what, how, unpacked, t, content in parts:
             size = RECORD.size + len(content)
             version = 2 if kind in (INDEX, DESCRIPTION) else VERSION

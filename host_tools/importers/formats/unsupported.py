@@ -2,8 +2,8 @@
 
 from streams import InputError
 
-GOPRO = ("GoPro's telemetry inside of a video is not read: its samples have no stamps of the camera's clock. Write a table of the IMU and one of the frames' "
-         "stamps (docs/formats.md, 'Logs that are not read')")
+GOPRO = ("GoPro's telemetry inside of a video is not read: images that the camera stabilised do not follow its gyroscope, and the file does not say how late they are "
+         "against it. With stabilisation off, write a table of the IMU and one of the frames' stamps (docs/formats.md, 'Logs that are not read')")
 MOST_HEADER = 64 << 20  # bytes: a moov box that describes an hour has some 10 MB
 
 
