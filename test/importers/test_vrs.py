@@ -107,6 +107,14 @@ class Damage(Aria):
                 self.file.write_bytes(damaged)
                 self.refused("run.vrs: damaged VRS file", self.file, "--out", self.rec)
 
+    def test_names_that_end_the_library(self):
+        """It stops by SIGSEGV on these: still one line, and nothing is left behind."""
+        self.put()
+        data = self.file.read_bytes()
+        self.assertIn(b'"image_height"', data)
+        self.file.write_bytes(data.replace(b'"image_height"', b'"image_\xf6eight"'))
+        self.refused("what it says about its streams cannot be read", self.file, "--out", self.rec)
+
     def test_another_maker(self):
         """A VRS file is a container: a stream of that type with other fields, and one without any that is of use."""
         self.put(fields={"when": "double", "gyroscope": np.float32})

@@ -7,6 +7,9 @@ the package av, in whose images SLAM cameras are bit for bit those of projectari
 
 import contextlib
 import os
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -39,19 +42,27 @@ def quiet():
         os.close(nowhere)
 
 
-class Source:
-    title = "Aria recording (VRS)"
+def ends_by_signal(file):
+    """True where the library does not survive a file: 2 of 100 damaged ones end it with SIGSEGV, and would leave half a recording behind."""
+    command = [sys.executable, "-B", "-P", str(Path(__file__).with_name("vrs_rehearsal.py")), file]
+    return subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode < 0
 
+
+class Source:
     def __init__(self, path):
+        """Raises InputError where the file is damaged."""
         from pyvrs import SyncVRSReader
 
         self.path, self.where, self.notes = path, str(path), []
         self.counts = data_records(path)
+        if ends_by_signal(self.where):
+            raise InputError(f"{path}: damaged VRS file: what it says about its streams cannot be read")
         with self.damage(), quiet():
             self.reader = SyncVRSReader(self.where)
             tags = dict(self.reader.file_tags)
         self.factory = Factory(tags.get("calib_json", ""), self.where)
         labels = LABELS.get(self.factory.device or tags.get("device_type"), {})
+        self.title = "Aria recording (VRS)" if labels else "VRS file"
         self.ids = {labels.get(stream, stream): stream for stream in sorted(self.counts)}  # name -> stream
 
     @contextlib.contextmanager
@@ -60,7 +71,9 @@ class Source:
             yield
         except KeyError as error:
             raise InputError(f"{self.where}: expected a field {error} in its records, as Aria's have") from None
-        except (RuntimeError, ValueError, IndexError) as error:
+        except IndexError:
+            raise InputError(f"{self.where}: damaged VRS file: a record without the fields or the image that its stream has") from None
+        except (RuntimeError, ValueError) as error:
             raise InputError(f"{self.where}: damaged VRS file: {error or type(error).__name__}") from None
 
     def streams(self):
@@ -94,8 +107,10 @@ class Source:
                 accel.append(sample["accelerometer"])
                 degrees.append(sample["temperature_deg_c"])
                 valid.append(sample["gyroscope_valid"] and sample["accelerometer_valid"])
-        imu = Imu(name, np.array(t_ns, np.int64), np.array(log_ns, np.int64), np.array(gyro, float).reshape(-1, 3), np.array(accel, float).reshape(-1, 3),
-                  np.array(degrees, float) if degrees and np.isfinite(degrees).all() else None, "rad/s", "m/s^2")
+        with self.damage():
+            gyro, accel = (np.array(values, float).reshape(len(t_ns), 3) for values in (gyro, accel))
+            temperature = np.array(degrees, float)
+        imu = Imu(name, np.array(t_ns, np.int64), np.array(log_ns, np.int64), gyro, accel, temperature if np.isfinite(temperature).all() else None, "rad/s", "m/s^2")
         if not all(valid):
             self.notes.append(f"{name}: {valid.count(False)} samples that the device calls invalid left out")
             imu = imu.chosen(np.array(valid, bool))

@@ -35,9 +35,10 @@ def data_records(path):
         header_size, record_header, description, first = header[2], header[3], header[5], header[6]
         if header_size < FILE_HEADER.size or record_header < RECORD_HEADER.size or not 0 <= description <= size - SIZE.size or not 0 <= first <= size:
             raise InputError(f"{path}: damaged VRS file: byte 16: expected sizes and places inside of its {size} bytes")
-        at = first or description + SIZE.unpack_from(data, description)[0]
-        if at > size:
-            raise InputError(f"{path}: damaged VRS file: expected its first record at byte {at}, found the end of the file after {size}")
+        end = description + SIZE.unpack_from(data, description)[0]
+        at = first or end
+        if at > size or end > size:
+            raise InputError(f"{path}: damaged VRS file: expected its first record at byte {max(at, end)}, found the end of the file after {size}")
         return walked(path, data, at, record_header)
 
 
