@@ -22,7 +22,7 @@ from .vrs_records import begins_like_vrs, data_records
 SLAM, RGB, IMU = "1201", "214", "1202"
 ENCODING = {"grey8": "mono8", "grey16": "mono16", "rgb8": "rgb8", "bgr8": "bgr8"}
 SECOND = {IMU: "the device's other IMU", RGB: "a colour camera with a rolling shutter", SLAM: "a camera to the side"}
-FIRST_TWO = {f"{SLAM}-1", f"{SLAM}-2", f"{IMU}-1"}
+FIRST = {f"{SLAM}-1", f"{SLAM}-2", f"{IMU}-1"}
 
 
 def probe(paths):
@@ -80,7 +80,7 @@ class Source:
         out = []
         for name, stream in self.ids.items():
             kind = stream.split("-")[0]
-            aside = SECOND.get(kind, "") if stream not in FIRST_TWO else ""
+            aside = SECOND.get(kind, "") if stream not in FIRST else ""
             out.append(StreamInfo(name, {SLAM: "camera", RGB: "camera", IMU: "imu"}.get(kind, "other"), self.counts[stream], f"stream {stream}", aside))
         return out
 
