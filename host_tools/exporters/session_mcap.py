@@ -66,7 +66,7 @@ def of_cameras(calibration, start):
 def of_map(file):
     for t, points in session_files.landmarks(file):
         message = stamped(PointCloud(frame_id="world", point_stride=12, data=points.astype("<f4").tobytes()), t)
-        message.pose.orientation.w = 1
+        set_pose(message.pose.position, message.pose.orientation, (0, 0, 0), (0, 0, 0, 1))
         for axis, offset in zip("xyz", (0, 4, 8)):
             message.fields.add(name=axis, offset=offset, type=PackedElementField.FLOAT32)
         yield t, "/map", message

@@ -3,7 +3,7 @@
 import numpy as np
 
 import calibration_folder
-from recording import ASSUMED_NOISE, NOISE_NAMES, camchain_text
+from recording import ASSUMED_NOISE, NOISE_NAMES, camchain_text, imu_model_text
 from streams import Camera, InputError
 from yaml_file import read_yaml
 
@@ -31,8 +31,9 @@ def noise_of(options, source):
     return figures, f"of {options.imu_noise.name}"
 
 
-def write(folder, choice, imu, names, accounts, options, notes, warnings):
-    """Writes REC/camchain-imucam.yaml; where it is from, or None where there is none."""
+def write(folder, choice, imu, names, accounts, noise, options, notes, warnings):
+    """Writes REC/camchain-imucam.yaml, and imu.yaml where the log has that as well; where it is from, or None where there is none. `noise` is the
+    IMU's rate in Hz and its four figures."""
     if not names:
         return None
     if options.calib:
@@ -42,12 +43,23 @@ def write(folder, choice, imu, names, accounts, options, notes, warnings):
         warnings.append("no calibration of the camera in the log: give --calib FILE (Kalibr's camchain-imucam.yaml) to `segcal track` and "
                         "`segcal replay`, or import with --focal PX and --mount NAME for a rough start")
         return None
-    if any(T is None for _, T, _ in found):
+    if any(T is None for _, T, *_ in found):
         warnings.append("the log does not say how the camera sits on the IMU (/tf_static): import with --mount NAME "
                         f"({', '.join(MOUNTS)}) or --calib FILE")
         return None
     (folder / "camchain-imucam.yaml").write_text(camchain_text(found))
+    write_imu_model(folder, choice, imu, noise, options, notes)
     return "; ".join(dict.fromkeys(origin for *_, origin in found))
+
+
+def write_imu_model(folder, choice, imu, noise, options, notes):
+    """Not with --mount: T_cam_imu is then of the axes as they are, and the model's frame is turned by a fraction of a degree."""
+    first = imu.name.split(" + ")[0]
+    source = choice.owner[first]
+    model = source.imu_model(first) if hasattr(source, "imu_model") and not options.mount else None
+    if model is not None:
+        (folder / "imu.yaml").write_text(imu_model_text(model, *noise))
+        notes.append(f"{first}: scales, axes and what turns the accelerometer against the gyroscope as in the log, in imu.yaml")
 
 
 def copied(folder, file, accounts):
@@ -62,7 +74,7 @@ def copied(folder, file, accounts):
 
 
 def camera_of(choice, imu, name, account, options, notes, warnings):
-    """(Camera or None, T_CI or None, origin)."""
+    """(Camera or None, T_CI or None, timeshift in s, origin)."""
     source = choice.owner[name]
     camera = source.calib(name)
     width, height = account["size"]
@@ -78,10 +90,12 @@ def camera_of(choice, imu, name, account, options, notes, warnings):
     if options.mount:
         T = np.eye(4)
         T[:3, :3] = mount_rotation(options.mount)
-        return camera, T, f"{origin}, T_cam_imu by --mount {options.mount}"
+        return camera, T, 0.0, f"{origin}, T_cam_imu by --mount {options.mount}"
     first = imu.name.split(" + ")[0]
-    T = source.extrinsics(name, first) if choice.owner.get(first) is source else None
-    return camera, T, f"{origin}, T_cam_imu as in the log"
+    if choice.owner.get(first) is not source:
+        return camera, None, 0.0, origin
+    timeshift_s = source.timeshift(name, first) if hasattr(source, "timeshift") else 0.0
+    return camera, source.extrinsics(name, first), timeshift_s, f"{origin}, T_cam_imu as in the log"
 
 
 def mount_rotation(name):

@@ -31,6 +31,13 @@ def pictures(streams, notes):
     return left
 
 
+def first_choices(streams, option, notes):
+    """Without those that a format sets aside, where others are left."""
+    left = [s for s in streams if not s.aside] or streams
+    notes += [f"{s.name}: not taken, {s.aside}; {option} NAME takes it" for s in streams if s not in left]
+    return left
+
+
 class Choice:
     """Streams of all sources by name; a name is what --list shows."""
 
@@ -56,12 +63,12 @@ class Choice:
             raise InputError(f"--camera {' --camera '.join(wanted)}: expected one stream or two different ones, cam0 first")
         if wanted:
             return [self.named(name, "--camera", "camera") for name in wanted]
-        found = pictures(self.of_kind("camera"), notes)
+        found = first_choices(pictures(self.of_kind("camera"), notes), "--camera", notes)
         if len(found) > 2:
             raise InputError(f"{len(found)} cameras, segcal takes two at most: choose with --camera NAME; found {listing(found)}")
         return [s.name for s in found]
 
-    def imu(self, options):
+    def imu(self, options, notes):
         """(samples with both sensors, None, None) or (None, gyroscope's, accelerometer's)."""
         if options.gyro or options.accel:
             if not (options.gyro and options.accel):
@@ -74,10 +81,10 @@ class Choice:
             if imu.gyro is None or imu.accel is None:
                 raise InputError(f"--imu {options.imu}: no {'rotation rates' if imu.gyro is None else 'accelerations'} in it; give --gyro and --accel")
             return imu, None, None
-        return self.obvious_imu()
+        return self.obvious_imu(notes)
 
-    def obvious_imu(self):
-        read = [self.read(s.name) for s in self.of_kind("imu", "gyro", "accel")]
+    def obvious_imu(self, notes):
+        read = [self.read(s.name) for s in first_choices(self.of_kind("imu", "gyro", "accel"), "--imu", notes)]
         whole = [imu for imu in read if imu.gyro is not None and imu.accel is not None]
         if len(whole) == 1:
             return whole[0], None, None

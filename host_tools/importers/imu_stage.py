@@ -87,7 +87,7 @@ def check_against_gravity(imu, declared_unit, notes, warnings):
 
 def prepared(choice, options, notes, warnings):
     """The samples to write, and how many were dropped while merging."""
-    whole, gyro, accel = choice.imu(options)
+    whole, gyro, accel = choice.imu(options, notes)
     parts = [whole] if whole else [gyro, accel]
     if any(len(part.t_ns) < 2 for part in parts):
         raise InputError(f"{parts[0].name}: expected IMU samples, found {min(len(p.t_ns) for p in parts)}")

@@ -123,12 +123,24 @@ class CameraWriter:
 
 
 def camchain_text(cameras):
-    """Kalibr's camchain-imucam.yaml of [(Camera, T_CI, origin of T_CI)]."""
+    """Kalibr's camchain-imucam.yaml of [(Camera, T_CI, timeshift in s, origin of T_CI)]."""
     text = ""
-    for i, (camera, T_CI, origin) in enumerate(cameras):
+    for i, (camera, T_CI, timeshift_s, origin) in enumerate(cameras):
         text += f"cam{i}:\n  # p_cam = T_cam_imu p_imu, m; {origin}\n  T_cam_imu:\n"
         text += "".join(f"  - {yaml_list(row)}\n" for row in T_CI)
         text += f"  camera_model: pinhole\n  intrinsics: {yaml_list(camera.intrinsics)}  # fx fy cx cy, px\n"
         text += f"  distortion_model: {camera.distortion_model}\n  distortion_coeffs: {yaml_list(camera.distortion)}\n"
-        text += f"  resolution: {[camera.width, camera.height]}\n  timeshift_cam_imu: 0.0  # s, t_imu = t_cam + shift\n"
+        text += f"  resolution: {[camera.width, camera.height]}\n  timeshift_cam_imu: {yaml_number(timeshift_s)}  # s, t_imu = t_cam + shift\n"
+    return text
+
+
+def imu_model_text(model, rate_hz, noise):
+    """imu.yaml of T_g, T_a, R_AI: measurement = M C x + bias, x in I."""
+    text = f"update_rate: {yaml_number(rate_hz)}  # Hz\n"
+    text += "".join(f"{name}: {yaml_number(value)}  # {unit}\n" for name, value, unit in zip(NOISE_NAMES, noise, NOISE_UNITS))
+    text += "model: scale-misalignment\n"
+    for group, matrices in (("gyroscopes", (("M", model.T_g), ("C_gyro_i", np.eye(3)))), ("accelerometers", (("M", model.T_a), ("C_accel_i", model.R_AI)))):
+        text += f"{group}:\n"
+        for name, matrix in matrices:
+            text += f"  {name}:\n" + "".join(f"    - {yaml_list(row)}\n" for row in matrix)
     return text

@@ -13,6 +13,7 @@ from recording import CameraWriter, NewFolder, write_imu, write_noise
 from streams import InputError
 
 PROGRESS_IMAGES = 200
+TRIGGER_NS = 100_000  # a device that turns by 2 rad/s moves its image by 0.1 px in this time
 
 
 def file_hashes(paths):
@@ -29,9 +30,29 @@ def file_hashes(paths):
     return out
 
 
-def copy_images(choice, names, folder, stamp_source):
+class Moments:
+    """The stamps of cam0, which the other camera's images take over where the two differ by less than TRIGGER_NS: to all other commands images
+    are of one moment if their stamps are equal."""
+
+    def __init__(self, stamps):
+        self.stamps = np.array(sorted(stamps), np.int64)
+        self.moved = []
+
+    def of(self, t_ns):
+        if len(self.stamps) == 0:
+            return t_ns
+        at = int(np.searchsorted(self.stamps, t_ns))
+        near = min((int(t) for t in self.stamps[max(0, at - 1) : at + 1]), key=lambda t: abs(t - t_ns))
+        if near == t_ns or abs(near - t_ns) > TRIGGER_NS:
+            return t_ns
+        self.moved.append(abs(near - t_ns))
+        return near
+
+
+def copy_images(choice, names, folder, stamp_source, notes):
     """Images of each chosen camera to camN; what was written, by camera."""
     accounts = []
+    moments = Moments([])
     for i, name in enumerate(names):
         writer = CameraWriter(folder / "mav0" / f"cam{i}")
         unstamped = 0
@@ -41,7 +62,7 @@ def copy_images(choice, names, folder, stamp_source):
                 if t_ns <= 0:
                     unstamped += 1
                     continue
-                writer.add(t_ns, image)
+                writer.add(moments.of(t_ns), image)
                 if len(writer.names) % PROGRESS_IMAGES == 0:
                     print(f"{name}: {len(writer.names)} images", file=sys.stderr)
         except InputError as error:
@@ -50,6 +71,9 @@ def copy_images(choice, names, folder, stamp_source):
             why = "none has a stamp; --stamps log uses the time of logging" if unstamped else "there are none"
             raise InputError(f"{choice.owner[name].where}: {name}: expected images, but {why}")
         writer.finish()
+        if moments.moved:
+            notes.append(f"{name}: {len(moments.moved)} images have the stamps of {names[0]}'s, which differ by {max(moments.moved) * 1e-6:.2g} ms at most: one trigger")
+        moments = Moments(writer.names)
         accounts.append({"stream": name, "images": len(writer.names), "size": list(writer.size), "dropped_same_stamp": writer.dropped,
                          "dropped_without_stamp": unstamped, "first_ns": min(writer.names), "last_ns": max(writer.names)})
     return accounts
@@ -78,9 +102,9 @@ def convert(sources, options):
         write_imu(imu_folder, imu)
         rate_hz = 1e9 / float(np.median(np.diff(imu.t_ns)))
         write_noise(imu_folder, rate_hz, *noise)
-        cameras = copy_images(choice, names, folder, stamp_source)
+        cameras = copy_images(choice, names, folder, stamp_source, notes)
         check_overlap(imu, cameras, stamp_source)
-        chain = calibration.write(folder, choice, imu, names, cameras, options, notes, warnings)
+        chain = calibration.write(folder, choice, imu, names, cameras, (rate_hz, noise[0]), options, notes, warnings)
         if not names:
             warnings.append("no images: a recording for `segcal allan`; `segcal track` and `segcal replay` need images or tracks")
         if noise[1].startswith("assumed"):

@@ -9,6 +9,12 @@ A format is a module of formats/ with `probe(paths)`, which returns a Source or 
     calib(name) -> Camera or None, of a stream of images
     extrinsics(camera, imu) -> T_CI (4 x 4, p_C = T_CI p_I, m) or None
 
+and, where the log states more than that,
+
+    noise() -> (four figures, origin) or None
+    imu_model(imu) -> T_g, T_a, R_AI (docs/formats.md, imu.yaml) of the frame I of `extrinsics`, or None
+    timeshift(camera, imu) -> s, t_imu = t_cam + shift
+
 and raises InputError where the file is damaged.
 """
 
@@ -25,6 +31,7 @@ class StreamInfo:
     kind: str  # "imu", "gyro", "accel", "camera"; "other": not used, shown by --list
     count: int
     note: str = ""  # for --list: type of the messages, rate
+    aside: str = ""  # why it is taken only where it is named, or where there is no other; empty: it is a first choice
 
 
 @dataclass

@@ -11,7 +11,7 @@ namespace host {
 namespace {
 
 constexpr const char* explanation =
-    "Makes a recording of a log: ROS bags, MCAP, phone logs, PX4 logs, video. REC then works with all other commands.";
+    "Makes a recording of a log: ROS bags, MCAP, phone logs, PX4 logs, Aria's VRS, video. REC then works with all other commands.";
 
 constexpr const char* footer = R"(Formats, known by their content:
   ROS 1 bag          run.bag, or all parts of one that was split
@@ -20,6 +20,8 @@ constexpr const char* footer = R"(Formats, known by their content:
                      table of images (timestamp, filename)
   PX4 log            flight.ulg: sensor_combined, or sensor_gyro and sensor_accel
   EuRoC, TUM-VI      folder with mav0 (needs no import, but may have one)
+  Aria               run.vrs of Gen 1 or 2: one IMU and the two front SLAM cameras unless others are named, the factory's calibration.
+                     Needs a package, as video does
   video              clip.mp4 with a table of its frames' stamps beside it, clip.csv or frames.csv; with the IMU's tables as
                      further SRC. Needs a package that setup does not install; the message says the command
 Several SRC are read together, if their stamps are of one clock.

@@ -3,7 +3,8 @@ what `segcal import` must make of each. That is computed here from the arrays th
 the importer's output.   Usage: .venv/bin/python test/importers/make_fixtures.py [FOLDER]
 
 The logs are frozen: test_frozen.py reads them as they are, so that a change in a library that writes and reads alike is seen. Make them
-again only for a new format. They are written by rosbags, mcap and pyulog, the video by PyAV (host_tools/importers/requirements-video.txt)."""
+again only for a new format. They are written by rosbags, mcap and pyulog, the video by PyAV (host_tools/importers/requirements-video.txt),
+Aria's by vrs_files.py."""
 
 import hashlib
 import json
@@ -24,6 +25,7 @@ os.environ.setdefault("SEGCAL_PROGRAM", "none")  # support's; no program is run 
 from bags import Bag  # noqa: E402
 from support import SOURCE, tumbling  # noqa: E402
 from test_formats import ulog  # noqa: E402
+from vrs_files import VrsFile, factory  # noqa: E402
 
 WIDTH, HEIGHT = 32, 24
 STAMPS, GYRO, ACCEL = tumbling(0.5, 100, seed=19)
@@ -140,11 +142,28 @@ def put_video(out):
     return {"video and tables": outcome(["video/clip.mkv", "video/gyro.csv", "video/accel.csv"], needs="av")}
 
 
+def put_vrs(out):
+    """Gen 1's streams; single precision, and stamps since the device was switched on."""
+    since_boot_ns = int(STAMPS[0]) - 280_566_996_375
+    single = GYRO.astype(np.float32), ACCEL.astype(np.float32)
+    lens, turned = [20.0, 16.0, 12.0, -0.03, 0.1, -0.07, 0.01, 0.0, 0.0, 0.002, -0.001, 0.003, 0.0, -0.002, 0.0], (0.6, 0.48, -0.64, 0.0)
+    M = [[1.004, -0.002, 0.003], [0.011, 0.995, -0.004], [-0.006, 0.009, 1.002]]
+    vrs = VrsFile(factory((WIDTH, HEIGHT), {"camera-slam-left": (lens, (turned, (0.01, -0.02, 0.005)))},
+                          {"imu-right": (M, np.triu(M), ((0.5, -0.5, 0.5, 0.5), (0.0046, -0.102, -0.086)), 0.0041, 0.0028)}))
+    vrs.imu("1202-1", STAMPS - since_boot_ns, *single)
+    vrs.camera("1201-1", IMAGE_STAMPS - since_boot_ns, IMAGES, (WIDTH, HEIGHT))
+    vrs.write(out / "aria.vrs")
+    expected = outcome(["aria.vrs"], STAMPS - since_boot_ns, *single, needs="pyvrs")
+    for image, t in zip(expected["images"], IMAGE_STAMPS - since_boot_ns):
+        image["stamp_ns"] = int(t)
+    return {"Aria, VRS": expected}
+
+
 def main():
     out = Path(sys.argv[1]) if len(sys.argv) > 1 else SOURCE / "fixtures/import"
     shutil.rmtree(out, ignore_errors=True)
     out.mkdir(parents=True)
-    expected = put_bags(out) | put_ulog(out) | put_phone(out) | put_folders(out) | put_video(out)
+    expected = put_bags(out) | put_ulog(out) | put_phone(out) | put_folders(out) | put_video(out) | put_vrs(out)
     (out / "expected.json").write_text(json.dumps(expected, indent=1) + "\n")
 
 

@@ -3,16 +3,15 @@
 The measure is physical: rotation rate and specific force as the sensors report them, a point's place in camera coordinates, a
 pixel. Frames may differ between tools, so a body frame is found from the file itself, never from the code under test."""
 
-import importlib.util
 import json
-import unittest
 
 import numpy as np
 import yaml
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
-from support import SOURCE, Case, main, segcal
+from session_case import SessionCase
+from support import Case, main, segcal
 
 RNG = np.random.default_rng(11)
 
@@ -162,22 +161,8 @@ class Export(Case):
         self.assertEqual((done.returncode, done.stderr.count("\n"), self.out.exists()), (2, 1, False), done.stderr)
 
 
-class Session(Case):
+class Session(SessionCase):
     """`--to mcap`, read back by MCAP's and protobuf's own libraries: what went in comes out, number by number."""
-
-    def setUp(self):
-        super().setUp()
-        self.out = self.folder / "out"
-        for arguments in (("simulate", "--out", self.rec, "--scenario", "rich", "--seconds", 8, "--seed", 1),
-                          ("replay", self.rec, "--segments", 2, "--segment-seconds", 3, "--out", self.out)):
-            done = segcal(*arguments)
-            self.assertIn(done.returncode, (0, 1), done.stderr)
-        camera = self.rec / "mav0/cam0"
-        (camera / "data").mkdir()
-        self.stamp = int((camera / "tracks.csv").read_text().splitlines()[1].split(",")[0])
-        self.picture = RNG.bytes(500)  # carried as it is: an MCAP writer does not look into it
-        (camera / "data/a.png").write_bytes(self.picture)
-        (camera / "data.csv").write_text(f"#timestamp [ns],filename\n{self.stamp},a.png\n")
 
     def exported(self, *more):
         done = segcal("export", self.out, "--to", "mcap", "--out", self.folder / "view", *more)
@@ -222,51 +207,6 @@ class Session(Case):
             self.assertIn(words, done.stderr)
             self.assertFalse((self.folder / "view/session.mcap").exists())
         self.assertEqual(list(self.folder.glob("view/*")), [])  # as if it had not begun: the manifest too
-
-    def test_rerun_is_an_extra(self):
-        """Where it is not installed, which a package that cannot be imported stands for, one line says the command."""
-        (self.folder / "rerun.py").write_text("raise ImportError('none', name='rerun')\n")
-        done = segcal("export", self.out, "--to", "rerun", "--out", self.folder / "view", environment={"PYTHONPATH": str(self.folder)})
-        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
-        command = done.stderr.split("install it with: ")[1].split()
-        self.assertEqual(command[:3], [".venv/bin/pip", "install", "-r"])
-        self.assertIn("rerun-sdk==", (SOURCE / command[3]).read_text())
-        self.assertFalse((self.folder / "view").exists())
-
-    @unittest.skipUnless(importlib.util.find_spec("rerun"), "no package rerun: .venv/bin/pip install -r host_tools/exporters/requirements-rerun.txt")
-    def test_rerun(self):
-        """Read back by rerun's own reader."""
-        from rerun import chunk
-        done = segcal("export", self.out, "--to", "rerun", "--rec", self.rec, "--out", self.folder / "view")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        found = {}
-        for part in chunk.RrdReader(str(self.folder / "view/session.rrd")).stream():
-            for row in part.to_record_batch().to_pylist():
-                found.setdefault(str(part.entity_path), []).append(row)
-
-        def column(entity, name):
-            return [(row["time"].value, row[name]) for row in found[entity]]
-
-        table = np.loadtxt(self.rec / "mav0/imu0/data.csv", delimiter=",")
-        for k, entity in enumerate(("/gyro/x", "/gyro/y", "/gyro/z", "/accel/x", "/accel/y", "/accel/z")):
-            np.testing.assert_array_equal([v[0] for _, v in column(entity, "Scalars:scalars")], table[:, k + 1])
-        stamps = np.loadtxt(self.rec / "mav0/imu0/data.csv", delimiter=",", dtype=str)[:, 0]
-        self.assertEqual([t for t, _ in column("/gyro/x", "Scalars:scalars")], list(map(int, stamps)))
-        self.assertEqual([(t, bytes(v[0])) for t, v in column("/world/imu/cam0/image", "EncodedImage:blob")], [(self.stamp, self.picture)])
-        tracks = np.loadtxt(self.rec / "mav0/cam0/tracks.csv", delimiter=",", dtype=str, skiprows=1)
-        points = [(t, *p) for t, marks in column("/world/imu/cam0/tracks", "Points2D:positions") for p in marks]
-        np.testing.assert_allclose(points, [(int(t), float(u), float(v)) for t, _, u, v in tracks], rtol=1e-6)  # float
-        poses = np.loadtxt(self.out / "trajectory.tum")
-        np.testing.assert_allclose([v[0] for _, v in column("/world/imu", "Transform3D:translation")], poses[:, 1:4], atol=1e-6)
-        camera = yaml.safe_load((self.out / "camchain-imucam.yaml").read_text())["cam0"]
-        rows = found["/world/imu/cam0"]
-        mount = next(r["Transform3D:translation"] for r in rows if r.get("Transform3D:translation"))
-        np.testing.assert_allclose(mount[0], np.array(camera["T_imu_cam"])[:3, 3], atol=1e-6)
-        K = np.reshape(next(r["Pinhole:image_from_camera"] for r in rows if r.get("Pinhole:image_from_camera"))[0], (3, 3)).T  # by columns
-        np.testing.assert_allclose([K[0, 0], K[1, 1], K[0, 2], K[1, 2]], camera["intrinsics"], rtol=1e-6)
-        result = json.loads((self.out / "result.json").read_text())
-        self.assertEqual(len(found["/world/map"]), sum(s["kept"] for s in result["segments"]))
-        self.assertIn("parameters observed", found["/log"][0]["TextLog:text"][0])
 
 
 class Json:

@@ -155,9 +155,7 @@ class Unsupported(Case):
 
     def test_reasons(self):
         """Known, and not read: the reason, and a way on."""
-        vrs, gopro = self.folder / "aria.bin", self.folder / "GX010001.MP4"
-        vrs.write_bytes(b"VisionRecord" + bytes(100))
-        self.refused("Aria's VRS is not read", vrs, "--out", self.rec)
+        gopro = self.folder / "GX010001.MP4"
         handler = self.box(b"hdlr", bytes(8) + b"meta" + bytes(12) + b"GoPro MET") + self.box(b"stsd", bytes(8) + self.box(b"gpmd", bytes(8)))
         gopro.write_bytes(self.box(b"ftyp", b"mp41") + self.box(b"mdat", bytes(1000)) + self.box(b"moov", self.box(b"trak", handler)))
         self.refused("GoPro's telemetry inside of a video is not read", gopro, "--list")

@@ -1,11 +1,11 @@
 """The formats, in the order in which they are asked whether a file is theirs."""
 
-from . import asl, phone, ros, ulog, unsupported, video
+from . import asl, phone, ros, ulog, unsupported, video, vrs
 
-ALL = [unsupported, ros, ulog, asl, video, phone]
+ALL = [unsupported, ros, ulog, vrs, asl, video, phone]
 
 # Packages that are not installed unasked, and the command that does.
-EXTRAS = {"av": "video"}
+EXTRAS = {"av": "video", "pyvrs": "vrs"}
 
 
 def missing_package(name):

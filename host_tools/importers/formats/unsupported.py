@@ -2,11 +2,8 @@
 
 from streams import InputError
 
-ARIA = ("Aria's VRS is not read: its IMU and camera records and factory calibration were not tried here. Write IMU and images as a EuRoC folder with "
-        "projectaria-tools (docs/formats.md, 'Logs that are not read')")
-GOPRO = ("GoPro's telemetry inside of a video is not read: its samples have no stamps of the camera's clock. Write a table of the IMU and one of the frames' "
-         "stamps (docs/formats.md, 'Logs that are not read')")
-VRS_MAGIC = b"VisionRe"
+GOPRO = ("GoPro's telemetry inside of a video is not read: images that the camera stabilised do not follow its gyroscope, and the file does not say how late they are "
+         "against it. With stabilisation off, write a table of the IMU and one of the frames' stamps (docs/formats.md, 'Logs that are not read')")
 MOST_HEADER = 64 << 20  # bytes: a moov box that describes an hour has some 10 MB
 
 
@@ -33,10 +30,6 @@ def has_gopro_telemetry(path):
 
 def probe(paths):
     for path in (p for p in paths if p.is_file()):
-        with path.open("rb") as file:
-            is_vrs = path.suffix.lower() == ".vrs" or file.read(len(VRS_MAGIC)) == VRS_MAGIC
-        if is_vrs:
-            raise InputError(f"{path}: {ARIA}")
         # With tables of one's own beside it, it is a video like others.
         if has_gopro_telemetry(path) and len(paths) == 1 and not any(path.with_suffix(s).exists() for s in (".csv", ".txt")):
             raise InputError(f"{path}: {GOPRO}")
