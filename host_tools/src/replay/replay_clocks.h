@@ -1,0 +1,15 @@
+// The camera's clock against the IMU's, before a replay and after it.
+#pragma once
+
+#include "replay/model_file.h"
+#include "replay/replay_arguments.h"
+
+namespace host {
+
+/// Moves all camera stamps to the IMU's clock: by the offset that is stated and, where the images and the gyroscope say another
+/// one, by that, which is then estimated on. Returns the offset of the last session, from which the effect counts.
+double align_clocks(ReplayArguments* a, EffectChoice* choice, std::vector<Recording>* sessions);
+/// The effect's value as people and files count it: from the stamps as they are in the recording.
+void count_offset_from_recording(double offset, ReplayResult* result);
+
+}  // namespace host
