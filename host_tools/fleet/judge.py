@@ -165,10 +165,10 @@ def silent(runs):
         without = [[r for r in of_device if not r.told()] for _, of_device in devices]
         for i in population.silent([len(of_device) for _, of_device in devices], [len(w) for w in without], tests):
             device, of_device = devices[i]
-            causes = [r.record["result"].get("cause") or "the fit failed" for r in without[i]]
+            causes = [(r.record["result"].get("cause") or "the fit failed").split(":")[0] for r in without[i]]
             usual = max(sorted(set(causes)), key=causes.count)
             yield found("misfit", 10 * len(without[i]) / len(of_device), device, without[i][0].log,
-                        f"{len(without[i])} of {len(of_device)} logs gave no result, unlike its model's other devices ({usual}): another lens or mounting?")
+                        f"{len(without[i])} of {len(of_device)} logs gave no result, unlike its model's other devices: another lens or mounting? Most often: {usual}")
 
 
 def one_a_device(findings):
@@ -183,13 +183,15 @@ def attention(fused, runs):
         for step in d.fit.steps:
             log = d.runs[step.first].log
             all_found.append(found("change", np.sqrt(step.statistic), d.device, log, f"{step.block} changed before {tables.last_part(log)}"))
+    misfits = {f["device"] for f in all_found if f["kind"] == "misfit"}
     for run in runs:
+        share = 0.5 if run.device in misfits else 1  # what its logs say, the device's own row says for all of them
         if run.record["result"] is None:
             all_found.append(found("refused", 3, run.device, run.log, run.record["error"]))
         elif run.record["result"]["status"] == "failed":
-            all_found.append(found("failed", 4, run.device, run.log, run.record["result"].get("cause") or "the fit did not settle or does not match its noise"))
+            all_found.append(found("failed", 4 * share, run.device, run.log, run.record["result"].get("cause") or "the fit did not settle or does not match its noise"))
         elif run.record["result"]["status"] == "insufficient":
-            all_found.append(found("insufficient", 1, run.device, run.log, run.record["result"].get("cause") or "the motion told too little"))
+            all_found.append(found("insufficient", share, run.device, run.log, run.record["result"].get("cause") or "the motion told too little"))
     all_found.sort(key=lambda a: (-a["weight"], a["device"], a["log"]))
     return [{"rank": i + 1, **a} for i, a in enumerate(all_found)]
 
