@@ -45,7 +45,7 @@ std::vector<Fault> spike_faults(const Recording& recording, const std::vector<st
   const double seconds = static_cast<double>(samples.back().t_ns - samples.front().t_ns) * 1e-9;
   return {{"spikes", "imu", samples[spikes.front()].t_ns, samples[spikes.back()].t_ns, spikes.size(), static_cast<double>(spikes.size()) / seconds, many, "1/s",
            formatted("IMU: %zu of %zu samples stand alone, far from the ones before and after, the first at stamp %lld ns. They are left out, and each ends "
-                     "a segment: look at the sensor's bus, and at what knocks against it, or leave them out of the log.",
+                     "a segment: look at the sensor's bus, and at what knocks against it.",
                      spikes.size(), samples.size(), static_cast<long long>(samples[spikes.front()].t_ns))}};
 }
 
