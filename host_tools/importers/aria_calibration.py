@@ -79,6 +79,8 @@ def nearest_equidistant(params, width, height, radius):
     x, y = rays()
     u, v = fisheye624(params, x, y)
     seen = (u > -0.5) & (u < width - 0.5) & (v > -0.5) & (v < height - 0.5) & (np.hypot(u - params[1], v - params[2]) < radius)
+    if np.count_nonzero(seen) < 20:
+        raise ValueError("none of the rays is in the image")
     x, y, u, v = x[seen], y[seen], u[seen], v[seen]
     r = np.hypot(x, y)
     theta, one, none = np.arctan(r), np.ones_like(r), np.zeros_like(r)
@@ -106,7 +108,10 @@ class Factory:
     def pose(self, entry, name):
         try:
             w, xyz = entry[name]["UnitQuaternion"]
-            return transform(rotation([w, *xyz]), entry[name]["Translation"])
+            q, p = np.array([w, *xyz], float), np.array(entry[name]["Translation"], float)
+            if q.shape != (4,) or p.shape != (3,) or not abs(np.linalg.norm(q) - 1) < 1e-3 or not np.isfinite(p).all():
+                raise ValueError
+            return transform(rotation(q), p)
         except (KeyError, TypeError, ValueError):
             raise InputError(f"{self.where}: calib_json: expected a pose '{name}' of {entry.get('Label')}") from None
 
@@ -120,6 +125,8 @@ class Factory:
             late = [float(entry[s][f"TimeOffsetSec_Device_{short}"]) for s, short in (("Gyroscope", "Gyro"), ("Accelerometer", "Accel"))]
         except (KeyError, TypeError, ValueError):
             raise InputError(f"{self.where}: calib_json: expected matrices and time offsets of {label}") from None
+        if not all(np.linalg.det(M) > 0 for M in (M_g, M_a)) or not np.isfinite([*M_g.ravel(), *M_a.ravel(), *late]).all():
+            raise InputError(f"{self.where}: calib_json: expected matrices and time offsets of {label}")
         T_g, R = scale_and_rotation(M_g)
         return ImuModel(T_g, *scale_and_rotation(M_a @ R.T), R, *late)
 
@@ -133,13 +140,22 @@ class Factory:
     def timeshift(self, camera, imu):
         """s, t_imu = t_cam + shift, of the gyroscope's stamps; 0 where nothing is stated."""
         model, entry = self.imu(imu), self.cameras.get(camera, {})
-        return model.late_gyro_s - float(entry.get("TimeOffsetSec_Device_Camera", 0)) if model else 0.0
+        try:
+            return model.late_gyro_s - float(entry.get("TimeOffsetSec_Device_Camera", 0)) if model else 0.0
+        except (TypeError, ValueError):
+            raise InputError(f"{self.where}: calib_json: expected a time offset of {camera}") from None
 
     def camera(self, label, width, height):
         """Camera with the nearest equidistant lens for images of this size, or None. The note says how near it is."""
+        try:
+            return self.nearest(label, width, height)
+        except (KeyError, TypeError, ValueError, AttributeError, ZeroDivisionError, np.linalg.LinAlgError):
+            raise InputError(f"{self.where}: calib_json: expected the lens and the size of the images of {label}") from None
+
+    def nearest(self, label, width, height):
         entry = self.cameras.get(label)
         projection = entry.get("Projection", {}) if entry else {}
-        params = projection.get("Params", [])
+        params = [float(value) for value in projection.get("Params", [])]
         size = self.calibrated_size(entry, label)
         if projection.get("Name") != "FisheyeRadTanThinPrism" or len(params) != 15 or size is None:
             return None

@@ -48,16 +48,25 @@ def write(folder, choice, imu, names, accounts, noise, options, notes, warnings)
                         f"({', '.join(MOUNTS)}) or --calib FILE")
         return None
     (folder / "camchain-imucam.yaml").write_text(camchain_text(found))
-    write_imu_model(folder, choice, imu, noise, options, notes)
+    write_imu_model(folder, choice, imu, noise, options, notes, warnings)
     return "; ".join(dict.fromkeys(origin for *_, origin in found))
 
 
-def write_imu_model(folder, choice, imu, noise, options, notes):
-    """Not with --mount: T_cam_imu is then of the axes as they are, and the model's frame is turned by a fraction of a degree."""
-    first = imu.name.split(" + ")[0]
+def write_imu_model(folder, choice, imu, noise, options, notes, warnings):
+    """Not with --mount: T_cam_imu is then of the axes as they are, and the model's frame is turned by a fraction of a degree. Nor where the samples
+    are not those that the model is of."""
+    first, *rest = imu.name.split(" + ")
     source = choice.owner[first]
     model = source.imu_model(first) if hasattr(source, "imu_model") and not options.mount else None
-    if model is not None:
+    if model is None:
+        return
+    if set(rest) - {first}:
+        warnings.append(f"the log's calibration of {first} is not that of the accelerations of {rest[0]}: no imu.yaml, and T_cam_imu is right for {first} "
+                        "only; --imu NAME takes both sensors of one IMU")
+    elif options.gyro_axes or options.accel_axes:
+        warnings.append(f"the log's calibration is of the axes of {first} as recorded, not of --gyro-axes and --accel-axes: no imu.yaml, and T_cam_imu is "
+                        "of the axes as recorded; --mount NAME or --calib FILE states it for the new ones")
+    else:
         (folder / "imu.yaml").write_text(imu_model_text(model, *noise))
         notes.append(f"{first}: scales, axes and what turns the accelerometer against the gyroscope as in the log, in imu.yaml")
 

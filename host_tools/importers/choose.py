@@ -47,6 +47,9 @@ class Choice:
         for source in sources:
             for stream in source.streams():
                 if stream.count > 0 and stream.kind != "other":
+                    if stream.name in self.owner:
+                        raise InputError(f"{source.where}: its stream {stream.name} is in {self.owner[stream.name].where} as well: expected logs of different "
+                                         "names of streams, or one at a time")
                     self.owner[stream.name] = source
                     self.streams.append(stream)
 

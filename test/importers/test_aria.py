@@ -77,6 +77,45 @@ class Calibration(Aria):
         np.testing.assert_allclose(camera["intrinsics"], [610, 610, (1451.8 - 32 + 0.5) / 2 - 0.5, (1453.2 - 32 + 0.5) / 2 - 0.5], atol=1e-6)
         np.testing.assert_allclose(camera["distortion_coeffs"], LENS[3:7], atol=1e-9)
 
+    def test_samples_that_the_calibration_is_not_of(self):
+        """Accelerations of the other IMU, or other axes: the matrices of imu.yaml would turn them wrongly."""
+        for options, words in ((("--gyro", "imu-right", "--accel", "imu-left"), "not that of the accelerations of imu-left: no imu.yaml"),
+                               (("--gyro-axes=y,-x,z", "--accel-axes=y,-x,z"), "of the axes of imu-right as recorded")):
+            with self.subTest(options=options):
+                self.put(calibration(SIZE))
+                self.assertIn("warning: the log's calibration", (said := self.converted(self.file, *options).stderr))
+                self.assertIn(words, said)
+                self.assertFalse((self.rec / "imu.yaml").exists())
+                shutil.rmtree(self.rec)
+        self.converted(self.file, "--gyro", "imu-right", "--accel", "imu-right")
+        self.assertTrue((self.rec / "imu.yaml").exists())
+
+    def test_figures_that_cannot_be(self):
+        """Of calib_json: refused in words, and no calibration of what is not a number."""
+        def put(place, value):
+            *path, last = place
+            content = calibration(SIZE)
+            at = content
+            for key in path:
+                at = at[key]
+            at[last] = value
+            self.put(content)
+
+        camera, imu = ("CameraCalibrations", 0), ("ImuCalibrations", 0)
+        for place, value, words in (((*camera, "ConfigData"), {"ImageHeight": 48}, "the lens and the size of the images of camera-slam-left"),
+                                    ((*camera, "Projection"), [], "the lens and the size"),
+                                    ((*camera, "Projection", "Params", 0), "f", "the lens and the size"),
+                                    ((*camera, "Projection", "Params", 1), 1e6, "the lens and the size"),
+                                    ((*camera, "Projection", "Params", 4), float("nan"), "the lens and the size"),
+                                    ((*camera, "T_Device_Camera", "UnitQuaternion"), [0, [0, 0, 0]], "a pose 'T_Device_Camera' of camera-slam-left"),
+                                    ((*camera, "T_Device_Camera", "Translation"), [float("nan"), 0, 0], "a pose 'T_Device_Camera'"),
+                                    ((*camera, "TimeOffsetSec_Device_Camera"), "late", "a time offset of camera-slam-left"),
+                                    ((*imu, "Gyroscope", "Model", "RectificationMatrix"), [[0.0] * 3] * 3, "matrices and time offsets of imu-right"),
+                                    ((*imu, "Accelerometer", "Model", "RectificationMatrix"), [[1, 0, 0], [0, 1, 0], [0, 0, -1]], "matrices and time offsets")):
+            with self.subTest(place=place, value=value):
+                put(place, value)
+                self.refused(f"run.vrs: calib_json: expected {words}", self.file, "--out", self.rec)
+
     def test_mount_keeps_the_axes(self):
         self.put(calibration(SIZE))
         self.converted(self.file, "--mount", "same-axes", "--camera", "camera-slam-left")

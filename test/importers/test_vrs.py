@@ -107,6 +107,24 @@ class Damage(Aria):
                 self.file.write_bytes(damaged)
                 self.refused("run.vrs: damaged VRS file", self.file, "--out", self.rec)
 
+    def test_two_recordings(self):
+        """Both have the same names of streams: the second was taken for the first."""
+        self.put()
+        other = self.folder / "other.vrs"
+        other.write_bytes(self.file.read_bytes())
+        self.refused("its stream camera-slam-left is in", self.file, other, "--imu", "imu-right", "--camera", "camera-slam-left", "--out", self.rec)
+
+    def test_configuration_without_a_size(self):
+        """A field's name in the description that is damaged. The library itself asks for it of raw images only."""
+        buffer = io.BytesIO()
+        Image.fromarray(self.images[0]).save(buffer, "JPEG")
+        vrs = VrsFile(calibration(SIZE))
+        vrs.imu("1202-1", self.stamps, self.gyro, self.accel)
+        vrs.camera("1201-1", self.image_stamps, [buffer.getvalue()] * len(self.images), SIZE, "jpg")
+        vrs.write(self.file)
+        self.file.write_bytes(self.file.read_bytes().replace(b'"image_width"', b'"imaqe_width"'))
+        self.refused("run.vrs: expected a field 'image_width' in its records", self.file, "--out", self.rec)
+
     def test_names_that_end_the_library(self):
         """It stops by SIGSEGV on these: still one line, and nothing is left behind."""
         self.put()

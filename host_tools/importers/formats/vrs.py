@@ -141,7 +141,9 @@ class Source:
 
     def calib(self, name):
         for _, content in self.records(name, "configuration"):
-            return self.factory.camera(name, int(content["image_width"]), int(content["image_height"]))
+            with self.damage():
+                size = int(content["image_width"]), int(content["image_height"])
+            return self.factory.camera(name, *size)
         return None
 
     def extrinsics(self, camera, imu):
