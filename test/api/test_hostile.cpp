@@ -192,6 +192,17 @@ segcal_counters_t counters_of_stream(const Feed& how) {
   return counters_of(device);
 }
 
+/// Of the filter, from the first `samples`.
+segcal_state_t state_after(const Feed& how, int samples) {
+  Storage storage(0xFF);
+  segcal_t* device = create(&storage, SyntheticStream::config());
+  feed(device, how, 0, samples);
+  segcal_state_t state;
+  std::memset(&state, 0, sizeof state);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_state(device, &state));
+  return state;
+}
+
 /// A reading that stands alone is known as such when the next one has come. It is taken out again, and the filter goes on; if a frame has
 /// used it (they come with every twentieth), the filter starts again. A slow sensor may twitch in one reading.
 void test_a_spike_is_taken_out_of_the_stream() {
@@ -201,6 +212,10 @@ void test_a_spike_is_taken_out_of_the_stream() {
   const segcal_counters_t between = counters_of_stream(how);
   TEST_ASSERT_EQUAL_UINT(1, between.imu_spikes);
   TEST_ASSERT_EQUAL_UINT(frames, between.frames_used);
+  const segcal_state_t bridged = state_after(how, 1100);
+  how.change = [](int i, segcal_imu_t* s) { s->accel[0] = i == 1007 ? 1e4f : s->accel[0]; };   // at full scale: left out when it comes
+  const segcal_state_t left_out = state_after(how, 1100);
+  TEST_ASSERT_EQUAL_MEMORY(&left_out, &bridged, sizeof bridged);
   how.change = [](int i, segcal_imu_t* s) { s->gyro[1] += i == 1000 ? 5.0f : 0.0f; };
   const segcal_counters_t used = counters_of_stream(how);
   TEST_ASSERT_EQUAL_UINT(1, used.imu_spikes);
