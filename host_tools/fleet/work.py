@@ -30,7 +30,7 @@ class Store:
         self.fs, self.root = fsspec.core.url_to_fs(tables)
 
     def path(self, key):
-        return f"{self.root}/work/{key[:2]}/{key}.json"
+        return "/".join((self.root, "work", key[:2], f"{key}.json"))
 
     def read(self, key):
         """None where there is none, or half of one."""

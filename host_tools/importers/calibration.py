@@ -48,6 +48,9 @@ def write(folder, choice, imu, names, accounts, noise, options, notes, warnings)
                         f"({', '.join(MOUNTS)}) or --calib FILE")
         return None
     (folder / "camchain-imucam.yaml").write_text(camchain_text(found))
+    if options.gyro_axes and not options.mount:
+        warnings.append("T_cam_imu is of the gyroscope's axes as recorded, not of --gyro-axes: where those turn a sensor that sits otherwise, --mount NAME or "
+                        "--calib FILE states it")
     write_imu_model(folder, choice, imu, noise, options, notes, warnings)
     return "; ".join(dict.fromkeys(origin for *_, origin in found))
 
@@ -64,8 +67,7 @@ def write_imu_model(folder, choice, imu, noise, options, notes, warnings):
         warnings.append(f"the log's calibration of {first} is not that of the accelerations of {rest[0]}: no imu.yaml, and T_cam_imu is right for {first} "
                         "only; --imu NAME takes both sensors of one IMU")
     elif options.gyro_axes or options.accel_axes:
-        warnings.append(f"the log's calibration is of the axes of {first} as recorded, not of --gyro-axes and --accel-axes: no imu.yaml, and T_cam_imu is "
-                        "of the axes as recorded; --mount NAME or --calib FILE states it for the new ones")
+        warnings.append(f"the log's calibration is of the axes of {first} as recorded, not of --gyro-axes and --accel-axes: no imu.yaml")
     else:
         (folder / "imu.yaml").write_text(imu_model_text(model, *noise))
         notes.append(f"{first}: scales, axes and what turns the accelerometer against the gyroscope as in the log, in imu.yaml")
@@ -104,6 +106,9 @@ def camera_of(choice, imu, name, account, options, notes, warnings):
     if choice.owner.get(first) is not source:
         return camera, None, 0.0, origin
     timeshift_s = source.timeshift(name, first) if hasattr(source, "timeshift") else 0.0
+    if options.stamps == "log" and timeshift_s:   # how late a sensor stamps its samples; when they were logged is another matter
+        notes.append(f"{name}: the log's {timeshift_s * 1e3:.2f} ms between the clocks of camera and IMU are of the sensors' stamps: not used with --stamps log")
+        timeshift_s = 0.0
     return camera, source.extrinsics(name, first), timeshift_s, f"{origin}, T_cam_imu as in the log"
 
 

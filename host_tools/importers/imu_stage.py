@@ -94,6 +94,9 @@ def prepared(choice, options, notes, warnings):
     source = options.stamps or ("sensor" if all(stamps.usable(p.t_ns) for p in parts) else "log")
     if source == "log" and not options.stamps:
         notes.append("the sensors' stamps are missing or run backwards: the time of logging is used for all streams")
+    if source == "log" and not all(stamps.usable(p.log_ns) for p in parts):
+        raise InputError(f"{parts[0].name}: expected times of logging, found none that grow; " +
+                         ("--stamps sensor takes the sensors' stamps" if options.stamps else "the sensors' stamps do not grow either"))
     parts = [without_repeats(made_regular(with_stamps(part, source, notes), options.imu_stamps, notes), notes) for part in parts]
     dropped = 0
     imu = parts[0]

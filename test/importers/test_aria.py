@@ -90,6 +90,11 @@ class Calibration(Aria):
         self.converted(self.file, "--gyro", "imu-right", "--accel", "imu-right")
         self.assertTrue((self.rec / "imu.yaml").exists())
 
+    def test_delays_are_of_the_sensors_stamps(self):
+        self.put(calibration(SIZE))
+        self.assertIn("4.10 ms between the clocks of camera and IMU are of the sensors' stamps", self.converted(self.file, "--stamps", "log").stderr)
+        self.assertEqual(self.chain()["cam0"]["timeshift_cam_imu"], 0)
+
     def test_figures_that_cannot_be(self):
         """Of calib_json: refused in words, and no calibration of what is not a number."""
         def put(place, value):

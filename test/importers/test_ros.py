@@ -101,8 +101,12 @@ class Images(Case):
         self.assertEqual(file.suffix, ".jpg")
 
 
+# A point p_I is at p_I + (0.1, 0, 0) in base, and p_C = R_z(90 deg)' (p_base - (0, 0.3, 0)): the origin of I is at (-0.3, -0.1, 0).
+T_CAM_IMU = [[0, 1, 0, -0.3], [-1, 0, 0, -0.1], [0, 0, 1, 0], [0, 0, 0, 1]]
+
+
 class Calibration(Case):
-    def chain(self, D, model):
+    def chain(self, D, model, *options):
         with Bag(self.folder, "mcap") as bag:
             stamps, *_ = filled(bag)
             t_ns = int(stamps[0])
@@ -110,16 +114,21 @@ class Calibration(Case):
             # base -> imu: 0.1 m along x; base -> camera: turned by 90 deg about z, 0.3 m along y.
             bag.fixed_transform(t_ns, "base", "imu", (1, 0, 0, 0), (0.1, 0, 0))
             bag.fixed_transform(t_ns, "base", "camera", (np.sqrt(0.5), 0, 0, np.sqrt(0.5)), (0, 0.3, 0))
-        self.converted(bag.path)
+        self.said = self.converted(bag.path, *options).stderr
         return yaml.safe_load((self.rec / "camchain-imucam.yaml").read_text())["cam0"]
 
     def test_camera_info_and_tf(self):
         camera = self.chain([-0.2, 0.05, 1e-3, -2e-3, 0], "plumb_bob")
         self.assertEqual(camera["intrinsics"], [20, 21, 12, 8])
         self.assertEqual(camera["distortion_coeffs"], [-0.2, 0.05, 1e-3, -2e-3])
-        # A point p_I is at p_I + (0.1, 0, 0) in base, and p_C = R_z(90 deg)' (p_base - (0, 0.3, 0)): the origin of I is at (-0.3, -0.1, 0).
-        expected = [[0, 1, 0, -0.3], [-1, 0, 0, -0.1], [0, 0, 1, 0], [0, 0, 0, 1]]
-        np.testing.assert_allclose(camera["T_cam_imu"], expected, atol=1e-12)
+        np.testing.assert_allclose(camera["T_cam_imu"], T_CAM_IMU, atol=1e-12)
+        self.assertNotIn("T_cam_imu is of", self.said)
+
+    def test_other_axes_are_not_those_of_the_calibration(self):
+        """The samples are turned, /tf_static is not: it may be of the axes that are right, or of those that were recorded."""
+        camera = self.chain([-0.2, 0.05, 1e-3, -2e-3, 0], "plumb_bob", "--gyro-axes=y,-x,z", "--accel-axes=y,-x,z")
+        self.assertIn("warning: T_cam_imu is of the gyroscope's axes as recorded, not of --gyro-axes", self.said)
+        np.testing.assert_allclose(camera["T_cam_imu"], T_CAM_IMU, atol=1e-12)
 
     def test_a_fifth_coefficient_is_fitted(self):
         D = [-0.25, 0.08, 1e-3, -5e-4, -0.02]

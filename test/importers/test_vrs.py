@@ -3,6 +3,7 @@
 import importlib.util
 import io
 import re
+import shutil
 import unittest
 
 import numpy as np
@@ -36,6 +37,7 @@ class Content(Aria):
         listed = segcal("import", self.file, "--list").stdout
         self.assertRegex(listed, r"imu +imu-left +1000 +stream 1202-2\n")
         self.assertRegex(listed, r"other +camera-et +10 ")
+        self.assertNotIn("1-0", listed)  # the file's own index
         self.converted(self.file, "--imu", "imu-left", "--camera", "camera-rgb")
         np.testing.assert_array_equal(imu_of(self.rec)[0], self.stamps + 77)
         self.assertEqual([t for t, _ in images_of(self.rec)], self.image_stamps[::3].tolist())
@@ -45,6 +47,15 @@ class Content(Aria):
         self.converted(self.file, "--stamps", "log")
         np.testing.assert_array_equal(imu_of(self.rec)[0], self.stamps + 5_000_000)
         self.assertEqual(images_of(self.rec)[0][0], self.image_stamps[0] + 9_000_000)
+
+    def test_times_of_logging_that_were_not_written(self):
+        vrs = VrsFile()
+        vrs.imu("1202-1", self.stamps, self.gyro, self.accel, logged_ns=0)
+        vrs.camera("1201-1", self.image_stamps, self.images, SIZE)
+        vrs.write(self.file)
+        self.converted(self.file)
+        shutil.rmtree(self.rec)
+        self.refused("expected times of logging, found none that grow; --stamps sensor", self.file, "--stamps", "log", "--out", self.rec)
 
     def test_invalid_samples(self):
         valid = ~np.isin(np.arange(len(self.stamps)), (13, 14, 500))
@@ -160,8 +171,9 @@ class Extra(Aria):
         (self.folder / "pyvrs.py").write_text("raise ImportError('none', name='pyvrs')\n")
         done = segcal("import", self.file, "--out", self.rec, environment={"PYTHONPATH": str(self.folder)})
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+        self.assertIn("the Python package 'vrs'", done.stderr)
         command = done.stderr.split("install it with: ")[1].split()
-        self.assertEqual(command[:3] + command[3:], [".venv/bin/pip", "install", "-r", NEEDED])
+        self.assertEqual(command, [".venv/bin/pip", "install", "-r", NEEDED])
         self.assertIn("vrs==", (SOURCE / command[3]).read_text())
         self.assertFalse(self.rec.exists())
 

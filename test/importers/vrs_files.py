@@ -90,13 +90,13 @@ class VrsFile:
         kind, instance = map(int, name.split("-"))
         self.records.append((t_ns * 1e-9, kind, instance, DATA, 0, 0, content))
 
-    def imu(self, name, stamps, gyro, accel, valid=None, late_ns=5_000_000, fields=IMU_DATA):
+    def imu(self, name, stamps, gyro, accel, valid=None, late_ns=5_000_000, logged_ns=None, fields=IMU_DATA):
         self.stream(name, IMU_CONFIGURATION, fields, {"nominal_rate": 1000.0, "has_accelerometer": True, "has_gyroscope": True, "device_type": "Aria",
                                                       "factory_calibration": self.calibration})
         for k, (t, w, a) in enumerate(zip(stamps.tolist(), gyro, accel)):
             good = valid is None or bool(valid[k])
             self.add(name, t, packed(fields, {"accelerometer_valid": good, "gyroscope_valid": good, "temperature_deg_c": float("nan"), "capture_timestamp_ns": t,
-                                              "arrival_timestamp_ns": t + late_ns, "accelerometer": a, "gyroscope": w}))
+                                              "arrival_timestamp_ns": t + late_ns if logged_ns is None else logged_ns, "accelerometer": a, "gyroscope": w}))
 
     def camera(self, name, stamps, images, size, kind="raw"):
         """Grey images (h x w, 8 bit) for "raw", else the bytes of a file each."""

@@ -15,6 +15,7 @@ FILE_HEADER = struct.Struct("<8sQIIqqqQQQ4s4s")
 RECORD_HEADER = struct.Struct("<IIiIdHBBI")  # size, size before, stream's type, format, time, stream's instance, kind, compression, unpacked size
 SIZE = struct.Struct("<I")
 KINDS = {1: "state", 2: "configuration", 3: "data", 4: "tags"}
+OF_THE_FILE = {1, 2}  # types of streams that hold VRS's own index and description
 COMPRESSIONS = 4  # none, LZ4, Zstandard, and a value that marks the end of the list
 
 
@@ -52,7 +53,7 @@ def walked(path, data, at, record_header):
             raise InputError(f"{path}: damaged VRS file: byte {at}: expected a record")
         if at + size > len(data):
             raise InputError(f"{path}: damaged VRS file: byte {at}: expected a record of {size} bytes, found the end of the file after {len(data) - at}")
-        if KINDS[kind] == "data":
+        if KINDS[kind] == "data" and stream not in OF_THE_FILE:
             counts[f"{stream}-{instance}"] += 1
         at, before = at + size, size
     return counts
