@@ -203,24 +203,48 @@ segcal_state_t state_after(const Feed& how, int samples) {
   return state;
 }
 
-/// A reading that stands alone is known as such when the next one has come. It is taken out again, and the filter goes on; if a frame has
-/// used it (they come with every twentieth), the filter starts again. A slow sensor may twitch in one reading.
-void test_a_spike_is_taken_out_of_the_stream() {
-  const std::uint32_t frames = counters_of_stream({}).frames_used;
+/// `kWidth` readings from `kFirst` on are off.
+template <int kFirst, int kWidth>
+Feed spiked() {
   Feed how;
-  how.change = [](int i, segcal_imu_t* s) { s->gyro[1] += i == 1007 ? 5.0f : 0.0f; };
-  const segcal_counters_t between = counters_of_stream(how);
-  TEST_ASSERT_EQUAL_UINT(1, between.imu_spikes);
-  TEST_ASSERT_EQUAL_UINT(frames, between.frames_used);
-  const segcal_state_t bridged = state_after(how, 1100);
-  how.change = [](int i, segcal_imu_t* s) { s->accel[0] = i == 1007 ? 1e4f : s->accel[0]; };   // at full scale: left out when it comes
-  const segcal_state_t left_out = state_after(how, 1100);
+  how.change = [](int i, segcal_imu_t* s) { s->gyro[1] += i >= kFirst && i < kFirst + kWidth ? 5.0f : 0.0f; };
+  return how;
+}
+
+/// At full scale the device leaves them out at once, when they come.
+template <int kFirst, int kWidth>
+Feed clipped() {
+  Feed how;
+  how.change = [](int i, segcal_imu_t* s) { s->accel[0] = i >= kFirst && i < kFirst + kWidth ? 1e4f : s->accel[0]; };
+  return how;
+}
+
+template <int kFirst, int kWidth>
+void check_bridged() {
+  const segcal_counters_t counters = counters_of_stream(spiked<kFirst, kWidth>());
+  TEST_ASSERT_EQUAL_UINT(kWidth, counters.imu_spikes);
+  TEST_ASSERT_EQUAL_UINT(counters_of_stream({}).frames_used, counters.frames_used);
+  const segcal_state_t bridged = state_after(spiked<kFirst, kWidth>(), 1100), left_out = state_after(clipped<kFirst, kWidth>(), 1100);
   TEST_ASSERT_EQUAL_MEMORY(&left_out, &bridged, sizeof bridged);
-  how.change = [](int i, segcal_imu_t* s) { s->gyro[1] += i == 1000 ? 5.0f : 0.0f; };
-  const segcal_counters_t used = counters_of_stream(how);
-  TEST_ASSERT_EQUAL_UINT(1, used.imu_spikes);
-  TEST_ASSERT_LESS_THAN_UINT(frames, used.frames_used);
-  TEST_ASSERT_EQUAL_UINT(0, used.imu_gaps + between.imu_gaps);
+}
+
+template <int kFirst, int kWidth>
+void check_started_again() {
+  const segcal_counters_t counters = counters_of_stream(spiked<kFirst, kWidth>());
+  TEST_ASSERT_EQUAL_UINT(kWidth, counters.imu_spikes);
+  TEST_ASSERT_LESS_THAN_UINT(counters_of_stream({}).frames_used, counters.frames_used);
+  TEST_ASSERT_EQUAL_UINT(0, counters.imu_gaps);
+}
+
+/// Readings that stand alone, one or two, are known as such when the next one has come. They are taken out again, and the filter goes on; if a
+/// frame has used one (frames come with every twentieth), the filter starts again.
+void test_a_spike_is_taken_out_of_the_stream() {
+  check_bridged<1007, 1>();
+  check_bridged<1007, 2>();
+  check_bridged<1001, 2>();
+  check_started_again<1000, 1>();
+  check_started_again<999, 2>();
+  check_started_again<1000, 2>();
 }
 
 /// Largest difference of two results in units of the first one's sigmas.

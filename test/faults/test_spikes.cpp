@@ -1,4 +1,4 @@
-// Single readings that no motion explains: each is found, and no reading of a motion is taken for one, however suddenly it begins.
+// Readings that no motion explains, one or two in a row: each is found, and no reading of a motion is taken for one, however suddenly it begins.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -58,8 +58,8 @@ void each_seed(std::uint64_t count, const Run& run) {
   }
 }
 
-/// From 0.35 rad/s and 1.6 m/s^2 to just below full scale; either sensor, any axis. At full scale the device leaves them out itself, and of a
-/// slow sensor one reading may be a twitch.
+/// From 0.35 rad/s and 1.6 m/s^2 to just below full scale; either sensor, any axis; every other one is twice as large at least and goes on for a
+/// second reading, alike or of the other sign. At full scale the device leaves them out itself, and of a slow sensor one reading, or two, may be a twitch.
 void test_spikes_are_found() {
   each_seed(20, [](const Id& id, std::uint64_t seed) {
     test::Random random(seed + 100);
@@ -67,13 +67,22 @@ void test_spikes_are_found() {
     std::vector<std::size_t> spikes;
     for (std::size_t at = 100; at < kReadings - 100; at += 50) {
       const int axis = random.index(6);
-      const double share = std::pow(10.0, -random.uniform(0.15, 2)), sign = random.uniform(0, 1) < 0.5 ? -1 : 1;   // of full scale: 0.01 to 0.7
-      (axis < 3 ? stream[at].gyro[std::size_t(axis)] : stream[at].accel[std::size_t(axis - 3)]) += sign * share * (axis < 3 ? 35 : 157);
+      const double share = std::pow(10.0, -random.uniform(0.15, at % 100 ? 2 : 1.7)), sign = random.uniform(0, 1) < 0.5 ? -1 : 1;   // of full scale: 0.01 or 0.02 to 0.7
+      const double size = sign * share * (axis < 3 ? 35 : 157), second = at % 100 ? 0 : random.uniform(0, 1) < 0.2 ? -size : size * random.uniform(0.8, 1.2);
+      const auto value = [&](std::size_t i) -> double& { return axis < 3 ? stream[i].gyro[std::size_t(axis)] : stream[i].accel[std::size_t(axis - 3)]; };
+      value(at) += size;
       spikes.push_back(at);
+      if (second == 0) continue;
+      value(at + 1) += second;
+      spikes.push_back(at + 1);
     }
     stream[1925].accel[0] = 160;
     check(id, stream, spikes);
     test::check_true(id, "none at 50 Hz", spikes_in(stream, 50).empty());
+    const std::vector<std::size_t> slower = spikes_in(stream, 120);
+    const auto even = [](std::size_t at) { return at % 100 == 50; };
+    test::check_true(id, "one alone at 120 Hz", std::count_if(slower.begin(), slower.end(), even) == 18);
+    test::check_true(id, "no pair at 120 Hz", std::none_of(slower.begin(), slower.end(), [](std::size_t at) { return at % 100 == 1; }));
   });
 }
 
@@ -124,11 +133,11 @@ void test_coarse_and_shaken_sensors_have_none() {
   });
 }
 
-/// Knocks and twitches, half sines of 4 to 12 readings on both sensors twice a second, and one whose end lies on the line to rest.
+/// Knocks and twitches, half sines of 4 to 12 readings on both sensors twice a second, and one of three readings whose end lies on the line to
+/// rest.
 void test_pulses_are_no_spikes() {
   Stream knock = motion(1, 0);
-  knock[500].accel[0] += 9;
-  knock[501].accel[0] += 6;
+  for (std::size_t i = 0; i < 3; ++i) knock[500 + i].accel[0] += 9 - 3 * double(i);
   check(Id().add("knock", 1), knock, {});
   for (std::size_t width = 4; width <= 12; ++width)
     for (const double phase : {0.0, 0.3, 0.6}) {

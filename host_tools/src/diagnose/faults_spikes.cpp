@@ -27,14 +27,14 @@ std::vector<std::size_t> spikes_of(const Recording& recording) {
   SEGCAL_NS::SpikeWatch<double> watch;
   watch.begin({noise.gyro_noise_density, noise.gyro_random_walk, noise.accel_noise_density, noise.accel_random_walk}, noise.rate_hz);
   std::vector<std::size_t> out;
-  std::size_t before = samples.size();   // the sample that was taken before; none yet
+  std::vector<std::size_t> taken;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const InertialReading<double> reading = reading_of(samples[i]);
     if (!is_taken(reading)) continue;
-    const bool gap = before < i && static_cast<double>(samples[i].t_ns - samples[before].t_ns) * 1e-9 > gap_periods / noise.rate_hz;
+    const bool gap = !taken.empty() && static_cast<double>(samples[i].t_ns - samples[taken.back()].t_ns) * 1e-9 > gap_periods / noise.rate_hz;
     if (gap) watch.clear();
-    if (watch.after(reading)) out.push_back(before);
-    before = i;
+    out.insert(out.end(), taken.end() - watch.after(reading), taken.end());
+    taken.push_back(i);
   }
   return out;
 }

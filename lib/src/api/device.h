@@ -124,7 +124,7 @@ class Device {
   SegmentBuilder<S>& builder() { return d_.builder; }
 
   // device_session.h
-  void restart_filter();
+  [[gnu::cold]] void restart_filter();
   void begin_session();
   VioOptions<S> vio_options() const;
 
@@ -197,13 +197,13 @@ class Device {
   std::int64_t state_time_, last_imu_, last_frame_, last_offered_, next_keyframe_, frame_period_;
   Segment<S>* spare_;      ///< where the open segment stands while the one before is scored
   std::uint32_t session_, serial_, frame_, crowded_out_, imu_spikes_;
+  std::uint32_t used_;           ///< bit k: a frame came after the k-th newest IMU reading and before the next one, and may have used it
   std::int32_t window_;          ///< > 0: segment ends until a calibration takes effect, if it is done then
   std::int32_t misfits_;         ///< segments in a row that could not be condensed
   std::int32_t made_from_;       ///< segments, kept and condensed, that the last calibration was made from
   std::int32_t open_segments_;   ///< scored while a change was open
   std::int32_t thinned_;         ///< how often the open segment was
   std::int32_t stamp_shift_ns_;  ///< from stamps of frames to the IMU's clock, as known: for frames that come from now on
-  bool newest_used_;             ///< by a frame, the newest IMU reading
   bool has_state_, has_imu_, has_frame_, has_offered_, has_next_keyframe_;
   bool calibrated_, knew_enough_, own_odometry_;
   bool condensing_, new_epoch_;  ///< segments that end go into epochs; the next one begins another

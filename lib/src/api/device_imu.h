@@ -34,27 +34,30 @@ Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading, 
   keep_unbroken(t_ns, reading);
   last_imu_ = t_ns;
   has_imu_ = true;
-  newest_used_ = false;
+  used_ = used_ << 1;
   InertialReading<S> mean = reading;
   if (decimation_.take(&t_ns, &mean)) imu_.push(t_ns, mean);
   return frame_ready() ? process_frame() : Taken::ok;
 }
 
 /// The open segment ends at a gap and at a spike, which is known only now, by what follows it. A spike is taken out of the stream, and its
-/// neighbours bridge it: the filter goes on. If a frame has used it already, the segment is dropped, and a new stretch begins, as at a gap.
+/// neighbours bridge it: the filter goes on. If a frame has used it already, the segment is dropped, and a new stretch begins, as at a gap;
+/// so too where two readings in a row may have gone into two groups.
 template <class S>
 void Device<S>::keep_unbroken(std::int64_t t_ns, const InertialReading<S>& reading) {
   const bool gap = has_imu_ && S(t_ns - last_imu_) * S(1e-9) > S(3) / d_.options.imu_rate_hz;
   if (gap || !has_imu_) spikes_.clear();
-  const bool spike = spikes_.after(reading);
-  if (!gap && !spike) return;
-  ++(gap ? d_.faults.imu_gaps : imu_spikes_);
-  if (spike && newest_used_) begin_segment(false);   // nothing of the open one is to be trusted
+  const int wrong = spikes_.after(reading);
+  if (!gap && wrong == 0) return;
+  const bool bridged = wrong > 0 && (used_ & ((1u << wrong) - 1)) == 0 && (wrong == 1 || d_.options.imu_group == 1);
+  if (wrong > 0 && !bridged) begin_segment(false);   // nothing of the open one is to be trusted
   end_segment(false);
-  if (spike && !newest_used_) {
-    if (!decimation_.drop_group()) imu_.take_back();
+  imu_spikes_ += static_cast<std::uint32_t>(wrong);
+  if (bridged) {
+    if (!decimation_.drop_group()) imu_.take_back(wrong);
     return;
   }
+  if (gap) ++d_.faults.imu_gaps;
   break_stream();
   imu_clock_.take(t_ns);
 }

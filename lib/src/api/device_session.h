@@ -83,7 +83,8 @@ void Device<S>::restart_filter() {
   if (!own_odometry_) ++frame_;
   for (double& o : origin_) o = 0;
   builder().begin(&open_slot(), session_, serial_, false);
-  has_state_ = has_imu_ = has_frame_ = has_offered_ = has_next_keyframe_ = newest_used_ = false;
+  has_state_ = has_imu_ = has_frame_ = has_offered_ = has_next_keyframe_ = false;
+  used_ = 0;
 }
 
 template <class S>

@@ -79,7 +79,7 @@ Taken Device<S>::process_frame() {
     frames_.drop_front();
     return Taken::waiting;
   }
-  newest_used_ = true;
+  used_ |= 1;
   use_odometry(false);
   const std::int32_t late_starts = vio_.statistics().late_starts;
   const VioStatus status = vio_.push_frame(t_ns, frame.points, frame.n, imu_);
@@ -132,7 +132,8 @@ Taken Device<S>::push_keyframe(std::int64_t t_ns, const State<S>& state, const d
   if (!take_frame_stamp(t_ns)) return Taken::stamp_refused;
   if (!imu_.covers(t_ns, t_ns)) return Taken::waiting;
   last_frame_ = t_ns;
-  has_frame_ = newest_used_ = true;
+  has_frame_ = true;
+  used_ |= 1;
   use_odometry(true);
   frames_.clear();
   Frame<S>& frame = frames_.append(t_ns, 0);

@@ -23,11 +23,9 @@ class ImuHistory {
     if (count_ < kImuHistory) ++count_;
   }
 
-  /// Undoes the last push(), if there was one since clear().
-  void take_back() {
-    if (count_ == 0) return;
-    head_ = (head_ == 0 ? kImuHistory : head_) - 1;
-    --count_;
+  /// Undoes the last `n` times of push(), or all since clear().
+  void take_back(int n) {
+    for (; n > 0 && count_ > 0; --n, --count_) head_ = (head_ == 0 ? kImuHistory : head_) - 1;
   }
 
   /// i = 0 is the oldest sample.

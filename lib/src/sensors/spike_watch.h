@@ -1,7 +1,7 @@
-// Single readings that no motion explains: a bit that flipped on the bus, a shock to the sensor's die. One of them moves an answer by up to
-// eight sigmas and hardly shows in its chi2 (docs/results.md).
+// Readings that no motion explains, one or two in a row: a bit that flipped on the bus, a shock to the sensor's die. One of them moves an answer
+// by up to eight sigmas and hardly shows in its chi2 (docs/results.md).
 //
-// A spike stands alone: it is far from where the two readings before it lead, and the one after it is not. Far is kFarBends times the root
+// A spike stands alone: it is far from where the two readings before it lead, and what follows it is not. Far is kFarBends times the root
 // mean square of the second differences of readings. A motion that begins with a jump goes on, so that what follows it is far from there
 // too; a pulse that ends bends by its own steps.
 #pragma once
@@ -13,9 +13,10 @@ namespace SEGCAL_NS {
 template <class S>
 class SpikeWatch {
  public:
-  /// Of 164,000 real readings of each sensor at 200 Hz one that stands alone is further off (docs/results.md, "Spikes").
+  /// Of 164,000 real readings of each sensor at 200 Hz one or two in a row stood alone further off twice (docs/results.md, "Spikes").
   static constexpr S kFarBends = S(8);
-  /// The next reading is nearer than this share of the spike's distance to where the readings before lead.
+  /// What follows is nearer than this share of the spike's distance to where the readings before lead; half of it after two: a pulse of more
+  /// readings fades.
   static constexpr S kNearShare = S(0.5);
   /// The distance is more than so many steps of the line that it is measured from.
   static constexpr S kSteeper = S(2);
@@ -23,11 +24,11 @@ class SpikeWatch {
   static constexpr S kMostBends = S(4);
   static constexpr std::int32_t kMemory = 200;      ///< readings: a second, in which motion stays alike
   static constexpr std::int32_t kFewReadings = 20;  ///< fewer judge nothing
-  static constexpr S kLeastRate = S(100);           ///< Hz; of a slower IMU one period may be a twitch of 30 ms
+  static constexpr S kLeastRate = S(100), kLeastRateOfTwo = S(150);   ///< Hz; of a slower IMU one reading, or two, may be a twitch
 
   /// `noise`: densities; `rate_hz`: of the readings.
   void begin(const ImuNoise<S>& noise, S rate_hz) {
-    is_on_ = rate_hz >= kLeastRate;
+    widest_ = rate_hz < kLeastRate ? 0 : rate_hz < kLeastRateOfTwo ? 1 : 2;
     gyro_.floor = floor_of(noise.gyro, rate_hz);
     accel_.floor = floor_of(noise.accel, rate_hz);
     clear();
@@ -35,50 +36,65 @@ class SpikeWatch {
   /// After a gap.
   void clear() { n_ = -1; }
 
-  /// Takes the next reading; true if the one before it is a spike, which is then forgotten.
-  bool after(const InertialReading<S>& next) {
-    if (!is_on_) return false;
-    const bool gyro = gyro_.judge(next.gyro, n_), accel = accel_.judge(next.accel, n_);
-    const bool spike = n_ > kFewReadings && (gyro || accel);
-    gyro_.follow(next.gyro, spike);
-    accel_.follow(next.accel, spike);
-    if (!spike && n_ < kMemory) ++n_;
-    return spike;
+  /// Takes the next reading; how many before it are a spike, which are then forgotten: 0 to 2.
+  int after(const InertialReading<S>& next) {
+    if (widest_ == 0) return 0;
+    const int gyro = gyro_.judge(next.gyro, n_, widest_), accel = accel_.judge(next.accel, n_, widest_);
+    const int wrong = n_ <= kFewReadings ? 0 : gyro > accel ? gyro : accel;
+    gyro_.follow(next.gyro, wrong);
+    accel_.follow(next.accel, wrong);
+    if (wrong == 0 && n_ < kMemory) ++n_;
+    return wrong;
   }
 
  private:
   /// One sensor.
   struct Line {
-    S before[3] = {}, last[3] = {}, newest[3] = {};   ///< the newest is judged when the next one comes
-    S mean = S(0), floor = S(0);                      ///< of squared second differences
+    S r[4][3] = {};                  ///< the last readings; the newest is judged when the next one comes
+    S mean = S(0), floor = S(0);     ///< of squared second differences
+    S bend_before = S(0);            ///< of the last but one reading, squared
 
-    /// True if the newest reading stands alone. It counts in the mean as well: what comes often is no accident. `n`: readings before it;
+    /// How many of the newest stand alone. They count in the mean as well: what comes often is no accident. `n`: readings before the newest;
     /// less than two give no line, and the mean begins with the third.
-    [[gnu::noinline]] bool judge(const Vec3<S>& next, std::int32_t n) {
-      S here = S(0), there = S(0), slope = S(0);
+    [[gnu::noinline]] int judge(const Vec3<S>& next, std::int32_t n, int widest) {
+      S here = S(0);
       for (int i = 0; i < 3; ++i) {
-        const S step = last[i] - before[i], bend = newest[i] - last[i] - step, after = next(i) - last[i] - S(2) * step;
+        const S bend = r[3][i] - r[2][i] - (r[2][i] - r[1][i]);
         here += bend * bend;
+      }
+      const int wrong = stand_alone(next, 1, here) ? 1 : widest > 1 && stand_alone(next, 2, bend_before) ? 2 : 0;
+      bend_before = wrong > 0 ? S(0) : here;
+      if (n < 2) {
+        mean = floor;
+        return 0;
+      }
+      const S most = kMostBends * kMostBends * mean;
+      mean += ((here < most ? here : most) - mean) / S(n);
+      if (mean < floor) mean = floor;
+      return wrong;
+    }
+    /// The `width` newest readings; `here`: squared distance of the first of them from where the two before it lead.
+    [[gnu::noinline]] bool stand_alone(const Vec3<S>& next, int width, S here) const {
+      if (!(here > kFarBends * kFarBends * mean)) return false;
+      S there = S(0), slope = S(0);
+      for (int i = 0; i < 3; ++i) {
+        const S last = r[3 - width][i], step = last - r[2 - width][i], after = next(i) - last - S(width + 1) * step;
         there += after * after;
         slope += step * step;
       }
-      const bool alone = here > kFarBends * kFarBends * mean && there < kNearShare * kNearShare * here && kSteeper * kSteeper * slope < here;
-      if (n < 2) {
-        mean = floor;
-      } else {
-        const S most = kMostBends * kMostBends * mean;
-        mean += ((here < most ? here : most) - mean) / S(n);
-        if (mean < floor) mean = floor;
-      }
-      return alone;
+      return S(width * width) * there < kNearShare * kNearShare * here && kSteeper * kSteeper * slope < here;
     }
-    [[gnu::noinline]] void follow(const Vec3<S>& next, bool spike) {
+    [[gnu::noinline]] void follow(const Vec3<S>& next, int wrong) {
       for (int i = 0; i < 3; ++i) {
-        if (!spike) {
-          before[i] = last[i];
-          last[i] = newest[i];
+        if (wrong == 0) {
+          r[0][i] = r[1][i];
+          r[1][i] = r[2][i];
+          r[2][i] = r[3][i];
+        } else if (wrong == 2) {
+          r[2][i] = r[1][i];
+          r[1][i] = r[0][i];
         }
-        newest[i] = next(i);
+        r[3][i] = next(i);
       }
     }
   };
@@ -87,8 +103,8 @@ class SpikeWatch {
   static S floor_of(S density, S rate_hz) { return S(3 * 6) * density * density * rate_hz; }
 
   Line gyro_, accel_;
-  std::int32_t n_ = -1;   ///< readings so far, the newest not among them; -1: none
-  bool is_on_ = false;
+  std::int32_t n_ = -1;       ///< readings so far, the newest not among them; -1: none
+  std::int32_t widest_ = 0;   ///< readings that a spike may have; 0: none is looked for
 };
 
 }  // namespace SEGCAL_NS
