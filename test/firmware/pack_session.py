@@ -2,7 +2,7 @@
 """Packs a recording into the fixture that firmware images have compiled in: 16-bit samples and points, like a sensor's.
 
 usage: pack_session.py REC SESSION.bin
-Made with: segcal simulate --out rec --scenario rich --seconds 40 --seed 1 --tracks 40
+Made with: segcal simulate --out rec --scenario rich --seconds 40 --seed 1 --tracks 40; session_120s.bin with --seconds 120
 The layout is the one that test/firmware/session.c reads; little endian."""
 import csv
 import struct

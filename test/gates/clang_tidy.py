@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 
 SOURCE, BUILD, SECONDS = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve(), float(sys.argv[3])
@@ -37,6 +38,18 @@ def changed_lines(base):
     return out
 
 
+def commands():
+    """Of the build, with those that are compiled as one unit (lib/CMakeLists.txt) one by one."""
+    out = {}
+    for entry in json.loads((BUILD / "compile_commands.json").read_text()):
+        parts = [entry["file"]]
+        if "/Unity/" in entry["file"]:
+            parts = re.findall(r'^#include "(.*)"$', pathlib.Path(entry["file"]).read_text(), re.MULTILINE)
+        for part in parts:
+            out.setdefault(part, {**entry, "file": part, "command": entry["command"].replace(entry["file"], part)})
+    return out
+
+
 def skip(why):
     print(f"skipped: {why}")
     sys.exit(SKIPPED)
@@ -49,14 +62,16 @@ def main():
     if git("rev-parse", "--verify", "--quiet", f"{base}^{{commit}}").returncode != 0:
         skip(f"no commit {base} to compare with")
     changed = changed_lines(base)
-    known = {entry["file"] for entry in json.loads((BUILD / "compile_commands.json").read_text())}
+    known = commands()
     units = [f for f in changed if str(SOURCE / f) in known]
+    database = tempfile.TemporaryDirectory()
+    (pathlib.Path(database.name) / "compile_commands.json").write_text(json.dumps(list(known.values())))
     lines = json.dumps([{"name": str(SOURCE / f), "lines": spans} for f, spans in changed.items()])
     end, bad, late = time.monotonic() + SECONDS, [], []
     for unit in units:
         left = end - time.monotonic()
         try:
-            done = subprocess.run(["clang-tidy", "-p", str(BUILD), *QUIET, f"--line-filter={lines}", str(SOURCE / unit)], capture_output=True, text=True,
+            done = subprocess.run(["clang-tidy", "-p", database.name, *QUIET, f"--line-filter={lines}", str(SOURCE / unit)], capture_output=True, text=True,
                                   check=False, timeout=max(left, 0.01))
         except subprocess.TimeoutExpired:
             late.append(unit)

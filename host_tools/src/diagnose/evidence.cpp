@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "replay/counters.h"
+
 namespace host::diagnosis {
 namespace {
 
@@ -138,8 +140,7 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
 /// True if the fit was taken, with nearly all of the segments.
 bool Evidence::try_fit(const ReplayOptions& options) {
   result_ = replay(sessions_, options);
-  double dropped = 0;
-  for (const auto& [name, count] : result_.counters) dropped = name == "segments_unsettled" ? count : dropped;
+  const double dropped = count_of(result_.counters, "segments_unsettled");
   return result_.result.status != "failed" && dropped <= kDroppedShare * (dropped + static_cast<double>(result_.kept.size()));
 }
 

@@ -72,6 +72,7 @@ struct CoreSegment {
   int keyframes = 0, landmarks = 0, points = 0, rank = 0;
   double A = 0, D = 0, E = 0, gain_nats = 0;
   bool kept = false;
+  bool settled = true;               ///< its states follow its own IMU samples, at the calibration that the odometry believed
   bool outdated = false;             ///< dropped by a calibration: newer segments contradict it
   std::vector<CoreDirection> not_excited;
   std::vector<double> sigma;         ///< per parameter, from this segment and the prior alone

@@ -7,6 +7,7 @@
 #include <chrono>
 
 #include "replay/config_file.h"
+#include "replay/counters.h"
 
 namespace host {
 namespace {
@@ -102,6 +103,9 @@ class Session {
   bool collect_segment() {
     CoreSegment segment;
     if (!core_.last_segment(&segment)) return false;
+    const std::uint32_t unsettled = count_of(core_.counters(), "segments_unsettled");
+    segment.settled = unsettled == unsettled_;
+    unsettled_ = unsettled;
     out_.segments.push_back(segment);
     return true;
   }
@@ -110,6 +114,7 @@ class Session {
   ReplayResult& out_;
   bool calibrate_;
   std::int64_t newest_ = 0;
+  std::uint32_t unsettled_ = count_of(core_.counters(), "segments_unsettled");   ///< segments, so far
 };
 
 void mark_kept(ReplayResult& out) {
@@ -126,8 +131,6 @@ bool calibrates_at_end(const Recording& recording) {
   return recording.device->last && std::any_of(calls.begin(), calls.end(), is(DeviceCall::frame)) &&
          std::none_of(std::find_if(calls.rbegin(), calls.rend(), is(DeviceCall::frame)).base(), calls.end(), is(DeviceCall::calibrate));
 }
-
-using Counters = std::vector<std::pair<std::string, std::uint32_t>>;
 
 Counters difference(Counters now, const Counters& before) {
   for (std::size_t i = 0; i < now.size(); ++i) now[i].second -= before[i].second;
@@ -167,10 +170,8 @@ ReplayPass pass_of(const ReplayResult& out, const Counters& counters, const Core
   pass.status = out.calibrated ? now.status : "insufficient";
   pass.segments = out.calibrated ? now.segments : 0;
   pass.segments_scored = static_cast<int>(out.segments.size());
-  for (const auto& [name, n] : counters) {
-    if (name == "frames_used") pass.frames_used = n;
-    if (name == "filter_restarts") pass.filter_restarts = n;
-  }
+  pass.frames_used = count_of(counters, "frames_used");
+  pass.filter_restarts = count_of(counters, "filter_restarts");
   if (!out.calibrated) return pass;
   pass.chi2_per_dof = now.dof > 0 ? now.chi2 / now.dof : 0;
   measure_step(now, out.passes.empty() ? nullptr : &out.result, &pass);

@@ -26,7 +26,7 @@ Json segment_json(const CoreSegment& s, const std::vector<std::string>& names) {
   Json words = Json::array();
   for (const CoreDirection& d : s.not_excited) words.push_back(in_words(d, names));
   return {{"session", s.session}, {"start_ns", s.start_ns}, {"end_ns", s.end_ns}, {"keyframes", s.keyframes},
-          {"landmarks", s.landmarks}, {"A", s.A}, {"D", s.D}, {"E", s.E}, {"rank", s.rank}, {"kept", s.kept}, {"outdated", s.outdated},
+          {"landmarks", s.landmarks}, {"A", s.A}, {"D", s.D}, {"E", s.E}, {"rank", s.rank}, {"kept", s.kept}, {"settled", s.settled}, {"outdated", s.outdated},
           {"gain_nats", s.gain_nats}, {"not_excited", words}};
 }
 

@@ -6,6 +6,7 @@
 #include "diagnose/chi_square.h"
 #include "diagnose/fault.h"
 #include "formatted.h"
+#include "replay/counters.h"
 #include "replay/words.h"
 #include "review/linearised.h"
 #include "review/missing_effects.h"
@@ -16,6 +17,7 @@ namespace host::review {
 namespace {
 
 constexpr double kLeastUsed = 0.5;       // of the images that the odometry was offered
+constexpr double kMostUnsettled = 0.5, kFewUnsettled = 2;   // of the newer half of the segments; fewer are no sign
 constexpr double kImplausible = -6;      // log10 p of the step from the start
 constexpr double kMostBias = 3;          // sigmas that a missing effect may move a released value by
 constexpr double kObserved = 0.3, kWeak = 0.5;  // as in lib/src/api/release.h
@@ -26,21 +28,15 @@ constexpr double kObserved = 0.3, kWeak = 0.5;  // as in lib/src/api/release.h
 constexpr double kMostRatio = 4;
 const char* const kOneSegment = "one segment alone cannot show whether what is left in it is noise: two that agree are needed";
 
-std::uint32_t counter(const ReplayResult& result, const char* name) {
-  for (const auto& [key, count] : result.counters)
-    if (key == name) return count;
-  return 0;
-}
-
 class Review {
  public:
   Review(const std::vector<Recording>& sessions, const CoreOptions& options, Core& core, ReplayResult* result)
       : sessions_(sessions), options_(options), core_(core), out_(*result), health_(result->health) {}
 
   void run() {
-    health_.frames = counter(out_, "frames");
-    health_.frames_used = counter(out_, "frames_used");
-    health_.filter_restarts = counter(out_, "filter_restarts");
+    health_.frames = count_of(out_.counters, "frames");
+    health_.frames_used = count_of(out_.counters, "frames_used");
+    health_.filter_restarts = count_of(out_.counters, "filter_restarts");
     find_faults_of_data();
     const bool fitted = out_.calibrated && out_.result.dof > 0 && out_.kept.size() >= 2 && out_.result.status != "failed";
     if (fitted) judge_fit();
@@ -74,6 +70,7 @@ class Review {
     widen_sigmas();
     if (out_.result.status != "calibrated") return;
     if (!odometry_stayed()) return refuse("insufficient", used_words());
+    if (!segments_followed()) return refuse("insufficient", followed_words());
     if (out_.result.chi2 > kMostRatio * out_.result.dof) return refuse("failed", "");
     const std::string step = implausible_step();
     if (!step.empty()) return refuse("failed", step);
@@ -113,6 +110,26 @@ class Review {
 
   bool odometry_stayed() const {
     return health_.frames_used >= kLeastUsed * health_.frames_offered;
+  }
+
+  /// Segments that do not follow their own IMU samples are never kept; where a device changes on the way and the odometry does not, those
+  /// since then are such, and what is left agrees on what the device was before.
+  bool segments_followed() const {
+    const auto lost = static_cast<double>(unsettled());
+    return lost < kFewUnsettled || lost < kMostUnsettled * static_cast<double>(newer());
+  }
+
+  std::size_t newer() const { return out_.segments.size() / 2; }
+
+  /// Of the newer half: until the first calibration many may be such.
+  std::size_t unsettled() const {
+    const auto end = out_.segments.end();
+    return static_cast<std::size_t>(std::count_if(end - static_cast<std::ptrdiff_t>(newer()), end, [](const CoreSegment& s) { return !s.settled; }));
+  }
+
+  std::string followed_words() const {
+    return formatted("%zu of the last %zu segments do not follow their own IMU samples with what the odometry believed: a start that is far off, or a "
+                     "device that changed on the way (a camera that moved); calibrate what was before and after by themselves", unsettled(), newer());
   }
 
   std::string used_words() const {
@@ -158,6 +175,8 @@ class Review {
       what = r.dof > 0 && r.converged ? formatted("the fit leaves %.1f times the stated noise (chi2/dof %.2f)", std::sqrt(r.chi2 / r.dof), r.chi2 / r.dof) : "the fit did not settle";
     } else if (!odometry_stayed()) {
       what = used_words();
+    } else if (!segments_followed()) {
+      what = followed_words();
     } else if (out_.kept.empty()) {
       what = !core_.outdated().empty()
                  ? formatted("the calibration changed: %zu kept segments contradict later ones, which had been condensed at the old one; the next session shows the new one",

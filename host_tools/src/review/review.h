@@ -8,6 +8,7 @@ namespace host::review {
 /// Fills result->health, with notes on what was stated (stated.h), and result->cause. Widens sigmas where segments disagree by more than noise does
 /// (segment_scatter.h), and takes `calibrated` back, with everything as it was, where
 ///  - the odometry used less than half of the images that it was offered,
+///  - of the newer half of the segments half, or more, do not follow their own IMU samples with what the odometry believed,
 ///  - the fit leaves more than twice the stated noise,
 ///  - the step from the start is one that the prior does not allow (chi-square, p < 1e-6),
 ///  - an effect that the model lacks would move a released value by more than three of its sigmas (missing_effects.h),

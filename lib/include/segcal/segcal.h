@@ -287,8 +287,9 @@ typedef struct {
   uint32_t clock_restarts;         /* the IMU's clock was set back: the stream began anew */
   uint32_t calibrations_published; /* taken effect: segcal_get_result shows the last of them */
   uint32_t segments_late;          /* dropped: they ended while the segment before was still being scored */
-  uint32_t imu_spikes;             /* stood alone, far from the samples before and after: left out, and the open segment ended. Not looked
-                                      for below 100 Hz and in the first 20 samples after a gap. Since segcal_create, not stored */
+  uint32_t imu_spikes;             /* stood alone, or two in a row, far from the samples before and after: left out, and the open segment
+                                      ended. Not looked for below 100 Hz (two: 150 Hz) and in the first 20 samples after a gap. Since
+                                      segcal_create, not stored */
 } segcal_counters_t;
 
 enum { SEGCAL_WORK_NONE = 0, SEGCAL_WORK_START = 1, SEGCAL_WORK_SCORE = 2, SEGCAL_WORK_CALIBRATION = 3 };
@@ -316,7 +317,7 @@ enum {
   SEGCAL_HEALTH_LOST_OFTEN = 10,      /* the filter starts, and is lost again within ten seconds on average */
   SEGCAL_HEALTH_SATURATED = 11,       /* runs, but more than one IMU sample in a hundred is at full scale */
   SEGCAL_HEALTH_FRAMES_CROWDED = 12,  /* does not run: most frames find no place to wait for their IMU samples, which come in long blocks */
-  SEGCAL_HEALTH_SPIKES = 13           /* an IMU sample in four seconds, or more, stands alone, far from its neighbours: each ends a segment */
+  SEGCAL_HEALTH_SPIKES = 13           /* an IMU sample in four seconds, or more, stands alone or with one other, far from its neighbours: each ends a segment */
 };
 
 /* A whitened residual of the last calibration. */

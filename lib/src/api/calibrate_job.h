@@ -55,13 +55,13 @@ class CalibrateJob {
 
  private:
   enum class Stage : std::int32_t { idle, working, done };
-  bool calibrate_step(DeviceParts<S>* d);
-  bool fit_step(DeviceParts<S>* d);
+  [[gnu::cold]] bool calibrate_step(DeviceParts<S>* d);
+  [[gnu::cold]] bool fit_step(DeviceParts<S>* d);
   bool score_alone_step(DeviceParts<S>* d);
-  bool drop_outdated_step(DeviceParts<S>* d);
-  bool measure_scatter_step(DeviceParts<S>* d);
+  [[gnu::cold]] bool drop_outdated_step(DeviceParts<S>* d);
+  [[gnu::cold]] bool measure_scatter_step(DeviceParts<S>* d);
   bool drop_misfits_step(DeviceParts<S>* d);
-  bool measure_residuals_step(DeviceParts<S>* d);
+  [[gnu::cold]] bool measure_residuals_step(DeviceParts<S>* d);
   void add_residuals(DeviceParts<S>* d, const Segment<S>& s);
   bool drop_far_epochs(DeviceParts<S>* d);
   static void outdate_epoch(int i, DeviceParts<S>* d) {
@@ -71,7 +71,7 @@ class CalibrateJob {
   static int newest_epoch(DeviceParts<S>* d);
   void compare_next(DeviceParts<S>* d);
   void take_verdict(DeviceParts<S>* d);
-  void begin_agreement(DeviceParts<S>* d);
+  [[gnu::cold]] void begin_agreement(DeviceParts<S>* d);
   void judge_change(DeviceParts<S>* d);
 
   Stage stage_ = Stage::idle;

@@ -40,7 +40,7 @@ using namespace SEGCAL_NS;
 
 extern "C" {
 
-int segcal_explain_capacities(const uint32_t* capacities, char* line, size_t bytes) {
+[[gnu::cold]] int segcal_explain_capacities(const uint32_t* capacities, char* line, size_t bytes) {
   if (!capacities || !line) return SEGCAL_ERROR_NULL;
   if (bytes == 0) return SEGCAL_ERROR_SIZE;
   Line out(line, bytes);

@@ -34,6 +34,7 @@ class Device {
   friend struct StoredFields<S>;
 
  public:
+  [[gnu::cold]] Device() = default;
   [[gnu::cold]] void create(const DeviceOptions<S>& options);
 
   /// `celsius`: of this sample and those that follow; not-a-number: as before.
@@ -61,7 +62,7 @@ class Device {
   }
   /// Rows [theta | candidates | rhs] of the kept slots in `use_slot`, in calibrator().theta_triangle() (Calibrator::rows_of).
   /// Only while nothing is pending.
-  S linearise(const std::uint8_t* use_slot, const CandidateTerms& candidates);
+  [[gnu::cold]] S linearise(const std::uint8_t* use_slot, const CandidateTerms& candidates);
   /// The filter's own calibration at this moment, judged as a result.
   void read_filter(Release<S>* out) { read_filter(out, nullptr); }
 
@@ -91,7 +92,7 @@ class Device {
   bool segments_at_rest() const { return !calibration_.pending(); }
   /// Over theta, its sigmas and all states so far; and the kept segments once everything that was pending has been finished by
   /// flush(), new_session() or calibrate() (api/result_hash.h).
-  std::uint64_t result_hash() const;
+  [[gnu::cold]] std::uint64_t result_hash() const;
   bool start_pending() const { return vio_.start_pending(); }
   bool scoring() const { return score_.active(); }
   bool calibrating() const { return calibration_.working(); }
@@ -125,8 +126,8 @@ class Device {
 
   // device_session.h
   [[gnu::cold]] void restart_filter();
-  void begin_session();
-  VioOptions<S> vio_options() const;
+  [[gnu::cold]] void begin_session();
+  [[gnu::cold]] VioOptions<S> vio_options() const;
 
   // device_imu.h
   static bool in_range(const Vec3<S>& reading, S range) { return reading.cwiseAbs().maxCoeff() < range; }
@@ -149,7 +150,7 @@ class Device {
   bool segment_complete(std::int64_t t_ns, std::int64_t spacing);
   void end_segment(bool continues);
   void begin_segment(bool continues);
-  void hand_over();
+  [[gnu::cold]] void hand_over();
   void set_condensing();
   void forget_epochs();
   void count_misfits();
@@ -161,14 +162,14 @@ class Device {
 
   // device_work.h
   bool step();
-  void end_score();
+  [[gnu::cold]] void end_score();
   void finish_score();
-  void begin_calibration(const Calibration<S>& theta);
-  void calibrate_as_wanted();
-  void publish_calibration();
+  [[gnu::cold]] void begin_calibration(const Calibration<S>& theta);
+  [[gnu::cold]] void calibrate_as_wanted();
+  [[gnu::cold]] void publish_calibration();
   void finish_calibration();
-  void take_release();
-  void read_filter(Release<S>* out, InformationAnalysis<S>* analysis);
+  [[gnu::cold]] void take_release();
+  [[gnu::cold]] void read_filter(Release<S>* out, InformationAnalysis<S>* analysis);
   /// A time offset moves the stamps of frames before filter and segments see them, in whole nanoseconds.
   static std::int32_t stamp_shift(const Calibration<S>& theta) {
     const S limit = S(1e9);   // 1 s: far beyond what the filter could bridge; and inside 32 bits

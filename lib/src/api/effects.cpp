@@ -31,7 +31,7 @@ using namespace SEGCAL_NS;
 
 extern "C" {
 
-int segcal_get_effect(int32_t index, segcal_effect_t* out) {
+[[gnu::cold]] int segcal_get_effect(int32_t index, segcal_effect_t* out) {
   if (!out) return SEGCAL_ERROR_NULL;
   if (index < 0 || index >= kEffects) return SEGCAL_ERROR_SIZE;
   const EffectEntry& e = effect_entry(index);
@@ -40,14 +40,14 @@ int segcal_get_effect(int32_t index, segcal_effect_t* out) {
   return SEGCAL_OK;
 }
 
-int segcal_effect_terms(int32_t index, segcal_term_t* out) {
+[[gnu::cold]] int segcal_effect_terms(int32_t index, segcal_term_t* out) {
   if (!out) return SEGCAL_ERROR_NULL;
   if (index < 0 || index >= kEffects) return SEGCAL_ERROR_SIZE;
   for (int i = 0; i < effect_entry(index).n; ++i) out[i] = term_to_c(effect_term(index, i));
   return effect_entry(index).n;
 }
 
-int segcal_describe_term(const segcal_term_t* term, segcal_parameter_t* out) {
+[[gnu::cold]] int segcal_describe_term(const segcal_term_t* term, segcal_parameter_t* out) {
   if (!term || !out) return SEGCAL_ERROR_NULL;
   Term t;
   if (!term_from_c(*term, &t)) return SEGCAL_ERROR_CONFIG;
@@ -56,7 +56,7 @@ int segcal_describe_term(const segcal_term_t* term, segcal_parameter_t* out) {
   return SEGCAL_OK;
 }
 
-int segcal_get_terms(const segcal_t* device, segcal_term_t* term, double* value, int32_t capacity) {
+[[gnu::cold]] int segcal_get_terms(const segcal_t* device, segcal_term_t* term, double* value, int32_t capacity) {
   if (!term || !value) return SEGCAL_ERROR_NULL;
   if (capacity < 0) return SEGCAL_ERROR_SIZE;
   const CDevice* d = open(device);
@@ -70,7 +70,7 @@ int segcal_get_terms(const segcal_t* device, segcal_term_t* term, double* value,
   return n;
 }
 
-int segcal_get_effect_scores(segcal_t* device, segcal_effect_score_t* out, int32_t capacity) {
+[[gnu::cold]] int segcal_get_effect_scores(segcal_t* device, segcal_effect_score_t* out, int32_t capacity) {
   if (!out) return SEGCAL_ERROR_NULL;
   if (capacity < 0) return SEGCAL_ERROR_SIZE;
   CDevice* d = open(device);
@@ -96,7 +96,7 @@ int segcal_get_effect_scores(segcal_t* device, segcal_effect_score_t* out, int32
   return n;
 }
 
-int segcal_linearise(segcal_t* device, const uint8_t* use_slot, const segcal_term_t* candidate, int32_t n_candidates,
+[[gnu::cold]] int segcal_linearise(segcal_t* device, const uint8_t* use_slot, const segcal_term_t* candidate, int32_t n_candidates,
                      double* triangle, int32_t capacity, int32_t* n_theta, int32_t* n_terms, int32_t* dof) {
   if (!use_slot || !triangle || !n_theta || !n_terms || !dof || (!candidate && n_candidates > 0)) return SEGCAL_ERROR_NULL;
   CDevice* d = open(device);

@@ -39,7 +39,7 @@ void read_epoch(const Epoch<Real>& epoch, Device<Real>& device, segcal_epoch_t* 
 
 using namespace SEGCAL_NS;
 
-extern "C" int segcal_get_epoch(segcal_t* device, int32_t index, segcal_epoch_t* out) {
+extern "C" [[gnu::cold]] int segcal_get_epoch(segcal_t* device, int32_t index, segcal_epoch_t* out) {
   if (!out) return SEGCAL_ERROR_NULL;
   CDevice* d = open(device);
   const Epoch<Real>* epoch = d ? d->device.epochs().find(index) : nullptr;
@@ -50,7 +50,7 @@ extern "C" int segcal_get_epoch(segcal_t* device, int32_t index, segcal_epoch_t*
   return SEGCAL_OK;
 }
 
-extern "C" int segcal_get_change(const segcal_t* device, int32_t index, segcal_change_t* out) {
+extern "C" [[gnu::cold]] int segcal_get_change(const segcal_t* device, int32_t index, segcal_change_t* out) {
   if (!out) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;

@@ -56,7 +56,7 @@ int cause(const Device<Real>& device) {
 
 using namespace SEGCAL_NS;
 
-extern "C" int segcal_get_health(const segcal_t* device) {
+extern "C" [[gnu::cold]] int segcal_get_health(const segcal_t* device) {
   const CDevice* d = open(device);
   return d ? cause(d->device) : SEGCAL_ERROR_STATE;
 }

@@ -6,7 +6,7 @@ using namespace SEGCAL_NS;
 
 extern "C" {
 
-int segcal_get_keyframes(const segcal_t* device, int32_t index, segcal_state_t* out, int32_t capacity) {
+[[gnu::cold]] int segcal_get_keyframes(const segcal_t* device, int32_t index, segcal_state_t* out, int32_t capacity) {
   const CDevice* d;
   const Segment<Real>* s;
   const int error = open_slot(device, index, out, capacity, &d, &s);
@@ -16,7 +16,7 @@ int segcal_get_keyframes(const segcal_t* device, int32_t index, segcal_state_t* 
   return n;
 }
 
-int segcal_get_landmarks(const segcal_t* device, int32_t index, segcal_landmark_t* out, int32_t capacity) {
+[[gnu::cold]] int segcal_get_landmarks(const segcal_t* device, int32_t index, segcal_landmark_t* out, int32_t capacity) {
   const CDevice* d;
   const Segment<Real>* s;
   const int error = open_slot(device, index, out, capacity, &d, &s);
@@ -40,7 +40,7 @@ int segcal_get_landmarks(const segcal_t* device, int32_t index, segcal_landmark_
   return n;
 }
 
-int segcal_get_points(const segcal_t* device, int32_t index, segcal_measured_point_t* out, int32_t capacity) {
+[[gnu::cold]] int segcal_get_points(const segcal_t* device, int32_t index, segcal_measured_point_t* out, int32_t capacity) {
   const CDevice* d;
   const Segment<Real>* s;
   const int error = open_slot(device, index, out, capacity, &d, &s);
@@ -53,7 +53,7 @@ int segcal_get_points(const segcal_t* device, int32_t index, segcal_measured_poi
   return n;
 }
 
-int segcal_get_samples(const segcal_t* device, int32_t index, segcal_imu_t* out, int32_t capacity) {
+[[gnu::cold]] int segcal_get_samples(const segcal_t* device, int32_t index, segcal_imu_t* out, int32_t capacity) {
   const CDevice* d;
   const Segment<Real>* s;
   const int error = open_slot(device, index, out, capacity, &d, &s);
@@ -70,7 +70,7 @@ int segcal_get_samples(const segcal_t* device, int32_t index, segcal_imu_t* out,
   return n;
 }
 
-int segcal_get_link(const segcal_t* device, int32_t index, segcal_link_t* out) {
+[[gnu::cold]] int segcal_get_link(const segcal_t* device, int32_t index, segcal_link_t* out) {
   const CDevice* d;
   const Segment<Real>* s;
   const int error = open_slot(device, index, out, 0, &d, &s);
@@ -86,7 +86,7 @@ int segcal_get_link(const segcal_t* device, int32_t index, segcal_link_t* out) {
   return SEGCAL_OK;
 }
 
-int segcal_get_model(const segcal_t* device, segcal_model_t* out) {
+[[gnu::cold]] int segcal_get_model(const segcal_t* device, segcal_model_t* out) {
   if (!out) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;

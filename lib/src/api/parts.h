@@ -75,6 +75,8 @@ struct StreamCounts {
 
 template <class S>
 struct DeviceParts {
+  [[gnu::cold]] DeviceParts() = default;
+
   DeviceOptions<S> options;
   Database<S> database;
   SegmentBuilder<S> builder;
@@ -105,7 +107,7 @@ PackedTriangle<S> sum_of_kept(DeviceParts<S>* d) {
 /// True if the kept segments are worth a calibration: there are enough (paper, Alg. 1), or, where there are targets, they
 /// predict that these will be reached.
 template <class S>
-bool knows_enough(DeviceParts<S>* d) {
+[[gnu::cold]] bool knows_enough(DeviceParts<S>* d) {
   if (!has_targets(d->options.target_sigma, d->prior().mean.columns())) return d->database.full();
   return reaches_targets(sum_of_kept(d), d->prior().sigma, d->options.target_sigma, d->database.full());
 }

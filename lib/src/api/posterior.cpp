@@ -29,7 +29,7 @@ Real dot(const Real* a, const Real* b, int n) {
 
 using namespace SEGCAL_NS;
 
-extern "C" int segcal_get_posterior(const segcal_t* device, double* mean, double* covariance, int32_t capacity) {
+extern "C" [[gnu::cold]] int segcal_get_posterior(const segcal_t* device, double* mean, double* covariance, int32_t capacity) {
   if (!mean || !covariance) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d || !d->device.has_report()) return SEGCAL_ERROR_STATE;

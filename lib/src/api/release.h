@@ -98,7 +98,7 @@ void hold(PackedTriangle<S>* R, int n, const PrintedValue<S>& value, S offset, S
 /// by more than three sigmas is let go as weak, since holding it would push the others away from where they belong.
 /// `R`: triangle over [theta | rhs] at `theta`, rhs near zero at the optimum; it is changed.
 template <class S>
-void hold_fixed(const ThetaPrior<S>& prior, PackedTriangle<S>* R, Release<S>* out) {
+[[gnu::cold]] void hold_fixed(const ThetaPrior<S>& prior, PackedTriangle<S>* R, Release<S>* out) {
   const int n = out->theta.columns();
   S offset[kMaxTheta];
   bool done[kMaxTheta] = {};

@@ -34,7 +34,7 @@ using namespace SEGCAL_NS;
 
 extern "C" {
 
-int segcal_get_point_residuals(const segcal_t* device, int32_t index, segcal_point_residual_t* out, int32_t capacity) {
+[[gnu::cold]] int segcal_get_point_residuals(const segcal_t* device, int32_t index, segcal_point_residual_t* out, int32_t capacity) {
   const CDevice* d;
   const Segment<Real>* s;
   const int error = open_slot(device, index, out, capacity, &d, &s);
@@ -57,7 +57,7 @@ int segcal_get_point_residuals(const segcal_t* device, int32_t index, segcal_poi
   return n;
 }
 
-int segcal_get_imu_residuals(const segcal_t* device, int32_t index, segcal_imu_residual_t* out, int32_t capacity) {
+[[gnu::cold]] int segcal_get_imu_residuals(const segcal_t* device, int32_t index, segcal_imu_residual_t* out, int32_t capacity) {
   const CDevice* d;
   const Segment<Real>* s;
   const int error = open_slot(device, index, out, capacity, &d, &s);

@@ -10,13 +10,13 @@
 namespace SEGCAL_NS {
 
 template <class S>
-void add_to_hash(const State<S>& x, Hash* hash) {
+[[gnu::cold]] void add_to_hash(const State<S>& x, Hash* hash) {
   hash->add(x.R_GI.data(), 9);
   for (const Vec3<S>* v : {&x.p_GI, &x.v_GI, &x.b_a, &x.b_g}) hash->add(v->data(), 3);
 }
 
 template <class S>
-void add_to_hash(const Calibration<S>& theta, Hash* hash) {
+[[gnu::cold]] void add_to_hash(const Calibration<S>& theta, Hash* hash) {
   hash->add(std::int32_t(theta.n_cameras));
   for (int c = 0; c < theta.n_cameras; ++c) {
     const CameraCalibration<S>& camera = theta.camera[c];
@@ -38,7 +38,7 @@ void add_to_hash(const Calibration<S>& theta, Hash* hash) {
 }
 
 template <class S>
-void add_to_hash(const Release<S>& release, Hash* hash) {
+[[gnu::cold]] void add_to_hash(const Release<S>& release, Hash* hash) {
   hash->add(static_cast<std::int32_t>(release.status));
   hash->add(release.noise_scale);
   hash->add(release.sigma, release.theta.columns());
@@ -47,7 +47,7 @@ void add_to_hash(const Release<S>& release, Hash* hash) {
 
 /// What was measured and what became of it.
 template <class S>
-void add_to_hash(const Segment<S>& s, Hash* hash) {
+[[gnu::cold]] void add_to_hash(const Segment<S>& s, Hash* hash) {
   hash->add(s.t0_ns);
   for (std::uint32_t number : {s.serial, s.session, s.frame}) hash->add(number);
   hash->add(s.t_us, s.n_keyframes);
@@ -80,7 +80,7 @@ void add_to_hash(const Segment<S>& s, Hash* hash) {
 
 /// What condensed segments said.
 template <class S>
-void add_to_hash(const Epochs<S>& epochs, Hash* hash) {
+[[gnu::cold]] void add_to_hash(const Epochs<S>& epochs, Hash* hash) {
   for (int i = 0; i < epochs.count(); ++i) {
     const Epoch<S>& e = epochs.epoch(i);
     hash->add(e.segments);
@@ -88,11 +88,11 @@ void add_to_hash(const Epochs<S>& epochs, Hash* hash) {
   }
 }
 template <class S>
-void add_to_hash(const NoEpochs<S>&, Hash*) {}
+[[gnu::cold]] void add_to_hash(const NoEpochs<S>&, Hash*) {}
 
 /// The kept segments in their order in time: in which slot one stands does not matter.
 template <class S>
-void add_to_hash(const Database<S>& database, Hash* hash) {
+[[gnu::cold]] void add_to_hash(const Database<S>& database, Hash* hash) {
   bool done[Database<S>::kSlots] = {};
   for (int left = database.size(); left > 0; --left) {
     int next = -1;

@@ -55,7 +55,7 @@ using namespace SEGCAL_NS;
 
 extern "C" {
 
-int segcal_get_state(const segcal_t* device, segcal_state_t* state) {
+[[gnu::cold]] int segcal_get_state(const segcal_t* device, segcal_state_t* state) {
   if (!state) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d || !d->device.has_state()) return SEGCAL_ERROR_STATE;
@@ -63,7 +63,7 @@ int segcal_get_state(const segcal_t* device, segcal_state_t* state) {
   return SEGCAL_OK;
 }
 
-int segcal_get_camera(const segcal_t* device, int32_t camera, segcal_camera_t* out) {
+[[gnu::cold]] int segcal_get_camera(const segcal_t* device, int32_t camera, segcal_camera_t* out) {
   if (!out) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;
@@ -72,7 +72,7 @@ int segcal_get_camera(const segcal_t* device, int32_t camera, segcal_camera_t* o
   return SEGCAL_OK;
 }
 
-int segcal_get_imu_calibration(const segcal_t* device, segcal_imu_calibration_t* out) {
+[[gnu::cold]] int segcal_get_imu_calibration(const segcal_t* device, segcal_imu_calibration_t* out) {
   if (!out) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;
@@ -80,7 +80,7 @@ int segcal_get_imu_calibration(const segcal_t* device, segcal_imu_calibration_t*
   return SEGCAL_OK;
 }
 
-int segcal_get_result(const segcal_t* device, segcal_result_t* result) {
+[[gnu::cold]] int segcal_get_result(const segcal_t* device, segcal_result_t* result) {
   if (!result) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d || !d->device.has_report()) return SEGCAL_ERROR_STATE;
@@ -101,7 +101,7 @@ int segcal_get_result(const segcal_t* device, segcal_result_t* result) {
   return SEGCAL_OK;
 }
 
-int segcal_get_filter_calibration(segcal_t* device, segcal_result_t* result) {
+[[gnu::cold]] int segcal_get_filter_calibration(segcal_t* device, segcal_result_t* result) {
   if (!result) return SEGCAL_ERROR_NULL;
   CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;
@@ -112,7 +112,7 @@ int segcal_get_filter_calibration(segcal_t* device, segcal_result_t* result) {
   return SEGCAL_OK;
 }
 
-int segcal_get_direction(const segcal_t* device, int32_t index, segcal_direction_t* direction) {
+[[gnu::cold]] int segcal_get_direction(const segcal_t* device, int32_t index, segcal_direction_t* direction) {
   if (!direction) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d || !d->device.has_report()) return SEGCAL_ERROR_STATE;
@@ -122,12 +122,12 @@ int segcal_get_direction(const segcal_t* device, int32_t index, segcal_direction
   return SEGCAL_OK;
 }
 
-uint64_t segcal_result_hash(const segcal_t* device) {
+[[gnu::cold]] uint64_t segcal_result_hash(const segcal_t* device) {
   const CDevice* d = open(device);
   return d ? d->device.result_hash() : 0;
 }
 
-int segcal_get_segment(const segcal_t* device, int32_t index, segcal_segment_t* out) {
+[[gnu::cold]] int segcal_get_segment(const segcal_t* device, int32_t index, segcal_segment_t* out) {
   if (!out) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;
@@ -157,7 +157,7 @@ int segcal_get_segment(const segcal_t* device, int32_t index, segcal_segment_t* 
   return SEGCAL_OK;
 }
 
-int segcal_get_segment_directions(const segcal_t* device, segcal_direction_t* out, int32_t capacity) {
+[[gnu::cold]] int segcal_get_segment_directions(const segcal_t* device, segcal_direction_t* out, int32_t capacity) {
   if (!out) return SEGCAL_ERROR_NULL;
   if (capacity < 0) return SEGCAL_ERROR_SIZE;
   const CDevice* d = open(device);
@@ -169,7 +169,7 @@ int segcal_get_segment_directions(const segcal_t* device, segcal_direction_t* ou
   return n;
 }
 
-int segcal_get_segment_sigmas(const segcal_t* device, double* sigma, int32_t capacity) {
+[[gnu::cold]] int segcal_get_segment_sigmas(const segcal_t* device, double* sigma, int32_t capacity) {
   if (!sigma) return SEGCAL_ERROR_NULL;
   if (capacity < 0) return SEGCAL_ERROR_SIZE;
   const CDevice* d = open(device);
@@ -187,7 +187,7 @@ int segcal_get_segment_sigmas(const segcal_t* device, double* sigma, int32_t cap
   return j;
 }
 
-int segcal_get_counters(const segcal_t* device, segcal_counters_t* out) {
+[[gnu::cold]] int segcal_get_counters(const segcal_t* device, segcal_counters_t* out) {
   if (!out) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;

@@ -59,11 +59,11 @@ class ScoreJob {
   bool kept() const { return kept_; }
 
  private:
-  bool score_step(DeviceParts<S>* d, ScoreReport<S>* report);
+  [[gnu::cold]] bool score_step(DeviceParts<S>* d, ScoreReport<S>* report);
   bool condense_step(DeviceParts<S>* d);
   bool empty_step(DeviceParts<S>* d);
   void begin_emptying(DeviceParts<S>* d);
-  bool analyse_segment_step(DeviceParts<S>* d, Segment<S>* segment);
+  [[gnu::cold]] bool analyse_segment_step(DeviceParts<S>* d, Segment<S>* segment);
   void settle(DeviceParts<S>* d, const Segment<S>& segment);
   void publish(DeviceParts<S>* d, ScoreReport<S>* report);
 

@@ -63,7 +63,7 @@ void segcal_memory(size_t* state_bytes, size_t* segment_bytes, size_t* workspace
   if (workspace_bytes) *workspace_bytes = Device<Real>::workspace_bytes();
 }
 
-int segcal_create_for(segcal_t** device, const segcal_config_t* config, void* storage, size_t storage_bytes,
+[[gnu::cold]] int segcal_create_for(segcal_t** device, const segcal_config_t* config, void* storage, size_t storage_bytes,
                       const uint32_t* capacities) {
   if (!device || !config || !storage || !capacities) return SEGCAL_ERROR_NULL;
   *device = nullptr;

@@ -44,7 +44,7 @@ class Calibrator {
     }
   }
   /// The same in slices (math/resumable.h). Between two of them the eliminator is not the caller's.
-  bool run_step(const CalibratorOptions& options, SegmentEliminator<S>* eliminator);
+  [[gnu::cold]] bool run_step(const CalibratorOptions& options, SegmentEliminator<S>* eliminator);
 
   /// For costs of single segments, while no run is under way.
   void lend_cost_steps() { new (&work_.cost) CostSteps<S>; }
@@ -85,7 +85,7 @@ class Calibrator {
   /// Rows [theta | candidates | rhs] of some of the segments, joined as a calibration would join them, at the present
   /// estimate and without the prior on theta; all else stays as it was. They stand in theta_triangle() until the next call
   /// of anything. Returns the degrees of freedom, theta and candidates not counted.
-  S rows_of(const bool* use, const CandidateTerms& candidates, SegmentEliminator<S>* eliminator);
+  [[gnu::cold]] S rows_of(const bool* use, const CandidateTerms& candidates, SegmentEliminator<S>* eliminator);
   /// Robust, at the present estimate, with all priors.
   S total_cost() {
     while (!total_cost_step()) {
@@ -103,15 +103,15 @@ class Calibrator {
     while (!linearise_step(eliminator, damping, candidates, with_prior)) {
     }
   }
-  void set_up(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
+  [[gnu::cold]] void set_up(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
               const MeasurementModel<S>& model);
-  void link_up();
+  [[gnu::cold]] void link_up();
   void form_partitions();
   GuestLink<S> guest(int i);
   const Landmark<S>& tie(int t) const;
   S tie_prior_share(int t) const;
   bool total_cost_step();
-  PackedTriangle<S> begin_linearisation(S damping, const CandidateTerms* candidates, bool with_prior);
+  [[gnu::cold]] PackedTriangle<S> begin_linearisation(S damping, const CandidateTerms* candidates, bool with_prior);
   bool linearise_step(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates = nullptr, bool with_prior = true);
   bool step_back_step(SegmentEliminator<S>* eliminator, S damping);
   void gather_step(const SegmentEliminator<S>& eliminator, int i);
@@ -124,7 +124,7 @@ class Calibrator {
   LeftRows<S>* left(int i) { return i > 0 ? &memory_.other[i - 1].left : nullptr; }
   SegmentStates<S>& saved(int i) { return i > 0 ? memory_.other[i - 1].states : memory_.first; }
   void save_states(int i) { new (&saved(i)) SegmentStates<S>(segment_[i]->states); }
-  void restore();
+  [[gnu::cold]] void restore();
   bool turned_back(const S* theta_step);
   bool iterate_step(SegmentEliminator<S>* eliminator, const CalibratorOptions& options);
   bool judge_step(S trial, const CalibratorOptions& options);

@@ -55,7 +55,7 @@ class Partitions {
  public:
   /// Joins what can be joined, at the present states, and gives tied landmarks one value each. Image points that are
   /// marked as rejected tie nothing.
-  void form(Segment<S>* const* segment, const SegmentLink<S>* link, int count, const Calibration<S>& theta,
+  [[gnu::cold]] void form(Segment<S>* const* segment, const SegmentLink<S>* link, int count, const Calibration<S>& theta,
             const MeasurementModel<S>& model) {
     count_ = count;
     sets_.reset(count);

@@ -15,7 +15,7 @@ struct ThetaPrior {
 
 /// DESIGN, section 3, last column of the table.
 template <class S>
-void default_prior_sigmas(const Calibration<S>& mean, S* sigma) {
+[[gnu::cold]] void default_prior_sigmas(const Calibration<S>& mean, S* sigma) {
   const auto put = [&sigma](int n, S value) {
     for (int i = 0; i < n; ++i) *sigma++ = value;
   };

@@ -48,10 +48,10 @@ class Ties {
   }
 
   /// Chooses ties between segments a and b of different sets. False, and nothing is changed, if too few are good enough.
-  bool connect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta, const MeasurementModel<S>& model,
+  [[gnu::cold]] bool connect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta, const MeasurementModel<S>& model,
                DisjointSets* sets);
   /// When all sets are joined: every segment of a tie's set that sees it takes part, and begins with the same values.
-  void spread(Segment<S>* const* segment, int count, DisjointSets* sets);
+  [[gnu::cold]] void spread(Segment<S>* const* segment, int count, DisjointSets* sets);
 
  private:
   struct Tie {
@@ -67,10 +67,10 @@ class Ties {
     bool exists, taken;
   };
   bool exists(std::uint32_t id, int a, int b, DisjointSets* sets) const;
-  int collect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta, const MeasurementModel<S>& model,
+  [[gnu::cold]] int collect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta, const MeasurementModel<S>& model,
               DisjointSets* sets, Candidate* out) const;
-  static int drop_mistaken(Candidate* candidate, int n);
-  static S worth(const Candidate* candidate, int n, int i, const Vec3<S>& up);
+  [[gnu::cold]] static int drop_mistaken(Candidate* candidate, int n);
+  [[gnu::cold]] static S worth(const Candidate* candidate, int n, int i, const Vec3<S>& up);
   void remove_doubles(DisjointSets* sets);
 
   Tie tie_[kMaxTies + 1];

@@ -88,7 +88,7 @@ class Database {
     int slot[kSlots];
     return joint->gains_without_one_step(information, compared(information, slot));
   }
-  bool offer_compared(JointInformation<S>* joint) {
+  [[gnu::cold]] bool offer_compared(JointInformation<S>* joint) {
     if (!worth_a_slot()) return false;
     const Segment<S>& segment = slot_[building_];
     ++offered_;

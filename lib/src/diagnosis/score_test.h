@@ -49,7 +49,7 @@ class ScoreTest {
       : R_(R), n_theta_(n_theta), terms_(R.columns() - 1 - n_theta), scratch_(scratch), collinear_(collinear) {}
 
   /// Of one effect, with the `n` accepted ones free. Groups do not overlap.
-  EffectScore<S> of(const TermGroup& effect, const TermGroup* accepted = nullptr, int n = 0) {
+  [[gnu::cold]] EffectScore<S> of(const TermGroup& effect, const TermGroup* accepted = nullptr, int n = 0) {
     width_ = 0;
     for (int i = 0; i < n; ++i) gather(accepted[i]);
     const int before = width_;
@@ -75,7 +75,7 @@ class ScoreTest {
 
   /// Brings the block's columns of a group, from column `j` on, to rows of T. A column that is a combination of those before
   /// keeps a row of zeroes: its reflection would take an arbitrary direction away from the columns after it.
-  int clear_columns(const TermGroup& group, int j, PackedTriangle<S>* T) {
+  [[gnu::cold]] int clear_columns(const TermGroup& group, int j, PackedTriangle<S>* T) {
     for (int i = 0; i < group.count; ++i, ++j) {
       const S limit = collinear_ * length(n_theta_ + group.first + i);
       if (square_sum(scratch_ + j, terms_, terms_ + 1) <= limit * limit) continue;

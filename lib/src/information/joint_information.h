@@ -49,7 +49,7 @@ class JointInformation {
 
   /// Nats that the prior gains from all segments but the i-th, for each i: half of log det. count <= kMaxCompared. In slices;
   /// true when gain_without(i) tells.
-  bool gains_without_one_step(const SegmentInformation<S>* const* segment, int count) {
+  [[gnu::cold]] bool gains_without_one_step(const SegmentInformation<S>* const* segment, int count) {
     SEGCAL_SLICES(place_) {
       for (int level = 0; level < kSumLevels; ++level) first_[level] = last_[level] = 0;
       prior(0);
@@ -111,7 +111,7 @@ class JointInformation {
     return true;
   }
 
-  void add(const SegmentInformation<S>& information, int level) {
+  [[gnu::cold]] void add(const SegmentInformation<S>& information, int level) {
     PackedTriangle<S> T = triangle(level);
     S* B = block();
     for (int i = 0; i < n_; ++i) {

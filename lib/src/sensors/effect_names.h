@@ -52,7 +52,7 @@ inline void write_unit(const Dimension& d, TextWriter* out) {
   if (first) out->text("-");
 }
 
-inline void describe_product(const Term& t, TextWriter* name, TextWriter* unit) {
+[[gnu::cold]] inline void describe_product(const Term& t, TextWriter* name, TextWriter* unit) {
   name->text(kTermAxes[int(t.kind)]).text(":").text(kSignalNames[t.a]);
   if (t.b > 0) name->text("*").text(kSignalNames[t.b]);
   const Dimension a = kDimension[t.a], b = kDimension[t.b];

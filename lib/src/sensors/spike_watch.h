@@ -13,7 +13,7 @@ namespace SEGCAL_NS {
 template <class S>
 class SpikeWatch {
  public:
-  /// Of 164,000 real readings of each sensor at 200 Hz one or two in a row stood alone further off twice (docs/results.md, "Spikes").
+  /// Of 164,000 real readings of each sensor at 200 Hz none, and no two in a row, stand alone further off (docs/results.md, "Spikes").
   static constexpr S kFarBends = S(8);
   /// What follows is nearer than this share of the spike's distance to where the readings before lead; half of it after two: a pulse of more
   /// readings fades.

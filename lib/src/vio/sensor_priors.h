@@ -63,7 +63,7 @@ void replace_sensor_priors(Window<S>* w, const VioOptions<S>& options) {
 /// what the old calibration left) goes where the window's information puts it for the new one: the mean of R's other rows given a step
 /// of the sensors. Without that the links of the next seconds would be broken by tens of sigmas.
 template <class S>
-void take_calibration(const Calibration<S>& theta, const VioOptions<S>& options, Window<S>* w) {
+[[gnu::cold]] void take_calibration(const Calibration<S>& theta, const VioOptions<S>& options, Window<S>* w) {
   S delta[kMaxTheta];   // effects behind the sensors included: the filter takes them as they are
   difference(w->theta, theta, delta);
   PackedTriangle<S> R = w->R();

@@ -64,7 +64,7 @@ bool alignment_landmark(S* rows, int m, const Vec3<S>& v0, const Vec3<S>& g, Vec
 
 /// Minimises |R_g g - d| over |g| = magnitude by steps in the tangent plane; R_g is 3x3 upper triangular.
 template <class S>
-Vec3<S> gravity_on_sphere(const Mat3<S>& R_g, const Vec3<S>& d, S magnitude, Vec3<S> g) {
+[[gnu::cold]] Vec3<S> gravity_on_sphere(const Mat3<S>& R_g, const Vec3<S>& d, S magnitude, Vec3<S> g) {
   for (int iteration = 0; iteration < 10; ++iteration) {
     Vec3<S> e1, e2;
     const Vec3<S> unit = g / magnitude;

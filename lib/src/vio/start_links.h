@@ -30,7 +30,7 @@ struct Origin {
   }
 
   /// Attitude in which the vector `down` of I points along gravity and the x axis keeps its heading.
-  Mat3<S> attitude(const Vec3<S>& down, const Vec3<S>& g) const {
+  [[gnu::cold]] Mat3<S> attitude(const Vec3<S>& down, const Vec3<S>& g) const {
     const Vec3<S> z = g / -square_root(g.squaredNorm());
     const Vec3<S> up_I = down / -square_root(down.squaredNorm());
     Vec3<S> y_G = cross<S>(z, forward), y_I = cross<S>(up_I, Vec3<S>(S(1), S(0), S(0)));
@@ -43,10 +43,16 @@ struct Origin {
     }
     y_G /= square_root(y_G.squaredNorm());
     y_I /= square_root(y_I.squaredNorm());
-    Mat3<S> A_G, A_I;
-    A_G << cross<S>(y_G, z), y_G, z;
-    A_I << cross<S>(y_I, up_I), y_I, up_I;
-    return renormalised<S>(A_G * A_I.transpose());
+    return renormalised<S>(axes(y_G, z) * axes(y_I, up_I).transpose());
+  }
+
+ private:
+  static Mat3<S> axes(const Vec3<S>& y, const Vec3<S>& z) {
+    Mat3<S> out;
+    out.col(0) = cross<S>(y, z);
+    out.col(1) = y;
+    out.col(2) = z;
+    return out;
   }
 };
 

@@ -69,18 +69,18 @@ class MotionStart {
 
  private:
   using Samples = ImuUntil<S>;
-  bool run_step(const StartContext<S>& c, const Samples& imu);
+  [[gnu::cold]] bool run_step(const StartContext<S>& c, const Samples& imu);
   bool integrate_step(const StartContext<S>& c, const Samples& imu);
   void integrate_some(const Samples& imu, std::int64_t end);
   bool gyro_bias_step(const StartContext<S>& c, const Samples& imu);
   bool align_step(const StartContext<S>& c);
   bool linearise_step(const StartContext<S>& c);
-  bool refine_step(const StartContext<S>& c);
-  bool discard_step(const StartContext<S>& c);
-  bool open_step(const StartContext<S>& c, const Samples& imu);
-  bool use_tracks_step(const StartContext<S>& c);
+  [[gnu::cold]] bool refine_step(const StartContext<S>& c);
+  [[gnu::cold]] bool discard_step(const StartContext<S>& c);
+  [[gnu::cold]] bool open_step(const StartContext<S>& c, const Samples& imu);
+  [[gnu::cold]] bool use_tracks_step(const StartContext<S>& c);
   bool link_poses(const StartContext<S>& c);
-  void begin_from_rest(const StartContext<S>& c);
+  [[gnu::cold]] void begin_from_rest(const StartContext<S>& c);
   bool fold_some(Window<S>* w, S* rows, int m);
   bool unfold_some(Window<S>* w, S* rows, int m, int first);
 

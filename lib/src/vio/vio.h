@@ -26,8 +26,10 @@ constexpr int kDeniedRest = 5;
 template <class S>
 class Vio {
  public:
+  [[gnu::cold]] Vio() = default;
+
   /// Forgets everything and waits for frames.
-  void reset(const Calibration<S>& theta, const VioOptions<S>& options);
+  [[gnu::cold]] void reset(const Calibration<S>& theta, const VioOptions<S>& options);
 
   /// A new calibration for the running filter. It replaces the filter's own, with a smaller prior.
   void set_calibration(const Calibration<S>& theta);
@@ -88,14 +90,14 @@ class Vio {
   VioStatus collect(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
   VioStatus track(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
   VioStatus wait_for_start(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
-  VioStatus try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu);
+  [[gnu::cold]] VioStatus try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu);
   VioStatus begin_running();
-  void drop_start();
+  [[gnu::cold]] void drop_start();
   StartContext<S> start_context() {
     return {&window_, &tracks_, &start_, options_, origin_, &monitor_, &statistics_};
   }
-  VioStatus give_up();
-  void forget();
+  [[gnu::cold]] VioStatus give_up();
+  [[gnu::cold]] void forget();
   void make_room();
   bool healthy() const;
   void move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuIntegral<S>& I, int place, int spent);

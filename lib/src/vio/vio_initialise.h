@@ -8,7 +8,7 @@ namespace SEGCAL_NS {
 
 /// Puts the prior of the first state and the sensors into an empty R.
 template <class S>
-void begin_window(Window<S>* w, const VioOptions<S>& options, const State<S>& x0, S sigma_v) {
+[[gnu::cold]] void begin_window(Window<S>* w, const VioOptions<S>& options, const State<S>& x0, S sigma_v) {
   PackedTriangle<S> R = w->R();
   for (int c = 0; c < w->theta.n_cameras; ++c) w->camera_first[c] = w->theta.camera[c];
   w->clear_information();
@@ -65,7 +65,7 @@ void fold_rest(Window<S>* w, const VioOptions<S>& options, const ReadingSpread<S
 
 /// Starts with one pose, the newest frame's.
 template <class S>
-void start_at_rest(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, const Origin<S>& origin,
+[[gnu::cold]] void start_at_rest(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, const Origin<S>& origin,
                    const ImuHistory<S>& imu, StartScratch<S>* s) {
   const ReadingSpread<S> spread = reading_spread(imu, w->pose[0].time, w->newest().time);
   while (w->n_poses > 1) {
