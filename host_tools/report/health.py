@@ -6,7 +6,7 @@ import words
 FAULTS = {
     "imu_gaps": "Gaps in the IMU data, of more than three periods",
     "imu_saturated": "IMU samples at full scale, where the sensor saturates",
-    "imu_spikes": "IMU samples that stand alone, far from their neighbours: left out, and the segment ends there",
+    "imu_spikes": "IMU samples that stand alone, one or two, far from their neighbours: left out, and the segment ends there",
     "imu_not_finite": "IMU samples that are no numbers",
     "imu_stamps_back": "IMU stamps that repeat or go back",
     "imu_stamps_far": "IMU stamps more than a second from their neighbours",

@@ -86,6 +86,17 @@ void test_spikes_are_found() {
   });
 }
 
+/// A shock to the die: one sensor's reading alone, while the other rings and fades.
+void test_a_spike_takes_no_sound_reading_with_it() {
+  each_seed(20, [](const Id& id, std::uint64_t seed) {
+    Stream stream = motion(seed, 0);
+    double ring = (0.06 + 0.003 * double(seed));
+    for (std::size_t i = 500; i < 506; ++i, ring *= 0.55) stream[i].gyro[0] += ring;
+    stream[500].accel[1] += 30;
+    check(id, stream, {500});
+  });
+}
+
 /// A knock that goes on, with a spike soon after it; one that rings; a jump to another rate; readings that repeat; some lost.
 void test_motion_is_no_spike() {
   each_seed(20, [](const Id& id, std::uint64_t seed) {
@@ -182,6 +193,7 @@ int main(int argc, char** argv) {
   test::select_cases(argc, argv);
   UNITY_BEGIN();
   RUN_TEST(test_spikes_are_found);
+  RUN_TEST(test_a_spike_takes_no_sound_reading_with_it);
   RUN_TEST(test_motion_is_no_spike);
   RUN_TEST(test_beginnings_are_no_spikes);
   RUN_TEST(test_coarse_and_shaken_sensors_have_none);

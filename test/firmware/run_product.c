@@ -1,6 +1,7 @@
 /* Two minutes as a product has them, on a target: frames come when their time has come (in natural order: the IMU up to an image, then its
  * tracks), the background gets PRODUCT_SLICES slices after each sample (below 0: as many in bursts, five times a second), and two calibrations
- * are asked for. Each call is measured (marks.h), so that the longest one is known whatever it was that it had to do.
+ * are asked for. Each call that feeds and each slice is measured (marks.h), so that the longest one is known whatever it had to do; a segment that
+ * ends does so in the call of a sample.
  * Exit code 0: calibrated, by two calibrations or more. */
 #include "marks.h"
 #include "print.h"
@@ -50,7 +51,7 @@ static void feed_imu_until(int64_t t_ns) {
     segcal_push_imu(device, &sample);
     segcal_mark_imu_sample();
     idle_task();
-    if (next_sample % (session_samples() / (requests + 1)) == 0) segcal_request_calibration(device);
+    if (next_sample % (session_samples() / (requests + 1) + 1) == 0) segcal_request_calibration(device);
   }
 }
 

@@ -44,7 +44,7 @@ std::vector<Fault> image_faults(const Recording& recording, const Calibration& s
 std::vector<Fault> track_faults(const Recording& recording, const Calibration& start);     ///< corners that do not belong to one scene
 std::vector<Fault> rotation_faults(const Recording& recording, const Calibration& start);  ///< axes, deg/s, clocks: gyroscope and image
 
-/// Places of IMU samples that stand alone, among those that the device takes.
+/// Places of IMU samples that stand alone, one or two in a row, among those that the device takes.
 std::vector<std::size_t> spikes_of(const Recording& recording);
 std::vector<Fault> spike_faults(const Recording& recording, const std::vector<std::size_t>& spikes);
 

@@ -33,7 +33,9 @@ std::vector<std::size_t> spikes_of(const Recording& recording) {
     if (!is_taken(reading)) continue;
     const bool gap = !taken.empty() && static_cast<double>(samples[i].t_ns - samples[taken.back()].t_ns) * 1e-9 > gap_periods / noise.rate_hz;
     if (gap) watch.clear();
-    out.insert(out.end(), taken.end() - watch.after(reading), taken.end());
+    const auto wrong = taken.end() - watch.after(reading);
+    out.insert(out.end(), wrong, taken.end());
+    taken.erase(wrong, taken.end());
     taken.push_back(i);
   }
   return out;
@@ -44,8 +46,8 @@ std::vector<Fault> spike_faults(const Recording& recording, const std::vector<st
   const std::vector<ImuSample>& samples = recording.imu.samples;
   const double seconds = static_cast<double>(samples.back().t_ns - samples.front().t_ns) * 1e-9;
   return {{"spikes", "imu", samples[spikes.front()].t_ns, samples[spikes.back()].t_ns, spikes.size(), static_cast<double>(spikes.size()) / seconds, many, "1/s",
-           formatted("IMU: %zu of %zu samples stand alone, far from the ones before and after, the first at stamp %lld ns. They are left out, and each ends "
-                     "a segment: look at the sensor's bus, and at what knocks against it.",
+           formatted("IMU: %zu of %zu samples stand alone, or two in a row, far from the ones before and after, the first at stamp %lld ns. They are left out "
+                     "and end a segment: look at the sensor's bus, and at what knocks against it.",
                      spikes.size(), samples.size(), static_cast<long long>(samples[spikes.front()].t_ns))}};
 }
 

@@ -17,7 +17,7 @@ namespace host::review {
 namespace {
 
 constexpr double kLeastUsed = 0.5;       // of the images that the odometry was offered
-constexpr double kMostUnsettled = 0.5, kFewUnsettled = 2;   // of the newer half of the segments; fewer are no sign
+constexpr double kMostUnsettled = 0.5, kFewUnsettled = 3;   // of the newer half of the segments; fewer are no sign
 constexpr double kImplausible = -6;      // log10 p of the step from the start
 constexpr double kMostBias = 3;          // sigmas that a missing effect may move a released value by
 constexpr double kObserved = 0.3, kWeak = 0.5;  // as in lib/src/api/release.h
@@ -70,12 +70,12 @@ class Review {
     widen_sigmas();
     if (out_.result.status != "calibrated") return;
     if (!odometry_stayed()) return refuse("insufficient", used_words());
-    if (!segments_followed()) return refuse("insufficient", followed_words());
     if (out_.result.chi2 > kMostRatio * out_.result.dof) return refuse("failed", "");
     const std::string step = implausible_step();
     if (!step.empty()) return refuse("failed", step);
     const auto worst = std::max_element(missing.begin(), missing.end(), [](const Suspect& a, const Suspect& b) { return a.bias_sigmas < b.bias_sigmas; });
     if (worst != missing.end() && worst->bias_sigmas > kMostBias) return refuse("failed", missing.front().words);
+    if (!segments_followed()) return refuse("insufficient", followed_words());
     const auto observed = std::count_if(out_.result.parameters.begin(), out_.result.parameters.end(), [](const CoreParameter& p) { return p.verdict == "observed"; });
     if (2 * static_cast<std::size_t>(observed) < out_.result.parameters.size())
       refuse("insufficient", formatted("the segments disagree with each other by %.1f times their noise: with that in the sigmas, %d of %zu parameters are observed",
@@ -116,12 +116,15 @@ class Review {
   /// since then are such, and what is left agrees on what the device was before.
   bool segments_followed() const {
     const auto lost = static_cast<double>(unsettled());
-    return lost < kFewUnsettled || lost < kMostUnsettled * static_cast<double>(newer());
+    return options_.condense || lost < kFewUnsettled || lost < kMostUnsettled * static_cast<double>(newer());
   }
 
-  std::size_t newer() const { return out_.segments.size() / 2; }
+  /// How many segments are the newer half of the last session: until the first calibration many may not follow.
+  std::size_t newer() const {
+    const std::vector<CoreSegment>& all = out_.segments;
+    return static_cast<std::size_t>(std::count_if(all.begin(), all.end(), [&all](const CoreSegment& s) { return s.session == all.back().session; })) / 2;
+  }
 
-  /// Of the newer half: until the first calibration many may be such.
   std::size_t unsettled() const {
     const auto end = out_.segments.end();
     return static_cast<std::size_t>(std::count_if(end - static_cast<std::ptrdiff_t>(newer()), end, [](const CoreSegment& s) { return !s.settled; }));

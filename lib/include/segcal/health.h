@@ -37,7 +37,7 @@ static inline const char *segcal_health_words(int health) {
       return "most frames are dropped because their IMU samples come too late: shorter blocks of samples, a longer frame_interval_s, or a "
              "larger SEGCAL_WAITING_FRAMES";
     case SEGCAL_HEALTH_SPIKES:
-      return "an IMU sample every few seconds stands alone, far from the ones before and after, and each ends a segment: look at the "
+      return "IMU samples, one or two every few seconds, stand alone, far from the ones before and after, and end a segment: look at the "
              "sensor's bus, and at what knocks against it";
     default:
       return "unknown";

@@ -317,7 +317,7 @@ enum {
   SEGCAL_HEALTH_LOST_OFTEN = 10,      /* the filter starts, and is lost again within ten seconds on average */
   SEGCAL_HEALTH_SATURATED = 11,       /* runs, but more than one IMU sample in a hundred is at full scale */
   SEGCAL_HEALTH_FRAMES_CROWDED = 12,  /* does not run: most frames find no place to wait for their IMU samples, which come in long blocks */
-  SEGCAL_HEALTH_SPIKES = 13           /* an IMU sample in four seconds, or more, stands alone or with one other, far from its neighbours: each ends a segment */
+  SEGCAL_HEALTH_SPIKES = 13           /* an IMU sample in four seconds, or more, stands alone or with one other, far from its neighbours: they end segments */
 };
 
 /* A whitened residual of the last calibration. */

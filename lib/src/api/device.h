@@ -132,6 +132,7 @@ class Device {
   // device_imu.h
   static bool in_range(const Vec3<S>& reading, S range) { return reading.cwiseAbs().maxCoeff() < range; }
   void keep_unbroken(std::int64_t t_ns, const InertialReading<S>& reading);
+  bool bridge_is_short(std::int64_t t_ns, int wrong) const;
   void break_stream();
   void start_clock(std::int64_t t_ns);
 

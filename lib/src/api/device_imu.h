@@ -42,24 +42,32 @@ Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading, 
 
 /// The open segment ends at a gap and at a spike, which is known only now, by what follows it. A spike is taken out of the stream, and its
 /// neighbours bridge it: the filter goes on. If a frame has used it already, the segment is dropped, and a new stretch begins, as at a gap;
-/// so too where two readings in a row may have gone into two groups.
+/// so too where two readings in a row may have gone into two groups, or where the bridge would be long: samples at full scale were left out beside.
 template <class S>
 void Device<S>::keep_unbroken(std::int64_t t_ns, const InertialReading<S>& reading) {
   const bool gap = has_imu_ && S(t_ns - last_imu_) * S(1e-9) > S(3) / d_.options.imu_rate_hz;
   if (gap || !has_imu_) spikes_.clear();
   const int wrong = spikes_.after(reading);
   if (!gap && wrong == 0) return;
-  const bool bridged = wrong > 0 && (used_ & ((1u << wrong) - 1)) == 0 && (wrong == 1 || d_.options.imu_group == 1);
+  const bool bridged = wrong > 0 && (used_ & ((1u << wrong) - 1)) == 0 && bridge_is_short(t_ns, wrong);
   if (wrong > 0 && !bridged) begin_segment(false);   // nothing of the open one is to be trusted
   end_segment(false);
   imu_spikes_ += static_cast<std::uint32_t>(wrong);
   if (bridged) {
     if (!decimation_.drop_group()) imu_.take_back(wrong);
+    used_ >>= wrong;
     return;
   }
   if (gap) ++d_.faults.imu_gaps;
   break_stream();
   imu_clock_.take(t_ns);
+}
+
+/// From the newest sample that stays when `wrong` go, to `t_ns`: three periods for two, and what stamps scatter by.
+template <class S>
+bool Device<S>::bridge_is_short(std::int64_t t_ns, int wrong) const {
+  if (d_.options.imu_group > 1) return wrong == 1;
+  return imu_.size() > wrong && S(t_ns - imu_.time(imu_.size() - 1 - wrong)) * S(1e-9) <= S(3.5) / d_.options.imu_rate_hz;
 }
 
 /// Signal::time counts from the first sample.

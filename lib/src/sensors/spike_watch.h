@@ -63,7 +63,7 @@ class SpikeWatch {
         here += bend * bend;
       }
       const int wrong = stand_alone(next, 1, here) ? 1 : widest > 1 && stand_alone(next, 2, bend_before) ? 2 : 0;
-      bend_before = wrong > 0 ? S(0) : here;
+      bend_before = here;
       if (n < 2) {
         mean = floor;
         return 0;
@@ -84,7 +84,9 @@ class SpikeWatch {
       }
       return S(width * width) * there < kNearShare * kNearShare * here && kSteeper * kSteeper * slope < here;
     }
+    /// `wrong`: as many as the sensor that found more.
     [[gnu::noinline]] void follow(const Vec3<S>& next, int wrong) {
+      if (wrong > 0) bend_before = S(0);
       for (int i = 0; i < 3; ++i) {
         if (wrong == 0) {
           r[0][i] = r[1][i];
