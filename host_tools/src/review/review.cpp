@@ -116,7 +116,7 @@ class Review {
   /// since then are such, and what is left agrees on what the device was before.
   bool segments_followed() const {
     const auto lost = static_cast<double>(unsettled());
-    return options_.condense || lost < kFewUnsettled || lost < kMostUnsettled * static_cast<double>(newer());
+    return options_.condense || lost < kFewUnsettled || lost <= kMostUnsettled * static_cast<double>(newer());
   }
 
   /// How many segments are the newer half of the last session: until the first calibration many may not follow.

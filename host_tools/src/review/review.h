@@ -11,7 +11,7 @@ namespace host::review {
 ///  - the fit leaves more than twice the stated noise,
 ///  - the step from the start is one that the prior does not allow (chi-square, p < 1e-6),
 ///  - an effect that the model lacks would move a released value by more than three of its sigmas (missing_effects.h),
-///  - half of the newer half of the last session's segments, and three at least, do not follow their own IMU samples with what the odometry
+///  - more than half of the newer half of the last session's segments, and three at least, do not follow their own IMU samples with what the odometry
 ///    believed; not with epochs, which refuse segments for other reasons too,
 ///  - fewer than half of the parameters are observed with the widened sigmas,
 ///  - one segment alone is kept: nothing says whether its residuals are independent,
