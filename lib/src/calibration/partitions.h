@@ -37,7 +37,9 @@ SegmentLink<S> link_after(const SegmentEnd& a, const Segment<S>& b) {
   if (a.session != b.session) return link;
   if (b.t0_ns <= a.t_ns) return link;  // the clock was set back in between: how long the biases walked is not known
   link.join = b.serial == a.serial + 1 && b.lead_us > 0 ? Join::imu : Join::bias;
-  link.gap_s = S(b.t0_ns - a.t_ns) * S(1e-9);
+  // What was restored may say anything: the difference of two stamps need not fit.
+  const std::uint64_t gap_ns = static_cast<std::uint64_t>(b.t0_ns) - static_cast<std::uint64_t>(a.t_ns);
+  link.gap_s = S(gap_ns < INT64_MAX ? static_cast<std::int64_t>(gap_ns) : INT64_MAX) * S(1e-9);
   return link;
 }
 
