@@ -255,11 +255,21 @@ void test_mistaken_tracks() {
   check_group(id.add("which", "all"), all, {0, 1}, 0);
 }
 
+/// A store can hold any stamp: the sanitizers saw the difference overflow.
+void test_a_gap_between_any_two_stamps() {
+  static Segment<float> segment;
+  segment.session = 1;
+  segment.t0_ns = 6200000000;
+  const auto link = link_after(SegmentEnd{INT64_MIN, 1, 1}, segment);
+  TEST_ASSERT_TRUE(link.gap_s > 9.2e9f && link.gap_s < 9.3e9f);   // INT64_MAX, ns
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   test::select_cases(argc, argv);
   UNITY_BEGIN();
+  RUN_TEST(test_a_gap_between_any_two_stamps);
   RUN_TEST(test_union_find);
   RUN_TEST(test_threshold);
   RUN_TEST(test_frames_and_sessions_stay_apart);
