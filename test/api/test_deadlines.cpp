@@ -144,6 +144,7 @@ void test_no_background_and_a_late_one() {
     TEST_ASSERT_EQUAL_INT(SEGCAL_WORK_SCORE, progress_of(device).work);
   } else {
     TEST_ASSERT_EQUAL_UINT(0, c.frames_used);
+    TEST_ASSERT_EQUAL_INT(SEGCAL_HEALTH_STARTS_LATE, segcal_get_health(device));
   }
   for (; i < thirty().imu.size(); ++i) {
     feed.sample(i, Id().add("sample", i));

@@ -103,7 +103,7 @@ void test_bad_handles() {
 
 /// Every code has words of its own, and unknown ones are said to be unknown.
 void test_words() {
-  for (int a = SEGCAL_HEALTH_RUNNING; a <= SEGCAL_HEALTH_SPIKES; ++a) {
+  for (int a = SEGCAL_HEALTH_RUNNING; a <= SEGCAL_HEALTH_STARTS_LATE; ++a) {
     for (int b = SEGCAL_HEALTH_RUNNING; b < a; ++b) TEST_ASSERT_NOT_EQUAL(0, std::strcmp(segcal_health_words(a), segcal_health_words(b)));
     TEST_ASSERT_NOT_EQUAL(0, std::strcmp(segcal_health_words(a), "unknown"));
   }

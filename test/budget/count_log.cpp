@@ -6,9 +6,8 @@
 #include <cstdlib>
 
 #include "log/config_fields.h"
-#include "segcal/segcal.h"
-extern "C" {   // the counter knows them by their names
-#include "marks.h"
+extern "C" {   // the counter knows its marks by their names
+#include "feed.h"
 }
 
 namespace {
@@ -18,29 +17,11 @@ using namespace SEGCAL_NS;
 alignas(SEGCAL_STORAGE_ALIGNMENT) char memory[SEGCAL_STORAGE_BYTES];
 segcal_t* device = nullptr;
 int slices_per_sample = 0, requests = 0;
-std::uint32_t samples = 0, all_samples = 0, closed_segments = 0;
+std::uint32_t samples = 0, all_samples = 0;
 
 [[noreturn]] void stop(const char* what) {
   std::fprintf(stderr, "count_log: %s\n", what);
   std::exit(2);
-}
-
-/// One slice a call, as a task between two samples does it.
-void work() {
-  for (int i = 0; i < slices_per_sample; ++i) {
-    segcal_progress_t progress;
-    segcal_progress(device, &progress);
-    segcal_mark_begin();
-    const int waiting = segcal_background(device, 1);
-    if (progress.work == SEGCAL_WORK_START) {
-      segcal_mark_start_slice();
-    } else if (progress.work == SEGCAL_WORK_CALIBRATION) {
-      segcal_mark_calibrate_slice();
-    } else {
-      segcal_mark_score_slice();
-    }
-    if (waiting <= 0) return;
-  }
 }
 
 void feed_samples(ByteReader in) {
@@ -51,15 +32,13 @@ void feed_samples(ByteReader in) {
     for (int i = 0; i < 3; ++i) s.gyro[i] = in.number32();
     for (int i = 0; i < 3; ++i) s.accel[i] = in.number32();
     s.temperature = in.number32();
-    segcal_mark_begin();
-    segcal_push_imu(device, &s);
-    segcal_mark_imu_sample();
-    work();
+    feed_sample(device, &s);
+    feed_background(device, slices_per_sample);
     if (requests > 0 && ++samples % (all_samples / static_cast<std::uint32_t>(requests + 1)) == 0) segcal_request_calibration(device);
   }
 }
 
-void feed_frame(ByteReader in) {
+void feed_tracks(ByteReader in) {
   static segcal_point_t points[SEGCAL_MAX_TRACKS];
   const std::int64_t t = in.integer<std::int64_t>();
   const std::int32_t n = in.integer<std::int32_t>();
@@ -71,16 +50,7 @@ void feed_frame(ByteReader in) {
     points[i].u = in.number32();
     points[i].v = in.number32();
   }
-  segcal_mark_begin();
-  segcal_push_tracks(device, t, points, n);
-  segcal_counters_t counters;
-  segcal_get_counters(device, &counters);
-  if (counters.segments_closed != closed_segments) {
-    segcal_mark_frame_closing();
-  } else {
-    segcal_mark_frame();
-  }
-  closed_segments = counters.segments_closed;
+  feed_frame(device, t, points, n);
 }
 
 void mark(int what) {
@@ -101,7 +71,7 @@ void take_block(LogBlock type, const std::uint8_t* payload, std::size_t n) {
       if (segcal_create(&device, &config, memory, sizeof memory) != SEGCAL_OK) stop("a configuration that is refused");
       return;
     case LogBlock::imu: return feed_samples(ByteReader(payload, n));
-    case LogBlock::tracks: return feed_frame(ByteReader(payload, n));
+    case LogBlock::tracks: return feed_tracks(ByteReader(payload, n));
     case LogBlock::mark: return mark(*payload);
     default: return;
   }

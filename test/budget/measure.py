@@ -64,7 +64,7 @@ def instructions(path):
             scores.append(0)
         elif kind == "score_slice" and scores:
             scores[-1] += n
-    background = of("score_slice", "calibrate_slice", "calibrate")
+    background = of("start_slice", "score_slice", "calibrate_slice", "calibrate")
     return {
         "imu_sample": max(of("imu_sample")),
         "frame_median": frame_median,

@@ -62,6 +62,24 @@ int32_t session_next_frame(session_frame_t *at, int64_t *t_ns, segcal_point_t po
   return n;
 }
 
+void session_feed(session_order_t order, void (*sample)(uint32_t index, const segcal_imu_t *sample),
+                  void (*frame)(int64_t t_ns, const segcal_point_t *points, int32_t n)) {
+  static segcal_point_t points[SEGCAL_MAX_TRACKS];
+  session_frame_t at;
+  uint32_t next = 0;
+  session_first_frame(&at);
+  for (uint32_t i = 0; i < session_frames(); ++i) {
+    int64_t t_ns;
+    const int32_t n = session_next_frame(&at, &t_ns, points);
+    for (int reached = 0; !reached && next < session_samples();) {
+      const segcal_imu_t s = session_sample(next);
+      reached = order == SESSION_NATURAL_ORDER ? s.t_ns > t_ns : s.t_ns >= t_ns;
+      if (order == SESSION_FRAME_AFTER_SAMPLE || !reached) sample(next++, &s);
+    }
+    frame(t_ns, points, n);
+  }
+}
+
 void session_config(segcal_config_t *config) {
   static const segcal_camera_t data_sheet = {
       SEGCAL_FOV, {0.45686248, 0.51683624, -0.52183405, 0.50184280}, {0.05741690, -0.01500375, -0.03358849}, {256, 256, 319.5, 239.5},

@@ -75,7 +75,6 @@ class Session {
 
   void note_calibration(bool by_targets) {
     const CoreResult result = core_.result();
-    unsettled_ = count_of(core_.counters(), "segments_unsettled");   // it may have dropped some that were kept
     out_.calibrations.push_back({newest_, by_targets, result.segments, result.status, result.parameters});
     for (CoreSegment& s : out_.segments) {
       for (std::uint32_t serial : core_.outdated()) s.outdated |= s.serial == serial;
@@ -104,9 +103,6 @@ class Session {
   bool collect_segment() {
     CoreSegment segment;
     if (!core_.last_segment(&segment)) return false;
-    const std::uint32_t unsettled = count_of(core_.counters(), "segments_unsettled");
-    segment.settled = segment.kept || unsettled == unsettled_;
-    unsettled_ = unsettled;
     out_.segments.push_back(segment);
     return true;
   }
@@ -115,7 +111,6 @@ class Session {
   ReplayResult& out_;
   bool calibrate_;
   std::int64_t newest_ = 0;
-  std::uint32_t unsettled_ = count_of(core_.counters(), "segments_unsettled");   ///< segments, so far
 };
 
 void mark_kept(ReplayResult& out) {

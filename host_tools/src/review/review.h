@@ -12,7 +12,8 @@ namespace host::review {
 ///  - the step from the start is one that the prior does not allow (chi-square, p < 1e-6),
 ///  - an effect that the model lacks would move a released value by more than three of its sigmas (missing_effects.h),
 ///  - more than half of the newer half of the last session's segments, and three at least, do not follow their own IMU samples with what the odometry
-///    believed; not with epochs, which refuse segments for other reasons too,
+///    believed,
+///  - the segments disagree with each other by more than five times what noise leaves,
 ///  - fewer than half of the parameters are observed with the widened sigmas,
 ///  - one segment alone is kept: nothing says whether its residuals are independent,
 ///  - the newest segments contradict the others, and are too few to decide what is right (calibration/changes.h).

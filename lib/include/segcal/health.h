@@ -39,6 +39,9 @@ static inline const char *segcal_health_words(int health) {
     case SEGCAL_HEALTH_SPIKES:
       return "IMU samples, one or two every few seconds, stand alone, far from the ones before and after, and end a segment: look at the "
              "sensor's bus, and at what knocks against it";
+    case SEGCAL_HEALTH_STARTS_LATE:
+      return "the odometry does not start: the slices of a start in motion are not done when it is due; call segcal_background for more "
+             "slices after each sample, start at rest, or give it time (SEGCAL_START_DELAY_MS, SEGCAL_IMU_HISTORY)";
     default:
       return "unknown";
   }

@@ -268,6 +268,7 @@ typedef struct {
   double A, D, E, gain_nats;
   int32_t kept;                    /* at the time of the call */
   int32_t outdated;                /* newer segments contradict it: the last calibration dropped it */
+  int32_t settled;                 /* its states follow its own IMU samples, at the calibration that the odometry believed; else it is never kept */
 } segcal_segment_t;
 
 typedef struct {
@@ -317,7 +318,8 @@ enum {
   SEGCAL_HEALTH_LOST_OFTEN = 10,      /* the filter starts, and is lost again within ten seconds on average */
   SEGCAL_HEALTH_SATURATED = 11,       /* runs, but more than one IMU sample in a hundred is at full scale */
   SEGCAL_HEALTH_FRAMES_CROWDED = 12,  /* does not run: most frames find no place to wait for their IMU samples, which come in long blocks */
-  SEGCAL_HEALTH_SPIKES = 13           /* an IMU sample in four seconds, or more, stands alone or with one other, far from its neighbours: they end segments */
+  SEGCAL_HEALTH_SPIKES = 13,          /* an IMU sample in four seconds, or more, stands alone or with one other, far from its neighbours: they end segments */
+  SEGCAL_HEALTH_STARTS_LATE = 14      /* does not run: starts in motion are due before segcal_background has done their slices */
 };
 
 /* A whitened residual of the last calibration. */

@@ -34,7 +34,7 @@ Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading, 
   keep_unbroken(t_ns, reading);
   last_imu_ = t_ns;
   has_imu_ = true;
-  used_ = used_ << 1;
+  used_ <<= 1;
   InertialReading<S> mean = reading;
   if (decimation_.take(&t_ns, &mean)) imu_.push(t_ns, mean);
   return frame_ready() ? process_frame() : Taken::ok;

@@ -31,7 +31,7 @@ int cause_in_stream(const StreamCounts& now, const StreamCounts& then, Real imu_
 
 /// Of frames that wait for a start, since the filter ran last.
 int cause_of_waiting(const VioStatistics& v) {
-  if (v.starts_tried >= kStartsTried) return SEGCAL_HEALTH_NO_START;
+  if (v.starts_tried >= kStartsTried) return v.late_starts < v.starts_tried ? SEGCAL_HEALTH_NO_START : SEGCAL_HEALTH_STARTS_LATE;
   return v.frames_waited > 2 * kStartFrames && v.starts_tried == 0 ? SEGCAL_HEALTH_FRAMES_TOO_FAR : SEGCAL_HEALTH_STARTING;
 }
 

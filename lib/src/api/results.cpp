@@ -154,6 +154,7 @@ extern "C" {
   out->gain_nats = static_cast<double>(s.metrics.gain);
   out->kept = s.kept ? 1 : 0;
   out->outdated = s.outdated ? 1 : 0;
+  out->settled = s.settled ? 1 : 0;
   return SEGCAL_OK;
 }
 

@@ -148,6 +148,7 @@ void ScoreJob<S>::settle(DeviceParts<S>* d, const Segment<S>& segment) {
 template <class S>
 void ScoreJob<S>::publish(DeviceParts<S>* d, ScoreReport<S>* report) {
   report->segment = summary_of(d->database.building());
+  report->segment.settled = settled_;
   kept_ = settled_ && !condensing_.on && d->database.offer_compared(&sums_);
   report->segment.kept = kept_;
   report->directions.copy(d->work.analysis());

@@ -54,7 +54,7 @@ struct Metrics {
 /// A segment's particulars without its measurements.
 template <class S>
 struct SegmentSummary {
-  bool valid = false, kept = false, outdated = false;
+  bool valid = false, kept = false, outdated = false, settled = false;
   std::int64_t start_ns = 0, end_ns = 0;
   std::uint32_t session = 0, serial = 0;
   std::int32_t keyframes = 0, landmarks = 0, points = 0;
@@ -154,7 +154,7 @@ class LinkIntegration {
 template <class S>
 SegmentSummary<S> summary_of(const Segment<S>& s) {
   SegmentSummary<S> out;
-  out.valid = true;
+  out.valid = out.settled = true;   // what is kept is
   out.start_ns = s.t0_ns;
   out.end_ns = s.t0_ns + std::int64_t(s.t_us[s.n_keyframes - 1]) * 1000;
   out.session = s.session;

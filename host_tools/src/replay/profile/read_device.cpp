@@ -32,6 +32,7 @@ CoreSegment segment_of(const segcal_segment_t& s) {
   out.E = s.E;
   out.gain_nats = s.gain_nats;
   out.kept = s.kept != 0;
+  out.settled = s.settled != 0;
   return out;
 }
 
