@@ -6,8 +6,9 @@ set(SEGCAL_CORE_SOURCES
   src/api/device.cpp
   src/api/effects.cpp
   src/api/epochs.cpp
-  src/api/kept.cpp
   src/api/health.cpp
+  src/api/kept.cpp
+  src/api/memory.cpp
   src/api/options.cpp
   src/api/posterior.cpp
   src/api/residuals.cpp

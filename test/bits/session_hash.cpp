@@ -57,6 +57,8 @@ void feed_frame(ByteReader in, Device<Real>* device) {
   device->push_tracks(t, n, [](int i) { return points[i]; });
 }
 
+ColdParts<Real> cold;
+
 void take_block(LogBlock type, const std::uint8_t* payload, std::size_t n, Device<Real>* device) {
   switch (type) {
     case LogBlock::config: {
@@ -64,7 +66,7 @@ void take_block(LogBlock type, const std::uint8_t* payload, std::size_t n, Devic
       DeviceOptions<Real> options;
       if (!read_config(payload, n, &config)) stop("a configuration of another layout");
       if (!options_from_config(config, &options)) stop("a configuration that is refused");
-      device->create(options);
+      device->create(options, &cold);
       device->work_when_due(true);
       return;
     }

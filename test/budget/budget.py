@@ -25,7 +25,7 @@ def key_of(measured):
 
 def figures(measured):
     """Flat: "stack_bytes.proven" and so on; what was not measured is left out."""
-    flat = {"state_bytes": measured["state_bytes"], "code_bytes": measured["code_bytes"]}
+    flat = {"state_bytes": measured["state_bytes"], "hot_bytes": measured["hot_bytes"], "code_bytes": measured["code_bytes"]}
     flat |= {f"stack_bytes.{k}": v for k, v in measured["stack_bytes"].items()}
     flat |= {f"instructions.{k}": v for k, v in (measured["instructions"] or {}).items()}
     return {k: v for k, v in flat.items() if v is not None}

@@ -114,6 +114,7 @@ def main():
     measured = {
         "target": args.target, "profile": args.profile, "optimisation": args.optimisation,
         "state_bytes": values["state_bytes"],
+        "hot_bytes": values["hot_bytes"],
         "code_bytes": code_bytes(args),
         "stack_bytes": {"proven": proven_stack(args, args.out.with_suffix(".stack.json")), "painted": values.get("stack_painted_bytes")},
         "instructions": instructions(counts) if args.counter else None,

@@ -11,11 +11,11 @@ import measure
 
 BUDGET = pathlib.Path(__file__).with_name("budget.py")
 MEASURED = {
-    "target": "cortex-m7", "profile": "mcu", "optimisation": "-O2", "state_bytes": 1000, "code_bytes": 500,
+    "target": "cortex-m7", "profile": "mcu", "optimisation": "-O2", "state_bytes": 1000, "hot_bytes": 400, "code_bytes": 500,
     "stack_bytes": {"proven": 80, "painted": 76}, "instructions": {"frame_median": 100}, "result_hash": "00",
     "theta": {"cam0.fx": {"value": 256.0, "sigma": 0.1}},
 }
-KEPT = {"state_bytes": 1000, "code_bytes": 500, "stack_bytes.proven": 80, "stack_bytes.painted": 76, "instructions.frame_median": 100}
+KEPT = {"state_bytes": 1000, "hot_bytes": 400, "code_bytes": 500, "stack_bytes.proven": 80, "stack_bytes.painted": 76, "instructions.frame_median": 100}
 KEY = "cortex-m7 mcu -O2"
 failures = 0
 

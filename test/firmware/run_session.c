@@ -2,6 +2,7 @@
  * The same program on every target; exit code 0: calibrated. */
 #include "feed.h"
 #include "print.h"
+#include "segcal/blocks.h"
 #include "session.h"
 #if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
 #include "stack.h"
@@ -27,6 +28,7 @@ static void print_results(void) {
   const segcal_result_t *r = &result;
   segcal_get_result(device, &result);
   print_number("state_bytes", (uint32_t)segcal_storage_bytes());
+  print_number("hot_bytes", (uint32_t)segcal_hot_bytes());
 #if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
   print_number("stack_painted_bytes", stack_high_water() - stack_in_use());
 #endif

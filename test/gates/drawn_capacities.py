@@ -19,17 +19,17 @@ def draw(rng):
     return {"PROFILE": 1, "MAX_CAMERAS": rng.randint(1, 2), "MAX_SEGMENTS": rng.randint(1, 24), "MAX_KEYFRAMES": rng.randint(6, 32), "MAX_LANDMARKS": landmarks,
             "MAX_OBSERVATIONS": rng.randint(6, 14) * landmarks, "MAX_IMU_SAMPLES": rng.randint(300, 4500), "MAX_CLONES": rng.randint(6, 14),
             "MAX_TRACKS": rng.randint(20, 200), "MAX_TIES": rng.choice([0, 4, 8]), "IMU_HISTORY": rng.randint(200, 2000), "PIXEL_BITS": rng.choice([16, 32]),
-            "MAX_EFFECT_COLUMNS": rng.choice([0, 1, 3, 12]), "TRACK_WALK": rng.randint(0, 1), "FRAME_FEATURES": rng.randint(4, 30)}
+            "MAX_EFFECT_COLUMNS": rng.choice([0, 1, 3, 12]), "TRACK_WALK": rng.randint(0, 1), "FRAME_FEATURES": rng.randint(4, 30), "REAL": rng.choice(["float", "float", "double"])}
 
 
 rng = random.Random(SEED)
 failed = 0
 for i in range(SETS):
     capacities = [f"-DSEGCAL_{name}={value}" for name, value in draw(rng).items()]
-    for file in ["segcal.cpp", "device.cpp"][:2 if i < WHOLE else 1]:
+    for file in ["memory.cpp", "device.cpp"][:2 if i < WHOLE else 1]:
         done = subprocess.run([CXX, *OPTIONS, *capacities, f"{SOURCE}/lib/src/api/{file}"], capture_output=True, text=True, check=False)
         if done.returncode != 0:
             failed += 1
-            print(file, *capacities, next(line for line in done.stderr.splitlines() if "error" in line), sep="\n  ")
+            print(file, *capacities, *(line for line in done.stderr.splitlines() if "error" in line or "reduces" in line), sep="\n  ")
 print(f"{SETS} sets drawn from {SEED}, {failed} do not compile")
 sys.exit(failed > 0)

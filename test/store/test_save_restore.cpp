@@ -207,7 +207,8 @@ void test_another_configuration_is_refused() {
                             {"pixel_sigma", [](segcal_config_t* c) { c->pixel_sigma = 0.7; }},
                             {"keep_segments", [](segcal_config_t* c) { c->keep_segments = 2; }},
                             {"strategy", [](segcal_config_t* c) { c->strategy = SEGCAL_SINGLE_SESSION; }},
-                            {"segment_s", [](segcal_config_t* c) { c->segment_s = 2.5; }}};
+                            {"segment_s", [](segcal_config_t* c) { c->segment_s = 1.5; }},
+                            {SEGCAL_PROFILE == SEGCAL_PROFILE_MCU ? "imu_rate_hz or segment_s" : "segment_s", [](segcal_config_t* c) { c->segment_s = 4; }}};
   for (const Change& change : changes) {
     segcal_config_t c = config();
     change.change(&c);

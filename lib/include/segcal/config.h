@@ -18,13 +18,13 @@
 #define SEGCAL_DEFAULT_KEYFRAMES 12
 #define SEGCAL_DEFAULT_LANDMARKS 40
 #define SEGCAL_DEFAULT_OBSERVATIONS 360
-#define SEGCAL_DEFAULT_IMU_SAMPLES 852
+#define SEGCAL_DEFAULT_IMU_SAMPLES 426
 #define SEGCAL_DEFAULT_CLONES 8
 #define SEGCAL_DEFAULT_TRACKS 40
 #define SEGCAL_DEFAULT_FRAME_FEATURES 6
 #define SEGCAL_DEFAULT_START_DELAY_MS 500
 #define SEGCAL_DEFAULT_WAITING_FRAMES 3
-#define SEGCAL_DEFAULT_TIES 4
+#define SEGCAL_DEFAULT_TIES 0
 #define SEGCAL_DEFAULT_EPOCHS 0
 #define SEGCAL_DEFAULT_IMU_HISTORY 300
 #define SEGCAL_DEFAULT_EFFECT_ESTIMATES 1
@@ -109,7 +109,7 @@
 #ifndef SEGCAL_TRACK_WALK
 #define SEGCAL_TRACK_WALK SEGCAL_DEFAULT_TRACK_WALK
 #endif
-/* Raw IMU samples of a segment; when they run out the segment ends early. */
+/* IMU samples of a segment; a sensor that is faster is averaged (segment_s). When they run out the segment ends early. */
 #ifndef SEGCAL_MAX_IMU_SAMPLES
 #define SEGCAL_MAX_IMU_SAMPLES SEGCAL_DEFAULT_IMU_SAMPLES
 #endif
@@ -159,7 +159,7 @@
 #define SEGCAL_SHARED_LANDMARKS 8
 #endif
 
-/* Raw IMU samples kept for the filter's start (1.5 s of them) and for cutting segments. */
+/* IMU samples, averaged ones where they are, kept for the filter's start (1.5 s at least) and for cutting segments. */
 #ifndef SEGCAL_IMU_HISTORY
 #define SEGCAL_IMU_HISTORY SEGCAL_DEFAULT_IMU_HISTORY
 #endif

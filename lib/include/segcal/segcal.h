@@ -422,10 +422,12 @@ int segcal_explain_capacities(const uint32_t *capacities, char *line, size_t byt
 /* One IMU sample; bounded time: no call that feeds does background work. A frame that waited for it is processed here. */
 int segcal_push_imu(segcal_t *device, const segcal_imu_t *sample);
 /* The points of one image (of all cameras, if there are several: same stamp). n <= SEGCAL_MAX_TRACKS per camera.
-   Returns SEGCAL_TRACKING, SEGCAL_WAITING, SEGCAL_SKIPPED or SEGCAL_LOST, or an error. */
+   Returns SEGCAL_TRACKING, SEGCAL_WAITING, SEGCAL_SKIPPED or SEGCAL_LOST, or an error. It waits (SEGCAL_WAITING) until the IMU samples
+   of its time are there, and is processed in the segcal_push_imu that brings the last of them; where samples are averaged, since the IMU is
+   faster than SEGCAL_MAX_IMU_SAMPLES allows, that is two averages later. Images for which they have not come at a segcal_flush stay out. */
 int segcal_push_tracks(segcal_t *device, int64_t t_ns, const segcal_point_t *points, int32_t n);
 /* Instead of segcal_push_tracks, for users with their own odometry: a keyframe's state and its points. The filter is not
-   used. IMU samples up to its stamp must have been pushed. */
+   used. It waits for IMU samples as an image does. */
 int segcal_push_keyframe(segcal_t *device, const segcal_state_t *state, const segcal_point_t *points, int32_t n);
 /* Does pending work, the filter's start in motion, the score of a segment that has ended or a calibration: at most `slices`
    pieces, each bounded (see the budgets in docs). Returns 1 while work is pending, else 0, or an error.

@@ -22,7 +22,7 @@
 #define SEGCAL_SEGMENT_BYTES                                                                                           \
   (SEGCAL_MAX_IMU_SAMPLES * 14u + SEGCAL_MAX_IMU_SAMPLES / 4u + SEGCAL_MAX_OBSERVATIONS * SEGCAL_OBSERVATION_BYTES +   \
    SEGCAL_MAX_KEYFRAMES * (21u * SEGCAL_REAL_BYTES + 8u) + SEGCAL_MAX_LANDMARKS * (7u * SEGCAL_REAL_BYTES + 6u) +       \
-   SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 128u)
+   SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 160u)
 #define SEGCAL_DATABASE_BYTES ((SEGCAL_MAX_SEGMENTS + 1u) * (SEGCAL_SEGMENT_BYTES + 1u) + 128u)
 
 /* The filter: a triangle over its columns, a block of rows, one inertial link, its poses, and the tracks it follows. */
@@ -44,14 +44,15 @@
 #define SEGCAL_CHAIN_NUMBERS                                                                                           \
   (9u * SEGCAL_CHAIN_COLUMNS + SEGCAL_LARGER(15u * SEGCAL_CHAIN_COLUMNS, 9u * SEGCAL_REDUCED_COLUMNS) +                  \
    6u * SEGCAL_REDUCED_COLUMNS + 486u)
+#define SEGCAL_LENT_NUMBERS                                                                                            \
+  (2u * SEGCAL_THETA_COLUMNS * SEGCAL_THETA_COLUMNS + SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) + 8u * SEGCAL_THETA_COLUMNS + 300u)
 #define SEGCAL_ELIMINATION_BYTES                                                                                       \
   (SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_REDUCED_COLUMNS) +                                                         \
-                        SEGCAL_LARGER(SEGCAL_LARGER(SEGCAL_LANDMARK_NUMBERS, SEGCAL_CHAIN_NUMBERS),                     \
-                                      SEGCAL_THETA_COLUMNS * SEGCAL_THETA_COLUMNS) +                                    \
+                        SEGCAL_LARGER(SEGCAL_LARGER(SEGCAL_LANDMARK_NUMBERS, SEGCAL_CHAIN_NUMBERS), SEGCAL_LENT_NUMBERS) + \
                         31u * (SEGCAL_MAX_EFFECT_COLUMNS + 1u) + 2u * SEGCAL_REDUCED_COLUMNS) + 272u)
 
 /* Calibration: per segment one row block and later, in the same memory, saved states, or a segment that is built meanwhile; the chain
-   between segments or the cost of one; the triangle of ties and theta, directions, and who shares what with whom. */
+   between segments or the cost of one; the triangle of ties and theta, and who shares what with whom. */
 #define SEGCAL_LINK_COLUMNS (30u + SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
 #define SEGCAL_LEFT_COLUMNS (15u + SEGCAL_THETA_COLUMNS + SEGCAL_TIE_COLUMNS + 1u)
 #define SEGCAL_PARTITION_BYTES                                                                                         \
@@ -63,13 +64,15 @@
    SEGCAL_REAL_BYTES * (SEGCAL_STATES_NUMBERS +                                                                         \
                         SEGCAL_LARGER(31u * SEGCAL_LINK_COLUMNS - 435u, 480u) +                                         \
                         SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u) + SEGCAL_LINK_COLUMNS +            \
-                        16u * SEGCAL_MAX_KEYFRAMES + 2u * SEGCAL_THETA_COLUMNS * (SEGCAL_THETA_COLUMNS + 3u)) +         \
+                        16u * SEGCAL_MAX_KEYFRAMES) +                                                                   \
    SEGCAL_PARTITION_BYTES + 40u * SEGCAL_MAX_SEGMENTS + 180u * SEGCAL_REAL_BYTES)
+/* Reports: the directions of two. */
+#define SEGCAL_REPORT_BYTES (2u * SEGCAL_REAL_BYTES * SEGCAL_THETA_COLUMNS * (SEGCAL_THETA_COLUMNS + 3u))
 
 /* Samples and points on their way in. */
 #define SEGCAL_INPUT_BYTES                                                                                             \
   (SEGCAL_IMU_HISTORY * (8u + 6u * SEGCAL_REAL_BYTES) +                                                                 \
-   SEGCAL_WAITING_FRAMES * (SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS * (8u + 2u * SEGCAL_REAL_BYTES) + 16u) +              \
+   SEGCAL_WAITING_FRAMES * (SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS * (8u + 2u * SEGCAL_REAL_BYTES) + 48u + 21u * SEGCAL_REAL_BYTES) +              \
    6u * SEGCAL_MAX_LANDMARKS + 160u)
 
 /* Terms of effects: the copies of theta, and sigmas and verdicts beside it. */
@@ -87,9 +90,11 @@
                         (SEGCAL_MAX_EFFECT_ESTIMATES + 1u) * (4u + SEGCAL_REAL_BYTES) + 80u) +                          \
        SEGCAL_REAL_BYTES * (15u * SEGCAL_LEFT_COLUMNS + 10u * SEGCAL_THETA_COLUMNS + 100u) + 448u)
 
-#define SEGCAL_STORAGE_BYTES                                                                                           \
-  (SEGCAL_DATABASE_BYTES + SEGCAL_FILTER_BYTES + SEGCAL_ELIMINATION_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_INPUT_BYTES + \
-   SEGCAL_EFFECT_BYTES + SEGCAL_MONITOR_BYTES + SEGCAL_EPOCH_BYTES +                                                     \
-   (530u + 110u * SEGCAL_MAX_CAMERAS) * SEGCAL_REAL_BYTES + 192u)
+/* In two blocks (blocks.h), or one behind the other. */
+#define SEGCAL_COLD_BYTES (SEGCAL_DATABASE_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_EFFECT_BYTES / 2u + 768u)
+#define SEGCAL_HOT_BYTES                                                                                               \
+  (SEGCAL_FILTER_BYTES + SEGCAL_ELIMINATION_BYTES + SEGCAL_REPORT_BYTES + SEGCAL_INPUT_BYTES + SEGCAL_EFFECT_BYTES +      \
+   SEGCAL_MONITOR_BYTES + SEGCAL_EPOCH_BYTES + (530u + 110u * SEGCAL_MAX_CAMERAS) * SEGCAL_REAL_BYTES + 768u)
+#define SEGCAL_STORAGE_BYTES (SEGCAL_HOT_BYTES + SEGCAL_COLD_BYTES + 16u)
 
 #endif

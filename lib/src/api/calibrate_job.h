@@ -25,7 +25,7 @@ class CalibrateJob {
     d->slices.begin_job();
     d->work.take(WorkOwner::calibration);
     theta_ = theta;
-    n_ = d->database.in_order(segment_);
+    n_ = d->database().in_order(segment_);
     place_ = inner_ = 0;
     dropped_any_ = changed_ = false;
     stage_ = Stage::working;
@@ -39,10 +39,10 @@ class CalibrateJob {
   /// What was found, when no slices are left. True if segments left the database.
   bool publish(DeviceParts<S>* d, CalibrationReport<S>* report) {
     report->release = *d->work.release();
-    report->theta = d->calibrator.theta();
-    report->fit = d->calibrator.fit();
-    report->segments = d->database.size();
-    report->partitions = d->calibrator.partitions();
+    report->theta = d->calibrator().theta();
+    report->fit = d->calibrator().fit();
+    report->segments = d->database().size();
+    report->partitions = d->calibrator().partitions();
     report->reprojection = reprojection_;
     report->directions.copy(d->work.analysis());
     d->work.give_back();
@@ -57,10 +57,10 @@ class CalibrateJob {
   enum class Stage : std::int32_t { idle, working, done };
   [[gnu::cold]] bool calibrate_step(DeviceParts<S>* d);
   [[gnu::cold]] bool fit_step(DeviceParts<S>* d);
-  bool score_alone_step(DeviceParts<S>* d);
+  [[gnu::cold]] bool score_alone_step(DeviceParts<S>* d);
   [[gnu::cold]] bool drop_outdated_step(DeviceParts<S>* d);
   [[gnu::cold]] bool measure_scatter_step(DeviceParts<S>* d);
-  bool drop_misfits_step(DeviceParts<S>* d);
+  [[gnu::cold]] bool drop_misfits_step(DeviceParts<S>* d);
   [[gnu::cold]] bool measure_residuals_step(DeviceParts<S>* d);
   void add_residuals(DeviceParts<S>* d, const Segment<S>& s);
   bool drop_far_epochs(DeviceParts<S>* d);
@@ -77,7 +77,7 @@ class CalibrateJob {
   Stage stage_ = Stage::idle;
   Place place_ = 0, inner_ = 0;
   Calibration<S> theta_;               ///< where it begins
-  Segment<S>* segment_[kMaxSegments];  ///< that take part, in order of time
+  Near<Segment<S>> segment_[kMaxSegments];  ///< that take part, in order of time
   std::int32_t n_ = 0, i_ = 0, epoch_ = 0, round_ = 0;
   bool dropped_ = false, dropped_any_ = false, changed_ = false, compares_epoch_ = false;
   Agreement<S> agreement_;
@@ -98,15 +98,15 @@ bool CalibrateJob<S>::calibrate_step(DeviceParts<S>* d) {
       SEGCAL_AWAIT(place_, drop_outdated_step(d));
       // Only then: where theta is another, it is the newest that is far from where it was linearised, and right.
       if (!dropped_ && !drop_far_epochs(d)) break;
-      n_ = d->database.in_order(segment_);
+      n_ = d->database().in_order(segment_);
     }
     SEGCAL_PAUSE(place_);
     SEGCAL_AWAIT(place_, measure_scatter_step(d));
     SEGCAL_AWAIT(place_, measure_residuals_step(d));
-    begin_analysis_with_prior(d->calibrator.theta_triangle(), d->prior().sigma, d->work.new_analysis());
+    begin_analysis_with_prior(d->calibrator().theta_triangle(), d->prior().sigma, d->work.new_analysis());
     SEGCAL_AWAIT(place_, analyse_with_prior_step(theta_.columns(), d->work.analysis_under_way()));
     SEGCAL_PAUSE(place_);
-    judge(&d->calibrator, d->prior(), ReleaseRules<S>{}, scatter_.variance(), d->work.release());
+    judge(&d->calibrator(), d->prior(), ReleaseRules<S>{}, scatter_.variance(), d->work.release());
     if (d->work.release()->status == Status::failed) SEGCAL_AWAIT(place_, drop_misfits_step(d));
   }
   SEGCAL_SLICES_END(place_);
@@ -116,7 +116,7 @@ template <class S>
 bool CalibrateJob<S>::fit_step(DeviceParts<S>* d) {
   CalibratorOptions rough;
   rough.converged = rough.settled = 0.1;
-  Calibrator<S>& calibrator = d->calibrator;
+  Calibrator<S>& calibrator = d->calibrator();
   SEGCAL_SLICES(inner_) {
     calibrator.begin(segment_, n_, d->prior(), theta_, d->options.model);
     if constexpr (kEpochs > 0) calibrator.take_epochs(&d->epochs);
@@ -138,8 +138,8 @@ template <class S>
 bool CalibrateJob<S>::score_alone_step(DeviceParts<S>* d) {
   SegmentEliminator<S>& eliminator = d->work.eliminator();
   SEGCAL_SLICES(inner_) {
-    for (i_ = 0; d->calibrator.fit().converged && i_ < n_; ++i_) {
-      SEGCAL_AWAIT(inner_, eliminator.eliminate_step(*segment_[i_], GuestLink<S>{}, d->calibrator.theta(), d->options.model, S(0)));
+    for (i_ = 0; d->calibrator().fit().converged && i_ < n_; ++i_) {
+      SEGCAL_AWAIT(inner_, eliminator.eliminate_step(*segment_[i_], GuestLink<S>{}, d->calibrator().theta(), d->options.model, S(0)));
       eliminator.extract(&segment_[i_]->information);
       SEGCAL_PAUSE(inner_);
     }
@@ -151,8 +151,8 @@ bool CalibrateJob<S>::score_alone_step(DeviceParts<S>* d) {
 template <class S>
 bool CalibrateJob<S>::measure_scatter_step(DeviceParts<S>* d) {
   SEGCAL_SLICES(inner_) {
-    scatter_ = SegmentScatter<S>(d->calibrator.theta_triangle(), theta_.columns(), d->work.scatter_scratch());
-    for (i_ = 0; d->calibrator.fit().converged && n_ >= 2 && i_ < n_; ++i_) {
+    scatter_ = SegmentScatter<S>(d->calibrator().theta_triangle(), theta_.columns(), d->work.scatter_scratch());
+    for (i_ = 0; d->calibrator().fit().converged && n_ >= 2 && i_ < n_; ++i_) {
       SEGCAL_AWAIT(inner_, scatter_.take_step(segment_[i_]->information));
     }
     if constexpr (kEpochs > 0) {
@@ -165,14 +165,14 @@ bool CalibrateJob<S>::measure_scatter_step(DeviceParts<S>* d) {
 /// After a failed calibration: segments that do not fit even alone leave the database, and collecting goes on.
 template <class S>
 bool CalibrateJob<S>::drop_misfits_step(DeviceParts<S>* d) {
-  CostSteps<S>& cost = d->calibrator.cost_steps();
+  CostSteps<S>& cost = d->calibrator().cost_steps();
   SEGCAL_SLICES(inner_) {
-    d->calibrator.lend_cost_steps();
+    d->calibrator().lend_cost_steps();
     for (i_ = 0; i_ < Database<S>::kSlots; ++i_) {
-      if (!d->database.kept(i_)) continue;
-      SEGCAL_AWAIT(inner_, cost.step(d->database.slot(i_), GuestLink<S>{}, d->calibrator.theta(), d->options.model));
-      if (cost.total() <= ReleaseRules<S>{}.most_chi2_per_dof * S(d->database.slot(i_).information.dof)) continue;
-      d->database.drop(i_);
+      if (!d->database().kept(i_)) continue;
+      SEGCAL_AWAIT(inner_, cost.step(d->database().slot(i_), GuestLink<S>{}, d->calibrator().theta(), d->options.model));
+      if (cost.total() <= ReleaseRules<S>{}.most_chi2_per_dof * S(d->database().slot(i_).information.dof)) continue;
+      d->database().drop(i_);
       ++d->faults.segments_unsettled;
       dropped_any_ = true;
     }
@@ -203,7 +203,7 @@ void CalibrateJob<S>::add_residuals(DeviceParts<S>* d, const Segment<S>& s) {
   for (int o = 0; o < s.n_observations; ++o) {
     const Observation& z = s.observation[o];
     Vec2<S> r;
-    if (!point_residual(s, z, d->calibrator.theta(), d->options.model.g, s.states.landmark[z.landmark], &r)) continue;
+    if (!point_residual(s, z, d->calibrator().theta(), d->options.model.g, s.states.landmark[z.landmark], &r)) continue;
     const S square = r.squaredNorm(), length = square_root(square);
     ++bin[LengthHistogram::place_of(length)];
     ++points_;

@@ -10,7 +10,7 @@ template <class S>
 bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
   SEGCAL_SLICES(inner_) {
     dropped_ = false;
-    if (n_ + d->epochs.count() >= 3 && d->calibrator.fit().converged && d->options.outdated_level > S(0)) {
+    if (n_ + d->epochs.count() >= 3 && d->calibrator().fit().converged && d->options.outdated_level > S(0)) {
       begin_agreement(d);
       epoch_ = newest_epoch(d);
       for (i_ = n_ - 1; i_ >= 0 || epoch_ >= 0; compares_epoch_ ? --epoch_ : --i_) {
@@ -38,7 +38,7 @@ void CalibrateJob<S>::compare_next(DeviceParts<S>* d) {
   compares_epoch_ = false;
   if constexpr (kEpochs > 0) {
     compares_epoch_ = epoch_ >= 0 && (i_ < 0 || d->epochs.epoch(epoch_).last_serial > segment_[i_]->serial);
-    if (compares_epoch_) d->epochs.epoch(epoch_).move_to(d->calibrator.theta(), d->work.moved());
+    if (compares_epoch_) d->epochs.epoch(epoch_).move_to(d->calibrator().theta(), d->work.moved());
   }
 }
 
@@ -56,7 +56,7 @@ void CalibrateJob<S>::take_verdict(DeviceParts<S>* d) {
       if (outdated) outdate_epoch(epoch_, d);
     }
   } else if (outdated) {
-    d->database.drop_outdated(segment_[i_]);
+    d->database().drop_outdated(segment_[i_]);
     ++d->faults.segments_outdated;
   }
 }
@@ -66,7 +66,7 @@ void CalibrateJob<S>::begin_agreement(DeviceParts<S>* d) {
   const SegmentInformation<S>* information[kMaxSegments];
   for (int i = 0; i < n_; ++i) information[i] = &segment_[i]->information;
   const S comparisons = S(n_ + d->epochs.count() - 1);
-  agreement_ = Agreement<S>(d->prior(), d->calibrator.theta(), d->options.outdated_level / comparisons, noise_of(information, n_),
+  agreement_ = Agreement<S>(d->prior(), d->calibrator().theta(), d->options.outdated_level / comparisons, noise_of(information, n_),
                             d->work.new_analysis(), d->work.agreement_scratch());
 }
 
@@ -82,8 +82,8 @@ template <class S>
 bool CalibrateJob<S>::drop_far_epochs(DeviceParts<S>* d) {
   bool dropped = false;
   if constexpr (kEpochs > 0) {
-    for (int i = d->epochs.count() - 1; i >= 0 && d->calibrator.fit().converged; --i) {
-      if (d->epochs.epoch(i).holds_at(d->calibrator.theta(), d->prior(), d->work.agreement_scratch())) continue;
+    for (int i = d->epochs.count() - 1; i >= 0 && d->calibrator().fit().converged; --i) {
+      if (d->epochs.epoch(i).holds_at(d->calibrator().theta(), d->prior(), d->work.agreement_scratch())) continue;
       outdate_epoch(i, d);
       dropped = dropped_any_ = true;
     }

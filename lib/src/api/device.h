@@ -35,7 +35,11 @@ class Device {
 
  public:
   [[gnu::cold]] Device() = default;
-  [[gnu::cold]] void create(const DeviceOptions<S>& options);
+  [[gnu::cold]] void create(const DeviceOptions<S>& options, ColdParts<S>* cold);
+  /// After its memory was moved as bytes: where the cold parts are now. False, and nothing has changed, if they have moved by another
+  /// distance than the rest while work is pending.
+  [[gnu::cold]] bool attach(ColdParts<S>* cold);
+  const ColdParts<S>* cold() const { return d_.cold; }
 
   /// `celsius`: of this sample and those that follow; not-a-number: as before.
   Taken push_imu(std::int64_t t_ns, const InertialReading<S>& reading, S celsius);
@@ -77,9 +81,9 @@ class Device {
   const CalibrationReport<S>& report() const { return report_; }
   bool has_report() const { return calibrated_; }
   const ScoreReport<S>& last_scored() const { return scored_; }
-  Calibrator<S>& calibrator() { return d_.calibrator; }
-  const Calibrator<S>& calibrator() const { return d_.calibrator; }
-  const Database<S>& database() const { return d_.database; }
+  Calibrator<S>& calibrator() { return d_.calibrator(); }
+  const Calibrator<S>& calibrator() const { return d_.calibrator(); }
+  const Database<S>& database() const { return d_.database(); }
   const auto& epochs() const { return d_.epochs; }
   const auto& changes() const { return d_.changes; }
   /// None is being added to, compared or moved.
@@ -138,7 +142,12 @@ class Device {
 
   // device_stream.h
   bool take_frame_stamp(std::int64_t t_ns);
+  template <class Point>
+  bool let_wait(std::int64_t t_ns, std::int32_t shift_ns, int n, Point point);
+  Taken process_frames();
   Taken process_frame();
+  Taken track(const Frame<S>& frame);
+  Taken take_own_keyframe(const Frame<S>& frame);
   bool frame_ready() { return !frames_.empty() && imu_.size() > 1 && imu_.newest() >= frames_.front().time_ns(); }
   void count_missing_frames(std::int64_t t_ns);
   void take_state(std::int64_t t_ns, const State<S>& state);
@@ -158,7 +167,7 @@ class Device {
   bool undecided();
   bool waited_enough();
   bool worth_a_calibration();
-  Segment<S>& open_slot() { return score_.active() ? *spare_ : d_.database.building(); }
+  Segment<S>& open_slot() { return score_.active() ? *spare_ : d_.database().building(); }
   Calibration<S> working_theta() const;
 
   // device_work.h
@@ -197,7 +206,7 @@ class Device {
   double origin_[3];       ///< m, in the odometry's frame: float holds what is near
   Hash trajectory_;        ///< of all states so far
   std::int64_t state_time_, last_imu_, last_frame_, last_offered_, next_keyframe_, frame_period_;
-  Segment<S>* spare_;      ///< where the open segment stands while the one before is scored
+  Near<Segment<S>> spare_;      ///< where the open segment stands while the one before is scored
   std::uint32_t session_, serial_, frame_, crowded_out_, imu_spikes_;
   std::uint32_t used_;           ///< bit k: a frame came after the k-th newest IMU reading and before the next one, and may have used it
   std::int32_t window_;          ///< > 0: segment ends until a calibration takes effect, if it is done then

@@ -42,7 +42,7 @@ Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading, 
 
 /// The open segment ends at a gap and at a spike, which is known only now, by what follows it. A spike is taken out of the stream, and its
 /// neighbours bridge it: the filter goes on. If a frame has used it already, the segment is dropped, and a new stretch begins, as at a gap;
-/// so too where two readings in a row may have gone into two groups, or where the bridge would be long: samples at full scale were left out beside.
+/// so too where the bridge would be long: samples at full scale were left out beside.
 template <class S>
 void Device<S>::keep_unbroken(std::int64_t t_ns, const InertialReading<S>& reading) {
   const bool gap = has_imu_ && S(t_ns - last_imu_) * S(1e-9) > S(3) / d_.options.imu_rate_hz;
@@ -54,7 +54,7 @@ void Device<S>::keep_unbroken(std::int64_t t_ns, const InertialReading<S>& readi
   end_segment(false);
   imu_spikes_ += static_cast<std::uint32_t>(wrong);
   if (bridged) {
-    if (!decimation_.drop_group()) imu_.take_back(wrong);
+    imu_.take_back(d_.options.imu_group > 1 ? decimation_.drop_newest(wrong) : wrong);
     used_ >>= wrong;
     return;
   }
@@ -63,11 +63,20 @@ void Device<S>::keep_unbroken(std::int64_t t_ns, const InertialReading<S>& readi
   imu_clock_.take(t_ns);
 }
 
-/// From the newest sample that stays when `wrong` go, to `t_ns`: three periods for two, and what stamps scatter by.
+/// From the newest sample that stays when `wrong` go, to `t_ns`: three periods for two, and what stamps scatter by. Of groups of m, from the
+/// middle of the last one: half of it, one that goes, and one or two periods.
 template <class S>
 bool Device<S>::bridge_is_short(std::int64_t t_ns, int wrong) const {
-  if (d_.options.imu_group > 1) return wrong == 1;
-  return imu_.size() > wrong && S(t_ns - imu_.time(imu_.size() - 1 - wrong)) * S(1e-9) <= S(3.5) / d_.options.imu_rate_hz;
+  const std::int32_t m = d_.options.imu_group;
+  std::int64_t last_ns;
+  if (m > 1) {
+    if (!decimation_.stays(wrong, &last_ns)) return false;
+  } else if (imu_.size() > wrong) {
+    last_ns = imu_.time(imu_.size() - 1 - wrong);
+  } else {
+    return false;
+  }
+  return S(t_ns - last_ns) * S(1e-9) <= (m > 1 ? S(1.5) * S(m) + S(2) : S(3.5)) / d_.options.imu_rate_hz;
 }
 
 /// Signal::time counts from the first sample.

@@ -6,9 +6,10 @@
 namespace SEGCAL_NS {
 
 template <class S>
-void Device<S>::create(const DeviceOptions<S>& options) {
+void Device<S>::create(const DeviceOptions<S>& options, ColdParts<S>* cold) {
+  d_.cold = cold;
   d_.options = options;
-  d_.database.reset(options.keep_segments, options.metric, options.strategy, options.least_gain, options.seed);
+  d_.database().reset(options.keep_segments, options.metric, options.strategy, options.least_gain, options.seed);
   d_.builder.reset(options.gyro_range, options.accel_range);
   d_.faults = FaultCounts{};
   d_.slices = SliceCounts{};
@@ -35,11 +36,21 @@ void Device<S>::create(const DeviceOptions<S>& options) {
   d_.changes.clear();
   d_.condenser.break_chain();
   finished_ = true;
-  spare_ = nullptr;
   stamp_shift_ns_ = stamp_shift(theta_);
   d_.monitor.begin(options.watch_effects, prior(), theta_);
   vio_.reset(theta_, vio_options());
   restart_filter();
+}
+
+/// While nothing is pending, these are all pointers from one part to the other that are still read: a fit sets those of the calibrator anew.
+template <class S>
+bool Device<S>::attach(ColdParts<S>* cold) {
+  const auto moved = static_cast<std::ptrdiff_t>(reinterpret_cast<std::uintptr_t>(cold) - reinterpret_cast<std::uintptr_t>(d_.cold.get()));
+  if (moved == 0) return true;
+  if (start_pending() || scoring() || calibrating()) return false;
+  d_.cold.follow(moved);
+  d_.builder.follow(moved);
+  return true;
 }
 
 /// The filter states its own calibration only where that is asked for; then it starts from the device's prior.
@@ -126,7 +137,7 @@ void Device<S>::begin_session() {
   ++frame_;
   knew_enough_ = false;
   liveliness_.reset();
-  d_.database.begin_session();
+  d_.database().begin_session();
   if (d_.options.strategy == Strategy::single_session) {
     d_.epochs.clear();
     d_.changes.close();

@@ -45,6 +45,29 @@ bool Device<S>::take_frame_stamp(std::int64_t t_ns) {
   return true;
 }
 
+/// Puts an image where it waits for its samples; false if there is no place.
+template <class S>
+template <class Point>
+bool Device<S>::let_wait(std::int64_t t_ns, std::int32_t shift_ns, int n, Point point) {
+  if (frames_.full()) {
+    ++d_.faults.frames_dropped;  // the IMU's samples are too late
+    ++crowded_out_;
+    return false;
+  }
+  Frame<S>& frame = frames_.append(t_ns, shift_ns);
+  const LeftOut left_out = take_points<S>(n, point, &frame);
+  d_.faults.points_not_finite += left_out.not_finite;
+  d_.faults.points_repeated += left_out.repeated;
+  return true;
+}
+
+template <class S>
+Taken Device<S>::process_frames() {
+  Taken last = Taken::waiting;
+  while (frame_ready()) last = process_frame();
+  return frames_.empty() ? last : Taken::waiting;
+}
+
 template <class S>
 template <class Point>
 Taken Device<S>::push_tracks(std::int64_t t_ns, int n, Point point) {
@@ -54,53 +77,46 @@ Taken Device<S>::push_tracks(std::int64_t t_ns, int n, Point point) {
   has_frame_ = true;
   // Sooner than the filter wants one: no place is taken. One millisecond of grace: stamps jitter.
   if (has_offered_ && S(t_ns - last_offered_) * S(1e-9) < d_.options.frame_interval_s - S(1e-3)) return Taken::skipped;
-  if (frames_.full()) {
-    ++d_.faults.frames_dropped;  // the IMU's samples are too late
-    ++crowded_out_;
-    return Taken::skipped;
-  }
+  if (!let_wait(t_ns, stamp_shift_ns_, n, point)) return Taken::skipped;
   last_offered_ = t_ns;
   has_offered_ = true;
-  Frame<S>& frame = frames_.append(t_ns, stamp_shift_ns_);
-  const LeftOut left_out = take_points<S>(n, point, &frame);
-  d_.faults.points_not_finite += left_out.not_finite;
-  d_.faults.points_repeated += left_out.repeated;
-  if (frame.n < kFewestTracks) ++d_.faults.frames_few_tracks;
-  Taken last = Taken::waiting;
-  while (frame_ready()) last = process_frame();
-  return frames_.empty() ? last : Taken::waiting;
+  if (frames_.newest().n < kFewestTracks) ++d_.faults.frames_few_tracks;
+  return process_frames();
 }
 
+/// The front one.
 template <class S>
 Taken Device<S>::process_frame() {
   const Frame<S>& frame = frames_.front();
-  const std::int64_t t_ns = frame.time_ns();
-  if (imu_.oldest() > t_ns) {
-    frames_.drop_front();
-    return Taken::waiting;
-  }
-  used_ |= 1;
-  use_odometry(false);
-  const std::int32_t late_starts = vio_.statistics().late_starts;
-  const VioStatus status = vio_.push_frame(t_ns, frame.points, frame.n, imu_);
-  d_.faults.slices_late += static_cast<std::uint32_t>(vio_.statistics().late_starts - late_starts);
   Taken taken = Taken::waiting;
+  if (imu_.oldest() <= frame.time_ns()) {
+    used_ |= 1;
+    use_odometry(frame.own);
+    taken = frame.own ? take_own_keyframe(frame) : track(frame);
+  }
+  frames_.drop_front();
+  return taken;
+}
+
+template <class S>
+Taken Device<S>::track(const Frame<S>& frame) {
+  const std::int32_t late_starts = vio_.statistics().late_starts;
+  const VioStatus status = vio_.push_frame(frame.time_ns(), frame.points, frame.n, imu_);
+  d_.faults.slices_late += static_cast<std::uint32_t>(vio_.statistics().late_starts - late_starts);
   if (status == VioStatus::tracking) {
     if (builder().empty()) keep_near_origin();
     take_state(vio_.time(), vio_.state());
     if (frame.n >= kFewestTracks) last_use_ = StreamCounts(d_.faults);
     if (!d_.options.joint_filter && keyframe_due(state_time_)) take_keyframe(frame, state_);
-    taken = Taken::tracking;
-  } else if (status == VioStatus::lost) {
+    return Taken::tracking;
+  }
+  if (status == VioStatus::lost) {
     end_segment(false);
     ++frame_;
     has_state_ = false;
-    taken = Taken::lost;
-  } else if (status == VioStatus::skipped) {
-    taken = Taken::skipped;
+    return Taken::lost;
   }
-  frames_.drop_front();
-  return taken;
+  return status == VioStatus::skipped ? Taken::skipped : Taken::waiting;
 }
 
 /// A filter that has come far counts from a nearer place: a whole number of metres, so that no bit of its places is lost.
@@ -130,25 +146,26 @@ template <class S>
 template <class Point>
 Taken Device<S>::push_keyframe(std::int64_t t_ns, const State<S>& state, const double* p_GI, int n, Point point) {
   if (!take_frame_stamp(t_ns)) return Taken::stamp_refused;
-  if (!imu_.covers(t_ns, t_ns)) return Taken::waiting;
+  if (!let_wait(t_ns, 0, n, point)) return Taken::skipped;
   last_frame_ = t_ns;
   has_frame_ = true;
-  used_ |= 1;
-  use_odometry(true);
-  frames_.clear();
-  Frame<S>& frame = frames_.append(t_ns, 0);
-  const LeftOut left_out = take_points<S>(n, point, &frame);
-  d_.faults.points_not_finite += left_out.not_finite;
-  d_.faults.points_repeated += left_out.repeated;
-  State<S> x = state;
+  Frame<S>& frame = frames_.newest();
+  frame.own = true;
+  frame.state = state;
+  for (int i = 0; i < 3; ++i) frame.p_GI[i] = p_GI[i];
+  return process_frames();
+}
+
+template <class S>
+Taken Device<S>::take_own_keyframe(const Frame<S>& frame) {
+  State<S> x = frame.state;
   for (int i = 0; i < 3; ++i) {
-    if (absolute(p_GI[i] - origin_[i]) > kFarPlace) origin_[i] = p_GI[i];
-    x.p_GI(i) = static_cast<S>(p_GI[i] - origin_[i]);
+    if (absolute(frame.p_GI[i] - origin_[i]) > kFarPlace) origin_[i] = frame.p_GI[i];
+    x.p_GI(i) = static_cast<S>(frame.p_GI[i] - origin_[i]);
   }
-  take_state(t_ns, x);
+  take_state(frame.time_ns(), x);
   last_use_ = StreamCounts(d_.faults);
   take_keyframe(frame, x);
-  frames_.clear();
   return Taken::tracking;
 }
 

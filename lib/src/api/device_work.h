@@ -31,7 +31,7 @@ int Device<S>::background(int slices) {
 /// The open segment moves to the slot that is free now. A calibration follows if the scored segment was the one that was missing.
 template <class S>
 void Device<S>::end_score() {
-  builder().move_to(&d_.database.building());
+  builder().move_to(&d_.database().building());
   if (d_.options.joint_filter) return;   // segments of the caller's own odometry are scored, no more
   if (score_.condenses()) count_misfits();
   open_segments_ = d_.changes.open() ? open_segments_ + 1 : 0;
@@ -56,7 +56,7 @@ bool Device<S>::worth_a_calibration() {
   if (waited_enough()) return true;
   if (score_.emptied()) return false;
   if (!score_.condenses()) return score_.kept() && !knew_enough_ && knows_enough(&d_);
-  if constexpr (kEpochs > 0) return d_.epochs.segments() + d_.database.size() >= 4 * made_from_;
+  if constexpr (kEpochs > 0) return d_.epochs.segments() + d_.database().size() >= 4 * made_from_;
   return false;
 }
 
@@ -73,7 +73,7 @@ void Device<S>::publish_calibration() {
   while (calibration_.working()) step();
   const bool dropped = calibration_.publish(&d_, &report_);
   if constexpr (kEpochs > 0) {
-    made_from_ = d_.epochs.segments() + d_.database.size();
+    made_from_ = d_.epochs.segments() + d_.database().size();
     if (calibration_.changed() && report_.release.status == Status::calibrated) {
       d_.changes.decide(theta_, report_.release.theta, report_.release.sigma);
     }
@@ -129,7 +129,7 @@ bool Device<S>::undecided() {
 /// Motion that is too dull to fill the database can still tell.
 template <class S>
 bool Device<S>::waited_enough() {
-  return d_.changes.open() && open_segments_ >= kMostUndecided * d_.database.capacity() && could_convict(&d_);
+  return d_.changes.open() && open_segments_ >= kMostUndecided * d_.database().capacity() && could_convict(&d_);
 }
 
 /// The same at any moment: where the shift of stamps changes, the open segment begins anew.
@@ -191,14 +191,14 @@ void Device<S>::read_filter(Release<S>* out, InformationAnalysis<S>* analysis) {
 
 template <class S>
 S Device<S>::linearise(const std::uint8_t* use_slot, const CandidateTerms& candidates) {
-  Segment<S>* segments[kMaxSegments];
+  Near<Segment<S>> segments[kMaxSegments];
   bool use[kMaxSegments];
-  const int count = d_.database.in_order(segments);
+  const int count = d_.database().in_order(segments);
   const bool known = calibrated_ && report_.release.status != Status::failed && !d_.options.joint_filter;
   d_.work.eliminator().restart();
-  d_.calibrator.continue_with(segments, count, prior(), known ? d_.calibrator.theta() : working_theta(), d_.options.model);
-  for (int i = 0; i < count; ++i) use[i] = use_slot[segments[i] - &d_.database.slot(0)] != 0;
-  return d_.calibrator.rows_of(use, candidates, &d_.work.eliminator());
+  d_.calibrator().continue_with(segments, count, prior(), known ? d_.calibrator().theta() : working_theta(), d_.options.model);
+  for (int i = 0; i < count; ++i) use[i] = use_slot[segments[i] - &d_.database().slot(0)] != 0;
+  return d_.calibrator().rows_of(use, candidates, &d_.work.eliminator());
 }
 
 template <class S>
@@ -206,7 +206,7 @@ std::uint64_t Device<S>::result_hash() const {
   Hash hash = trajectory_;
   add_to_hash(theta_, &hash);
   if (calibrated_) add_to_hash(report_.release, &hash);
-  if (finished_) add_to_hash(d_.database, &hash);
+  if (finished_) add_to_hash(d_.database(), &hash);
   if (finished_) add_to_hash(d_.epochs, &hash);
   return hash.value();
 }

@@ -11,16 +11,26 @@ namespace SEGCAL_NS {
 
 extern template class Device<Real>;  // device.cpp
 
-struct CDevice {
-  static constexpr std::uint32_t kMagic = 0x5E6CA101u;
+/// What both blocks begin with. Bytes of a library with another layout are no device, and two blocks are one only if they were made together.
+struct MemoryHead {
+  static constexpr std::uint32_t kMagic = 0x5E6CA102u ^ sizeof(Device<Real>) ^ (sizeof(ColdParts<Real>) << 8);
   std::uint32_t magic;
+  std::uint32_t pair;
+};
+struct ColdBlock {
+  MemoryHead head;
+  ColdParts<Real> parts;
+};
+/// The hot block. The cold one is in the same memory behind it, or in one of its own.
+struct CDevice {
+  MemoryHead head;
   Device<Real> device;
 };
 
 /// The device behind a handle; null if the handle is null or was never created.
 inline CDevice* open(segcal_t* handle) {
   CDevice* d = reinterpret_cast<CDevice*>(handle);
-  return d && d->magic == CDevice::kMagic ? d : nullptr;
+  return d && d->head.magic == MemoryHead::kMagic ? d : nullptr;
 }
 inline const CDevice* open(const segcal_t* handle) { return open(const_cast<segcal_t*>(handle)); }
 

@@ -14,8 +14,8 @@ namespace SEGCAL_NS {
 template <class S>
 struct DeviceOptions {
   ThetaPrior<S> prior;          ///< its mean is the starting calibration
-  S sigma_ref[kMaxTheta];
-  S target_sigma[kMaxTheta];    ///< calibration starts when the kept segments predict these; all 0: when the database is full
+  S sigma_ref[kMaxTheta] = {};
+  S target_sigma[kMaxTheta] = {}; ///< calibration starts when the kept segments predict these; all 0: when the database is full
   MeasurementModel<S> model;
   S imu_rate_hz = S(200), gyro_range = S(35), accel_range = S(157);
   std::int32_t imu_group = 1;   ///< samples that become one (sensors/decimation.h)
@@ -73,15 +73,26 @@ struct StreamCounts {
         frames_far(f.frame_stamps_far), frames_back(f.frame_stamps_back), frames_few(f.frames_few_tracks) {}
 };
 
+/// What the stream touches little: segments, the open one too, and what a calibration from them needs. It may lie in a block of memory of its own.
+template <class S>
+struct ColdParts {
+  [[gnu::cold]] ColdParts() = default;
+
+  Database<S> database;
+  Calibrator<S> calibrator;
+};
+
 template <class S>
 struct DeviceParts {
   [[gnu::cold]] DeviceParts() = default;
 
+  Near<ColdParts<S>> cold;
+  Database<S>& database() const { return cold->database; }
+  Calibrator<S>& calibrator() const { return cold->calibrator; }
+
   DeviceOptions<S> options;
-  Database<S> database;
   SegmentBuilder<S> builder;
   Workspace<S> work;
-  Calibrator<S> calibrator;
   EffectMonitor<S> monitor;
   std::conditional_t<(kEpochs > 0), Epochs<S>, NoEpochs<S>> epochs;
   std::conditional_t<(kEpochs > 0), Condenser<S>, NoCondenser> condenser;
@@ -98,7 +109,7 @@ PackedTriangle<S> sum_of_kept(DeviceParts<S>* d) {
   const SegmentInformation<S>* segments[kMaxSegments];
   int n = 0;
   for (int i = 0; i < Database<S>::kSlots; ++i) {
-    if (d->database.kept(i)) segments[n++] = &d->database.slot(i).information;
+    if (d->database().kept(i)) segments[n++] = &d->database().slot(i).information;
   }
   JointInformation<S> joint = d->work.sums(d->prior().sigma, d->prior().mean.columns());
   return joint.sum(segments, n);
@@ -108,8 +119,8 @@ PackedTriangle<S> sum_of_kept(DeviceParts<S>* d) {
 /// predict that these will be reached.
 template <class S>
 [[gnu::cold]] bool knows_enough(DeviceParts<S>* d) {
-  if (!has_targets(d->options.target_sigma, d->prior().mean.columns())) return d->database.full();
-  return reaches_targets(sum_of_kept(d), d->prior().sigma, d->options.target_sigma, d->database.full());
+  if (!has_targets(d->options.target_sigma, d->prior().mean.columns())) return d->database().full();
+  return reaches_targets(sum_of_kept(d), d->prior().sigma, d->options.target_sigma, d->database().full());
 }
 
 /// True if they could convict what is older (agreement.h).

@@ -34,8 +34,8 @@ class ScoreJob {
     d->work.take(WorkOwner::score);
     d->builder.restart_close();
     largest_.restart();
-    Segment<S>* spare = d->calibrator.lend_segment();
-    d->calibrator.lend_cost_steps();
+    Segment<S>* spare = d->calibrator().lend_segment();
+    d->calibrator().lend_cost_steps();
     return spare;
   }
   /// One slice; the last one publishes. The open segment must then move to the building slot.
@@ -76,15 +76,15 @@ class ScoreJob {
   CondenseMemory<S> memory_;   ///< lent by the calibrator
   std::conditional_t<(kEpochs > 0), Contradiction<S>, NoCondenser> contradiction_;
   std::conditional_t<(kEpochs > 0), KeptEpoch<S>, NoCondenser> kept_epoch_;
-  Segment<S>* kept_segment_[kEpochs > 0 ? kMaxSegments : 1];   ///< while the database is emptied
+  Near<Segment<S>> kept_segment_[kEpochs > 0 ? kMaxSegments : 1];   ///< while the database is emptied
   std::int32_t n_kept_ = 0;
-  Epoch<S>* epoch_of_kept_ = nullptr;
+  Near<Epoch<S>> epoch_of_kept_;
   JointInformation<S> sums_;
 };
 
 template <class S>
 bool ScoreJob<S>::score_step(DeviceParts<S>* d, ScoreReport<S>* report) {
-  Segment<S>& segment = d->database.building();
+  Segment<S>& segment = d->database().building();
   const MeasurementModel<S>& model = d->options.model;
   SEGCAL_SLICES(place_) {
     kept_ = false;
@@ -98,14 +98,14 @@ bool ScoreJob<S>::score_step(DeviceParts<S>* d, ScoreReport<S>* report) {
       SEGCAL_PAUSE(place_);
       d->work.eliminator().extract(&segment.information);
       SEGCAL_PAUSE(place_);
-      SEGCAL_AWAIT(place_, d->calibrator.cost_steps().inertial_step(segment, GuestLink<S>{}, theta_, model));
+      SEGCAL_AWAIT(place_, d->calibrator().cost_steps().inertial_step(segment, GuestLink<S>{}, theta_, model));
       SEGCAL_PAUSE(place_);
       settle(d, segment);
       SEGCAL_PAUSE(place_);
       SEGCAL_AWAIT(place_, analyse_segment_step(d, &segment));
       sums_ = d->work.sums(d->prior().sigma, theta_.columns());
       if (settled_ && !condensing_.on) {
-        SEGCAL_AWAIT(place_, d->database.compare_step(&sums_));
+        SEGCAL_AWAIT(place_, d->database().compare_step(&sums_));
         SEGCAL_PAUSE(place_);
       }
       publish(d, report);
@@ -137,7 +137,7 @@ bool ScoreJob<S>::analyse_segment_step(DeviceParts<S>* d, Segment<S>* segment) {
 template <class S>
 void ScoreJob<S>::settle(DeviceParts<S>* d, const Segment<S>& segment) {
   const bool effects = theta_.effects.count() > 0 || d->monitor.active();
-  settled_ = follows_its_imu(segment, d->calibrator.cost_steps().inertial(), effects);
+  settled_ = follows_its_imu(segment, d->calibrator().cost_steps().inertial(), effects);
   if (settled_) {
     d->monitor.add(&d->work.eliminator(), theta_);
   } else {
@@ -147,9 +147,9 @@ void ScoreJob<S>::settle(DeviceParts<S>* d, const Segment<S>& segment) {
 
 template <class S>
 void ScoreJob<S>::publish(DeviceParts<S>* d, ScoreReport<S>* report) {
-  report->segment = summary_of(d->database.building());
+  report->segment = summary_of(d->database().building());
   report->segment.settled = settled_;
-  kept_ = settled_ && !condensing_.on && d->database.offer_compared(&sums_);
+  kept_ = settled_ && !condensing_.on && d->database().offer_compared(&sums_);
   report->segment.kept = kept_;
   report->directions.copy(d->work.analysis());
 }
@@ -163,16 +163,16 @@ bool ScoreJob<S>::condense_step(DeviceParts<S>* d) {
       empty_place_ = 0;
       contradiction_.begin(condensing_.variance);
       if (condensing_.on && settled_) {
-        memory_ = d->calibrator.lend_condense_memory(&d->work.eliminator());
-        SEGCAL_AWAIT(inner_, d->condenser.step(&d->database.building(), d->options.model, memory_, &d->epochs.newest()));
+        memory_ = d->calibrator().lend_condense_memory(&d->work.eliminator());
+        SEGCAL_AWAIT(inner_, d->condenser.step(&d->database().building(), d->options.model, memory_, &d->epochs.newest()));
         SEGCAL_PAUSE(inner_);
         if (d->condenser.condensed()) {
-          SEGCAL_AWAIT(inner_, contradiction_.step(d->database.building().information, d->epochs, d->database, d->prior(),
-                                                   d->calibrator.theta(), d->work.agreement_scratch()));
+          SEGCAL_AWAIT(inner_, contradiction_.step(d->database().building().information, d->epochs, d->database(), d->prior(),
+                                                   d->calibrator().theta(), d->work.agreement_scratch()));
           SEGCAL_PAUSE(inner_);
         }
         if (d->condenser.condensed() && !contradiction_.found()) {
-          d->condenser.take(&d->database.building(), memory_, contradiction_.pull(), &d->epochs.newest());
+          d->condenser.take(&d->database().building(), memory_, contradiction_.pull(), &d->epochs.newest());
         } else {
           d->condenser.break_chain();
           ++d->faults.segments_unsettled;
@@ -201,11 +201,11 @@ void ScoreJob<S>::begin_emptying(DeviceParts<S>* d) {
     const Epoch<S>& e = d->epochs.epoch(i);
     if (e.segments > 0 && e.last_session > session_before_) session_before_ = e.last_session;
   }
-  n_kept_ = d->database.in_order(kept_segment_);
+  n_kept_ = d->database().in_order(kept_segment_);
   if (n_kept_ == 0) return;
   const Segment<S>& newest = *kept_segment_[n_kept_ - 1];
   if (newest.session > session_before_) session_before_ = newest.session;
-  epoch_of_kept_ = &d->epochs.insert(d->calibrator.theta(), kept_segment_[0]->session, newest.serial);
+  epoch_of_kept_ = &d->epochs.insert(d->calibrator().theta(), kept_segment_[0]->session, newest.serial);
 }
 
 /// What the kept segments say becomes an epoch, and the database is free for segments that can be linearised again: the next
@@ -217,7 +217,7 @@ bool ScoreJob<S>::empty_step(DeviceParts<S>* d) {
     if (n_kept_ > 0) {
       kept_epoch_.restart();
       SEGCAL_AWAIT(empty_place_, kept_epoch_.step(kept_segment_, n_kept_, d->prior(), epoch_of_kept_, d->work.agreement_scratch()));
-      for (int i = 0; i < n_kept_; ++i) d->database.drop(static_cast<int>(kept_segment_[i] - &d->database.slot(0)));
+      for (int i = 0; i < n_kept_; ++i) d->database().drop(static_cast<int>(kept_segment_[i] - &d->database().slot(0)));
     }
   }
   SEGCAL_SLICES_END(empty_place_);

@@ -1,18 +1,10 @@
 // The C API: checks arguments, converts, and calls the device. Feeding and working; results are in results.cpp.
 #include "segcal/segcal.h"
 
-#include <cstring>
-#include <new>
-
-#include "api/capacities.h"
 #include "api/convert.h"
 #include "api/handle.h"
 
 namespace SEGCAL_NS {
-
-static_assert(sizeof(CDevice) <= SEGCAL_STORAGE_BYTES, "SEGCAL_STORAGE_BYTES is too small for the device");
-static_assert(SEGCAL_STORAGE_BYTES < sizeof(CDevice) + sizeof(CDevice) / 16, "SEGCAL_STORAGE_BYTES wastes memory");
-static_assert(alignof(CDevice) <= SEGCAL_STORAGE_ALIGNMENT, "SEGCAL_STORAGE_ALIGNMENT is too small for the device");
 
 namespace {
 
@@ -54,31 +46,6 @@ using namespace SEGCAL_NS;
 extern "C" {
 
 uint32_t segcal_version(void) { return SEGCAL_VERSION; }
-
-size_t segcal_storage_bytes(void) { return sizeof(CDevice); }
-
-void segcal_memory(size_t* state_bytes, size_t* segment_bytes, size_t* workspace_bytes) {
-  if (state_bytes) *state_bytes = sizeof(CDevice);
-  if (segment_bytes) *segment_bytes = sizeof(Segment<Real>);
-  if (workspace_bytes) *workspace_bytes = Device<Real>::workspace_bytes();
-}
-
-[[gnu::cold]] int segcal_create_for(segcal_t** device, const segcal_config_t* config, void* storage, size_t storage_bytes,
-                      const uint32_t* capacities) {
-  if (!device || !config || !storage || !capacities) return SEGCAL_ERROR_NULL;
-  *device = nullptr;
-  if (first_difference(capacities) < SEGCAL_N_CAPACITIES) return SEGCAL_ERROR_CAPACITY;
-  if (storage_bytes < sizeof(CDevice)) return SEGCAL_ERROR_SIZE;
-  if (reinterpret_cast<std::uintptr_t>(storage) % SEGCAL_STORAGE_ALIGNMENT != 0) return SEGCAL_ERROR_ALIGNMENT;
-  DeviceOptions<Real> options;
-  if (!options_from_config(*config, &options)) return SEGCAL_ERROR_CONFIG;
-  std::memset(storage, 0, sizeof(CDevice));
-  CDevice* d = new (storage) CDevice;
-  d->device.create(options);
-  d->magic = CDevice::kMagic;
-  *device = reinterpret_cast<segcal_t*>(d);
-  return SEGCAL_OK;
-}
 
 int segcal_push_imu(segcal_t* device, const segcal_imu_t* sample) {
   if (!sample) return SEGCAL_ERROR_NULL;

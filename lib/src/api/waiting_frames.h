@@ -2,6 +2,7 @@
 // of the first.
 #pragma once
 
+#include "sensors/inertial_state.h"
 #include "sensors/track_point.h"
 
 namespace SEGCAL_NS {
@@ -15,6 +16,9 @@ struct Frame {
   std::int64_t stamp_ns = 0;   ///< camera's clock
   std::int32_t shift_ns = 0;   ///< from there to the IMU's
   std::int32_t n = 0;
+  bool own = false;            ///< with a state of the user's odometry
+  State<S> state;              ///< that one, without its place
+  double p_GI[3];              ///< its place, m, in the user's frame
   TrackPoint<S> points[kMaxFramePoints];
 
   std::int64_t time_ns() const { return stamp_ns + shift_ns; }
@@ -33,12 +37,14 @@ class WaitingFrames {
   bool empty() const { return count_ == 0; }
   bool full() const { return count_ == kPlaces; }
   Frame<S>& front() { return frame_[first_]; }
+  Frame<S>& newest() { return frame_[(first_ + count_ - 1) % kPlaces]; }
   /// A place at the end; there must be one.
   Frame<S>& append(std::int64_t stamp_ns, std::int32_t shift_ns) {
     Frame<S>& frame = frame_[(first_ + count_++) % kPlaces];
     frame.stamp_ns = stamp_ns;
     frame.shift_ns = shift_ns;
     frame.n = 0;
+    frame.own = false;
     return frame;
   }
   void drop_front() {

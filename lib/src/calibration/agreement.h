@@ -37,8 +37,8 @@ class Agreement {
     SEGCAL_SLICES(place_) {
       outdated_ = false;
       if (agreed_ > 0) {
-        begin_analysis(information, prior_->sigma, analysis_);
-        SEGCAL_AWAIT(place_, analyse_step(information.n_theta, analysis_));
+        begin_analysis(information, prior_->sigma, analysis_.get());
+        SEGCAL_AWAIT(place_, analyse_step(information.n_theta, analysis_.get()));
         compare(information);
         outdated_ = contradicted() && know_enough();
         SEGCAL_PAUSE(place_);
@@ -162,13 +162,13 @@ class Agreement {
     for (int c = 0; c < n_; ++c) row[c] = s * analysis_->V[c * n_ + i];
   }
 
-  const ThetaPrior<S>* prior_ = nullptr;
-  const Calibration<S>* theta_ = nullptr;
+  Near<const ThetaPrior<S>> prior_;
+  Near<const Calibration<S>> theta_;
   int n_ = 0, agreed_ = 0, outdated_items_ = 0, degrees_ = 0;
   S level_ = S(0), noise_ = S(1), statistic_ = S(0);  // of the last comparison
   Spread<S> spread_, spread_of_outdated_;             // of all that agreed; of each that did not, in itself
-  InformationAnalysis<S>* analysis_ = nullptr;
-  S* scratch_ = nullptr;
+  Near<InformationAnalysis<S>> analysis_;
+  Near<S> scratch_;
   Place place_ = 0;
   bool outdated_ = false;
 };

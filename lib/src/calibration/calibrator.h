@@ -27,14 +27,17 @@ class Calibrator {
   friend struct StoredFields<S>;
 
  public:
-  /// Sets up a problem over `segments` (pointers, in time order within each session; count <= kMaxSegments). Their
+  /// Sets up a problem over `segments` (`Pointer` to Segment<S>, in time order within each session; count <= kMaxSegments). Their
   /// states are moved by run(). The prior must stay where it is.
-  void begin(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
+  template <class Pointer>
+  void begin(const Pointer* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
              const MeasurementModel<S>& model);
-  void begin(Segment<S>* const* segments, int count, ThetaPrior<S>&& prior, const Calibration<S>& theta,
+  template <class Pointer>
+  void begin(const Pointer* segments, int count, ThetaPrior<S>&& prior, const Calibration<S>& theta,
              const MeasurementModel<S>& model) = delete;
   /// The same to look at the segments only: they stay as they are, and so does the fit of the last calibration.
-  void continue_with(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
+  template <class Pointer>
+  void continue_with(const Pointer* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
                      const MeasurementModel<S>& model);
   /// Told by epochs too, from begin() on. They must stay as they are while a fit is under way.
   void take_epochs(const Epochs<S>* epochs) { epochs_ = epochs; }
@@ -103,7 +106,8 @@ class Calibrator {
     while (!linearise_step(eliminator, damping, candidates, with_prior)) {
     }
   }
-  [[gnu::cold]] void set_up(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
+  template <class Pointer>
+  [[gnu::cold]] void set_up(const Pointer* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
               const MeasurementModel<S>& model);
   [[gnu::cold]] void link_up();
   void form_partitions();
@@ -129,11 +133,11 @@ class Calibrator {
   bool iterate_step(SegmentEliminator<S>* eliminator, const CalibratorOptions& options);
   bool judge_step(S trial, const CalibratorOptions& options);
 
-  Segment<S>* segment_[kMaxSegments];
+  Near<Segment<S>> segment_[kMaxSegments];
   SegmentLink<S> link_[kMaxSegments];
   std::int32_t count_ = 0;
-  const ThetaPrior<S>* prior_;
-  const Epochs<S>* epochs_ = nullptr;
+  Near<const ThetaPrior<S>> prior_;
+  NearOrNull<const Epochs<S>> epochs_;
   Calibration<S> theta_, saved_theta_;
   MeasurementModel<S> model_;
   CalibrationFit<S> fit_;
@@ -168,7 +172,7 @@ class Calibrator {
   S damping_, cost_, fall_, total_;
   bool settled_ = false, flat_ = false;
   S theta_step_[kMaxTheta], guest_step_[kStateColumns], last_keyframe_step_[kStateColumns];
-  const S* global_step_ = nullptr;  ///< ties and theta, in global_
+  Near<const S> global_step_;  ///< ties and theta, in global_
   /// One after the other: the chain makes a step, then its cost is told.
   union Work {
     Work() {}

@@ -6,14 +6,16 @@
 namespace SEGCAL_NS {
 
 template <class S>
-void Calibrator<S>::begin(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
+template <class Pointer>
+void Calibrator<S>::begin(const Pointer* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
                           const MeasurementModel<S>& model) {
   set_up(segments, count, prior, theta, model);
   link_up();
 }
 
 template <class S>
-void Calibrator<S>::continue_with(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
+template <class Pointer>
+void Calibrator<S>::continue_with(const Pointer* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
                                   const MeasurementModel<S>& model) {
   bool same = count == count_;
   for (int i = 0; i < count && same; ++i) same = segment_[i] == segments[i];
@@ -28,7 +30,8 @@ void Calibrator<S>::continue_with(Segment<S>* const* segments, int count, const 
 }
 
 template <class S>
-void Calibrator<S>::set_up(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
+template <class Pointer>
+void Calibrator<S>::set_up(const Pointer* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
                            const MeasurementModel<S>& model) {
   count_ = count;
   prior_ = &prior;
@@ -52,7 +55,9 @@ void Calibrator<S>::link_up() {
 
 template <class S>
 void Calibrator<S>::form_partitions() {
-  partitions_.form(segment_, link_, count_, theta_, model_);
+  Segment<S>* segment[kMaxSegments];
+  for (int i = 0; i < count_; ++i) segment[i] = segment_[i];
+  partitions_.form(segment, link_, count_, theta_, model_);
   partition_count_ = partitions_.count();
 }
 
@@ -89,7 +94,7 @@ bool Calibrator<S>::reject_outliers_step(S limit) {
   const S scaled = limit * square_root(ratio > S(1) ? ratio : S(1));
   SEGCAL_SLICES(place_) {
     for (i_ = 0; i_ < count_; ++i_) {
-      mark_outliers(theta_, model_, scaled, segment_[i_]);
+      mark_outliers(theta_, model_, scaled, segment_[i_].get());
       segment_[i_]->wide_depth_prior = !translation_shows(*segment_[i_], theta_, model_);
       SEGCAL_PAUSE(place_);
     }

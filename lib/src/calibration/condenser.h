@@ -18,9 +18,9 @@ namespace SEGCAL_NS {
 /// What is lent while a segment is condensed.
 template <class S>
 struct CondenseMemory {
-  SegmentEliminator<S>* eliminator;
-  Chain<S>* chain;
-  S* step;   ///< kStateColumns (kMaxKeyframes + 1) + kMaxTheta numbers
+  Near<SegmentEliminator<S>> eliminator;
+  Near<Chain<S>> chain;
+  Near<S> step;   ///< kStateColumns (kMaxKeyframes + 1) + kMaxTheta numbers
 };
 
 /// Above this chi2/dof a segment is not condensed: the model does not hold for it.

@@ -10,7 +10,8 @@ class KeptEpoch {
  public:
   void restart() { place_ = 0; }
   /// `segments`: in order of time, with information at epoch->theta. In slices; true when all are in the epoch.
-  bool step(Segment<S>* const* segments, int count, const ThetaPrior<S>& prior, Epoch<S>* epoch, S* scratch) {
+  template <class Pointer>
+  bool step(const Pointer* segments, int count, const ThetaPrior<S>& prior, Epoch<S>* epoch, S* scratch) {
     const int n = epoch->columns();
     PackedTriangle<S> known(scratch, n + 1);
     SEGCAL_SLICES(place_) {

@@ -10,7 +10,7 @@ namespace SEGCAL_NS {
 template <class S>
 struct ThetaPrior {
   Calibration<S> mean;
-  S sigma[kMaxTheta];  ///< units of theta's entries
+  S sigma[kMaxTheta] = {};  ///< units of theta's entries
 };
 
 /// DESIGN, section 3, last column of the table.

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "information/segment_information.h"
+#include "math/near.h"
 #include "math/resumable.h"
 
 namespace SEGCAL_NS {
@@ -22,7 +23,7 @@ class SegmentScatter {
 
   SegmentScatter() = default;
   /// `T`: triangle over [theta | rhs] from all segments and the prior, at its optimum. `scratch`: kScratch numbers. Both must stay.
-  SegmentScatter(const PackedTriangle<S>& T, int n, S* scratch) : T_(T), n_(n), scratch_(scratch) {}
+  SegmentScatter(PackedTriangle<S> T, int n, S* scratch) : triangle_(T.row(0)), width_(T.columns()), n_(n), scratch_(scratch) {}
 
   /// Takes a segment's information, in slices, linearised at that theta, or with theta `offset` from there (n numbers).
   bool take_step(const SegmentInformation<S>& information, const S* offset = nullptr) {
@@ -56,13 +57,14 @@ class SegmentScatter {
 
   /// Row i of Y = R T^-1, upper triangular; |Y|^2 = trace(H Sigma) and |Y'd|^2 = g'Sigma g.
   void add_row(const SegmentInformation<S>& information, const S* offset) {
+    const PackedTriangle<S> T(triangle_, width_);
     S* y = row(i_);
     S left = information.d(i_);
     for (int c = i_; offset && c < n_; ++c) left -= information.R(i_, c) * offset[c];
     for (int c = 0; c < n_; ++c) {
       S sum = c < i_ ? S(0) : information.R(i_, c);
-      for (int k = i_; k < c; ++k) sum -= y[k] * T_(k, c);
-      y[c] = c < i_ || T_(c, c) == S(0) ? S(0) : sum / T_(c, c);
+      for (int k = i_; k < c; ++k) sum -= y[k] * T(k, c);
+      y[c] = c < i_ || T(c, c) == S(0) ? S(0) : sum / T(c, c);
       expected_ += y[c] * y[c];
       pull()[c] += y[c] * left;
     }
@@ -76,10 +78,10 @@ class SegmentScatter {
     }
   }
 
-  PackedTriangle<S> T_{nullptr, 1};
-  int n_ = 0;
+  Near<S> triangle_;
+  std::int32_t width_ = 1, n_ = 0;
   std::int32_t i_ = 0;
-  S* scratch_ = nullptr;
+  Near<S> scratch_;
   S found_ = S(0), expected_ = S(0);
   Place place_ = 0;
 };

@@ -33,6 +33,7 @@ class Database {
 
  public:
   static constexpr int kSlots = SEGCAL_MAX_SEGMENTS + 1;
+  [[gnu::cold]] Database() = default;
 
   /// `capacity`: segments to keep, 1..SEGCAL_MAX_SEGMENTS. `least_gain`: nats below which a segment is not worth a slot.
   void reset(int capacity, Metric metric, Strategy strategy, S least_gain, std::uint64_t seed) {
@@ -106,8 +107,9 @@ class Database {
     return true;
   }
 
-  /// Kept slots in order of session and time; returns their number.
-  int in_order(Segment<S>** out) {
+  /// Kept slots in order of session and time; returns their number. `Pointer`: to a Segment<S>.
+  template <class Pointer>
+  int in_order(Pointer* out) {
     int n = 0;
     for (int i = 0; i < kSlots; ++i) {
       if (!kept_[i]) continue;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "information/segment_information.h"
+#include "math/near.h"
 #include "math/resumable.h"
 
 namespace SEGCAL_NS {
@@ -121,13 +122,13 @@ class JointInformation {
   }
 
   static constexpr int kAddsPerSlice = 4;
-  const S* prior_sigma_ = nullptr;
+  Near<const S> prior_sigma_;
   int n_ = 0;
-  S* scratch_ = nullptr;
+  Near<S> scratch_;
   Place place_ = 0;
   std::int32_t i_ = 0, level_ = 0, k_ = 0, until_ = 0;
-  std::int32_t first_[kSumLevels], last_[kSumLevels];  // the part that each level leaves out
-  S gain_[kMaxCompared];
+  std::int32_t first_[kSumLevels] = {}, last_[kSumLevels] = {};  // the part that each level leaves out
+  S gain_[kMaxCompared] = {};
 };
 
 }  // namespace SEGCAL_NS

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "information/segment_information.h"
+#include "math/near.h"
 #include "math/resumable.h"
 #include "segments/segment.h"
 
@@ -103,7 +104,7 @@ struct InformationAnalysis {
   std::int32_t n = 0;
   S s[kMaxTheta];                   ///< singular values against the prior, largest first
   S V[kMaxTheta * kMaxTheta];       ///< column i: direction i, in prior units
-  S* W = nullptr;
+  Near<S> W;
   SingularValues<S> values;         ///< under way
 
   /// Direction i's sigma after the measurement, in units of the prior's.

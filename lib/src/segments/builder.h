@@ -2,6 +2,7 @@
 // triangulates. More tracks than places: those seen most often stay. Everything left out is counted.
 #pragma once
 
+#include "math/near.h"
 #include "math/resumable.h"
 #include "segments/observation_order.h"
 #include "segments/triangulation.h"
@@ -45,6 +46,8 @@ class SegmentBuilder {
     *slot = *segment_;
     segment_ = slot;
   }
+  /// The slots have moved by so many bytes, and the builder has not.
+  void follow(std::ptrdiff_t bytes) { segment_.follow(bytes); }
   bool empty() const { return segment_->n_keyframes == 0; }
   int keyframes() const { return segment_->n_keyframes; }
   bool full() const { return segment_->n_keyframes == kMaxKeyframes; }
@@ -88,7 +91,7 @@ class SegmentBuilder {
   int free_landmark();
   void remove_landmark(int j);
 
-  Segment<S>* segment_;
+  Near<Segment<S>> segment_;
   std::int64_t last_keyframe_ns_ = kNever;
   std::uint8_t last_seen_[kMaxLandmarks];   // keyframe
   std::uint16_t seen_[kMaxLandmarks];       // image points

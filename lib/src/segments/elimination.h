@@ -88,7 +88,7 @@ class SegmentEliminator {
   void damp_pose(int k, int first, S damping);
   bool run_chain_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                       const MeasurementModel<S>& model, S damping);
-  void link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model);
+  [[gnu::cold]] void link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model);
   void link_keyframes(const Segment<S>& segment, int k, const MeasurementModel<S>& model);
   void start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model, int axis);
   void move_landmark(Segment<S>* segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping, const S* step);
@@ -106,6 +106,7 @@ class SegmentEliminator {
     Work() {}
     LandmarkBlock<S> landmark;
     Linked linked;
+    S lent[2 * kMaxTheta * kMaxTheta + packed_size(kMaxTheta + 1) + 8 * kMaxTheta + 300];   ///< what borrowers need at least
   };
   alignas(8) Work work_;
 

@@ -2,7 +2,7 @@
 // the microseconds since the sample before.
 //
 // At the default ranges of 35 rad/s and 157 m/s^2 a step is 1.1e-3 rad/s and 4.8e-3 m/s^2; rounding adds 1.6 % and
-// 0.03 % to the variance of a good MEMS sensor's samples at 200 Hz. Values beyond the range are clipped (counted as
+// 0.03 % to the variance of a good MEMS sensor's samples at 200 Hz, twice that at 100 Hz. Values beyond the range are clipped (counted as
 // saturation where they come in).
 #pragma once
 

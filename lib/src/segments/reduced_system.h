@@ -13,6 +13,7 @@
 // its two neighbours only, so they never stand in this triangle, which is what keeps it small.
 #pragma once
 
+#include "math/near.h"
 #include "math/qr.h"
 #include "math/small_solvers.h"
 #include "segments/segment.h"
@@ -27,8 +28,8 @@ constexpr int kReducedColumns = kPoseColumns * (kMaxKeyframes - 1) + 2 * kStateC
 /// The ties that a segment sees, among all that there are.
 struct TiedLandmarks {
   std::int32_t n = 0, total = 0;
-  std::int16_t landmark[kMaxTies + 1];  ///< index in the segment; (a place more: there may be no ties at all)
-  std::int16_t number[kMaxTies + 1];    ///< 0..total - 1
+  std::int16_t landmark[kMaxTies + 1] = {};  ///< index in the segment; (a place more: there may be no ties at all)
+  std::int16_t number[kMaxTies + 1] = {};    ///< 0..total - 1
 
   /// Place of landmark j in this list; -1 if it is the segment's own.
   int place_of(int j) const {
@@ -44,7 +45,7 @@ struct ReducedLayout {
   int sensor_cameras = 0;   ///< theta's columns of all cameras
   int terms = 0;            ///< of theta and candidates
   int imu_terms = 0, camera_terms = 0;
-  std::uint8_t imu_term[kMaxEffectColumns + 1], camera_term[kMaxEffectColumns + 1];  ///< number among all terms
+  std::uint8_t imu_term[kMaxEffectColumns + 1] = {}, camera_term[kMaxEffectColumns + 1] = {};  ///< number among all terms
   TiedLandmarks tied;
 
   void add_term(const Term& t) {
@@ -112,7 +113,7 @@ class ReducedSystem {
     if (pending_.next >= gap.first && pending_.next < gap.last) pending_.next = gap.last;
     int until = pending_.next, work = 0;
     while (until < width && work < kFoldSlice) work += pending_.m * (width - until++);
-    fold_rows(triangle, pending_.rows, pending_.m, pending_.stride, pending_.next, until, gap);
+    fold_rows(triangle, pending_.rows.get(), pending_.m, pending_.stride, pending_.next, until, gap);
     pending_.next = until;
     return until == width;
   }
@@ -175,7 +176,7 @@ class ReducedSystem {
   }
   ReducedLayout layout_;
   struct PendingFold {
-    S* rows;
+    Near<S> rows;
     std::int32_t m, stride, next;  ///< next: the column to go on with
     ColumnGap gap;
   };

@@ -49,7 +49,7 @@ class VelocityBiasChain {
   int links() const { return links_; }
 
   /// A row on one velocity or bias column (0..8) of the current keyframe.
-  void add_scalar(int column, S weight, S rhs, ReducedSystem<S>* rest) {
+  [[gnu::cold]] void add_scalar(int column, S weight, S rhs, ReducedSystem<S>* rest) {
     clear(1);
     block_[column] = weight;
     block_[kRhs] = rhs;
@@ -222,8 +222,8 @@ class VelocityBiasChain {
   static constexpr int kBlockRows = 15;
   static constexpr int kBlockSize = kBlockRows * kWidth > 9 * kReducedColumns ? kBlockRows * kWidth : 9 * kReducedColumns;
   static_assert(kKept <= ReducedSystem<S>::kScratch, "the triangle's memory is too small to keep the chain's rows");
-  const S* known_ = nullptr;
-  S* kept_ = nullptr;
+  NearOrNull<const S> known_;
+  Near<S> kept_;
   int current_ = 0, links_ = 0, poses_ = 0, handed_ = 0, hand_until_ = 0;
   Place place_ = 0;
   S now_[kVelocityBiasColumns * kWidth];

@@ -12,6 +12,7 @@
 #pragma once
 
 #include "math/block3.h"
+#include "math/near.h"
 #include "sensors/calibration.h"
 #include "sensors/imu_terms.h"
 #include "sensors/inertial_state.h"
@@ -137,8 +138,8 @@ class ImuIntegrator {
   Corrected current_;
   Mat<S, 3, kGyroInputs> W_;  // d w_I / d inputs at the current reading
   Mat<S, 3, kInputs> D_;  // d (dR f_I) / d inputs at the current reading
-  const EffectTerms<S>* terms_;
-  ImuTermColumns<S>* columns_;
+  NearOrNull<const EffectTerms<S>> terms_;
+  NearOrNull<ImuTermColumns<S>> columns_;
   Surroundings<S> surroundings_;
   ImuIntegral<S> I_;
 };

@@ -168,11 +168,11 @@ struct StoredFields {
   // What the fields above do not reach: where they come from, and where they go.
   static bool at_rest(const Device<S>& d) { return d.finished_ && !d.pending(); }
   static bool untouched(const Device<S>& d) {
-    return d.d_.faults.imu_samples == 0 && d.d_.faults.frames == 0 && d.session_ == 0 && d.d_.database.size() == 0;
+    return d.d_.faults.imu_samples == 0 && d.d_.faults.frames == 0 && d.session_ == 0 && d.d_.database().size() == 0;
   }
   static DeviceOptions<S>* options(Device<S>* d) { return &d->d_.options; }
-  static Segment<S>* slot(Device<S>* d, int i) { return &d->d_.database.slot_[i]; }
-  static void keep(Device<S>* d, int i) { d->d_.database.kept_[i] = true; }
+  static Segment<S>* slot(Device<S>* d, int i) { return &d->d_.database().slot_[i]; }
+  static void keep(Device<S>* d, int i) { d->d_.database().kept_[i] = true; }
 
   /// Changes when anything is done that moves what a save reads.
   static std::uint64_t revision(const Device<S>& d) {
@@ -184,14 +184,14 @@ struct StoredFields {
     n.faults = d.d_.faults;
     n.left_out = d.d_.builder.counts_;
     n.trajectory = d.trajectory_.value();
-    n.random = d.d_.database.random_;
-    n.offered = d.d_.database.offered_;
+    n.random = d.d_.database().random_;
+    n.offered = d.d_.database().offered_;
     n.frame_period = d.frame_period_;
     for (int i = 0; i < 3; ++i) n.builder_origin[i] = d.d_.builder.origin_[i];
     n.session = d.session_;
     n.serial = d.serial_;
     n.frame = d.frame_;
-    n.building = d.d_.database.building_;
+    n.building = d.d_.database().building_;
     n.warmth = d.imu_.warmth();
     n.knew_enough = d.knew_enough_;
     n.own_odometry = d.own_odometry_;
@@ -202,7 +202,7 @@ struct StoredFields {
 
   /// Before fields are taken: the device as created, whose results have the cameras and terms of the configuration.
   static void begin(Device<S>* d) {
-    d->create(d->d_.options);
+    d->create(d->d_.options, d->d_.cold);
     d->report_ = CalibrationReport<S>{};
     d->report_.theta = d->report_.release.theta = d->theta_;
     for (Verdict& v : d->report_.release.verdict) v = Verdict::fixed;
@@ -211,7 +211,7 @@ struct StoredFields {
 
   /// Puts all that was taken in force, as segcal_new_session does at its end.
   static bool install(const StoredNumbers<S>& n, Device<S>* d) {
-    Database<S>& database = d->d_.database;
+    Database<S>& database = d->d_.database();
     if (database.kept_[n.building] || database.size() > database.capacity_) return false;
     d->d_.faults = n.faults;
     d->d_.builder.counts_ = n.left_out;
@@ -234,7 +234,7 @@ struct StoredFields {
     const std::int64_t zero = d->theta_.effects.time_zero_ns;
     d->d_.options.prior.mean.effects.time_zero_ns = d->report_.theta.effects.time_zero_ns = zero;
     d->report_.release.theta.effects.time_zero_ns = zero;
-    d->d_.calibrator.theta_ = d->report_.theta;   // what residuals are asked at
+    d->d_.calibrator().theta_ = d->report_.theta;   // what residuals are asked at
     d->stamp_shift_ns_ = Device<S>::stamp_shift(d->theta_);
     d->d_.monitor.reset(d->prior(), d->theta_);
     if (n.session_open) {

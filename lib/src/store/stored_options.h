@@ -44,6 +44,7 @@ struct StoredOptions {
     model(f, &o->model);
     f->name("imu_rate_hz");
     f->number(&o->imu_rate_hz);
+    f->name("imu_rate_hz or segment_s");
     f->number(&o->imu_group);
     f->name("gyro_range");
     f->number(&o->gyro_range);

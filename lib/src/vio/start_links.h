@@ -1,6 +1,7 @@
 // The start, part 1: inertial integrals from the first frame of the window to each other one.
 #pragma once
 
+#include "math/near.h"
 #include "vio/standstill.h"
 
 namespace SEGCAL_NS {
@@ -59,7 +60,7 @@ struct Origin {
 /// Memory of the start.
 template <class S>
 struct StartScratch {
-  StartLink<S>* link = nullptr;   ///< one for each pose, in the window's memory
+  Near<StartLink<S>> link;   ///< one for each pose, in the window's memory
   State<S> x0, best;       ///< state at the window's first frame, and the best one so far
   State<S> aligned;        ///< what the descent from the linear alignment found
   CameraCalibration<S> best_camera[kMaxCameras], aligned_camera[kMaxCameras];

@@ -89,7 +89,7 @@ class MotionStart {
     return integrator_ = new (w->block) ImuIntegrator<S>;
   }
   void correct(const StartContext<S>& c) {
-    correct_links(c.w->n_poses, Vec3<S>(c.s->x0.b_a - base_.b_a), Vec3<S>(c.s->x0.b_g - base_.b_g), c.s->link);
+    correct_links(c.w->n_poses, Vec3<S>(c.s->x0.b_a - base_.b_a), Vec3<S>(c.s->x0.b_g - base_.b_g), c.s->link.get());
   }
   static PackedTriangle<S> triangle(const StartContext<S>& c) {
     return PackedTriangle<S>(c.w->triangle, kStateColumns + kExtrinsicColumns * c.w->theta.n_cameras + 1);
@@ -110,7 +110,7 @@ class MotionStart {
   RefineFit<S> fit_, trial_, aligned_;
   S rho_[kMaxVioTracks];       ///< inverse distances at the last linearisation, 1/m; negative: none
   Feature<S> feature_;
-  ImuIntegrator<S>* integrator_ = nullptr;   ///< in the window's block, which is free while samples are integrated
+  Near<ImuIntegrator<S>> integrator_;   ///< in the window's block, which is free while samples are integrated
   SampleIntegration<S, std::int64_t> samples_;
 };
 
