@@ -47,6 +47,18 @@ make_python_environment() {
   cp "$list" .venv/requirements.txt
 }
 
+# For the test of the PlatformIO package; apart from .venv, since it pins what others want newer.
+make_platformio_environment() {
+  local versions="platformio==6.2.0 scons==4.11.1" home=third_party/platformio
+  [ "$(cat "$home/versions" 2> /dev/null)" = "$versions" ] && return
+  echo "Making $home"
+  rm -rf "$home"
+  python3 -m venv "$home"
+  # shellcheck disable=SC2086
+  "$home/bin/pip" install --quiet --disable-pip-version-check $versions
+  echo "$versions" > "$home/versions"
+}
+
 # Where Unity's own repository can be reached, CMake fetches it from there.
 prepare_unity() {
   [ -e third_party/unity/unity.c ] && return
@@ -71,6 +83,7 @@ prepare_photographs() {
 
 install_packages
 make_python_environment
+make_platformio_environment
 prepare_unity
 prepare_photographs
 echo "Ready. Next: cmake --workflow --preset demo, --preset test or --preset firmware"
