@@ -110,7 +110,8 @@ void test_mean_is_the_fit_with_nothing_held() {
     check_between(id, "of these, with a mean that is not the start", known_gyro ? 1 : 0, moved, held);  // the prior is tight
     for (int i = 0; i < p.result.n_parameters && held == 0; ++i) {
       const segcal_parameter_t& q = p.result.parameter[i];
-      check_near(Id(id).add("parameter", q.name), "mean", q.value, p.mean(i), 0.01 * q.sigma);
+      // A fit has settled where its last step was below 0.02 sigma (calibration_fit.h).
+      check_near(Id(id).add("parameter", q.name), "mean", q.value, p.mean(i), 0.02 * q.sigma);
     }
   }
 }

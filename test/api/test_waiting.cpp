@@ -1,5 +1,5 @@
-// Images and keyframes that come before the IMU samples of their time: they wait, and come to the same bits as if they had come after them; what
-// finds no place is counted.
+// Images and keyframes that come before the IMU samples of their time: they wait, and come to the same bits however early they came; what
+// finds no place is counted; and where a spike was taken out meanwhile, no segment has the hole inside.
 #include "api_fixture.h"
 
 extern "C" void setUp() {}
@@ -84,6 +84,48 @@ void test_what_finds_no_place_is_counted() {
   }
 }
 
+/// Where a spike was taken out a segment ends: none has the hole inside, whichever image waited meanwhile. Forty offsets meet each place of a
+/// group of two and of an image's period.
+void test_no_segment_has_a_hole() {
+  const SyntheticStream& s = long_stream<14>();
+  for (const Way way : {Way::tracks, Way::keyframes}) {
+    for (const double segment_s : {2.0, 4.0}) {
+      int taken_out = 0;
+      for (int offset = 0; offset < 40; ++offset) {
+        const Id id = Id().add("way", static_cast<int>(way)).add("segment_s", segment_s).add("offset", offset);
+        if (!selected(id.text())) continue;
+        segcal_config_t c = SyntheticStream::config();
+        c.segment_s = segment_s;
+        c.keep_segments = SEGCAL_MAX_SEGMENTS;
+        c.trigger_fraction = -1;
+        Storage storage(0x5A);
+        segcal_t* device = create(&storage, c);
+        for (int i = 0; i < static_cast<int>(s.imu.size()); ++i) {
+          segcal_imu_t sample = s.imu[i];
+          if (i == 1200 + offset) sample.accel[1] += 40;
+          segcal_push_imu(device, &sample);
+          if (i % 20 == 0) push_frame(device, s.frames[i / 20], way);
+          segcal_background(device, 1000000);
+        }
+        segcal_flush(device);
+        segcal_counters_t counters;
+        segcal_get_counters(device, &counters);
+        taken_out += static_cast<int>(counters.imu_spikes);
+        std::vector<segcal_imu_t> samples(SEGCAL_MAX_IMU_SAMPLES);
+        for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
+          const int n = segcal_get_samples(device, slot, samples.data(), SEGCAL_MAX_IMU_SAMPLES);
+          // 5 ms apart, in groups of two 10 ms.
+          for (int k = 1; k < n; ++k) {
+            check_true(Id(id).add("slot", slot), ("ms without a sample: " + std::to_string(1e-6 * static_cast<double>(samples[k].t_ns - samples[k - 1].t_ns))).c_str(),
+                       samples[k].t_ns - samples[k - 1].t_ns < (SEGCAL_PROFILE == SEGCAL_PROFILE_MCU && segment_s > 3 ? 12000000 : 7000000));
+          }
+        }
+      }
+      if (selection().empty()) TEST_ASSERT_EQUAL_INT(40, taken_out);
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -91,5 +133,6 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_the_same_bits_in_any_order);
   RUN_TEST(test_what_finds_no_place_is_counted);
+  RUN_TEST(test_no_segment_has_a_hole);
   return UNITY_END();
 }

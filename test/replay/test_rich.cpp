@@ -101,6 +101,16 @@ void test_sigmas_are_small() {
   test::check_between(Id().add("check", "gyro_scale"), "largest sigma", 0, largest.at("gyro.s"), 6e-4);
 }
 
+/// Profile mcu averages 200 Hz to 100 Hz, so that an image waits for its samples until after the next ones: its state is written all the same.
+void test_each_state_is_written_where_images_wait() {
+  const host::SimulationResult session = test::simulated("rich", 20, 3);
+  const host::ReplayResult out = test::replayed(session, "mcu");
+  // 201 images; eight before the start in motion, which takes effect half a second later, and the last one, whose samples never come.
+  TEST_ASSERT_UINT_WITHIN(10, 185, out.trajectory.size());
+  for (std::size_t i = 1; i < out.trajectory.size(); ++i) TEST_ASSERT_TRUE(out.trajectory[i].t_ns > out.trajectory[i - 1].t_ns);
+  TEST_ASSERT_TRUE(out.timing.vio_ms_median > 0);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -110,5 +120,6 @@ int main(int argc, char** argv) {
   RUN_TEST(test_the_fit_is_as_good_as_the_noise);
   RUN_TEST(test_errors_are_as_large_as_the_sigmas_say);
   RUN_TEST(test_sigmas_are_small);
+  RUN_TEST(test_each_state_is_written_where_images_wait);
   return UNITY_END();
 }

@@ -90,13 +90,18 @@ class Session {
     if (outcome != FrameOutcome::skipped) ++out_.health.frames_offered;
     const bool calibrated = core_.background();
     const double ms = ms_since(start);
+    // An image that waited for its IMU samples was processed by now; the newest one may wait.
+    CoreState state;
+    const bool tracked = core_.state(&state) && state.t_ns != newest_state_;
     if (collect_segment()) {
       score_ms.push_back(ms);
-    } else if (outcome == FrameOutcome::tracking) {
+    } else if (tracked) {
       frame_ms.push_back(ms);
     }
-    CoreState state;
-    if (outcome == FrameOutcome::tracking && core_.state(&state)) out_.trajectory.push_back(state);
+    if (tracked) {
+      newest_state_ = state.t_ns;
+      out_.trajectory.push_back(state);
+    }
     if (calibrated) note_calibration(true);
   }
 
@@ -110,7 +115,7 @@ class Session {
   Core& core_;
   ReplayResult& out_;
   bool calibrate_;
-  std::int64_t newest_ = 0;
+  std::int64_t newest_ = 0, newest_state_ = INT64_MIN;
 };
 
 void mark_kept(ReplayResult& out) {

@@ -136,7 +136,7 @@ class Device {
   // device_imu.h
   static bool in_range(const Vec3<S>& reading, S range) { return reading.cwiseAbs().maxCoeff() < range; }
   void keep_unbroken(std::int64_t t_ns, const InertialReading<S>& reading);
-  bool bridge_is_short(std::int64_t t_ns, int wrong) const;
+  [[gnu::cold]] bool bridge_is_short(std::int64_t t_ns, int wrong) const;
   void break_stream();
   void start_clock(std::int64_t t_ns);
 
@@ -147,7 +147,7 @@ class Device {
   Taken process_frames();
   Taken process_frame();
   Taken track(const Frame<S>& frame);
-  Taken take_own_keyframe(const Frame<S>& frame);
+  [[gnu::cold]] Taken take_own_keyframe(const Frame<S>& frame);
   bool frame_ready() { return !frames_.empty() && imu_.size() > 1 && imu_.newest() >= frames_.front().time_ns(); }
   void count_missing_frames(std::int64_t t_ns);
   void take_state(std::int64_t t_ns, const State<S>& state);
@@ -155,7 +155,7 @@ class Device {
   void use_odometry(bool own);
 
   // device_segments.h
-  void take_keyframe(const Frame<S>& frame, const State<S>& state);
+  [[gnu::cold]] void take_keyframe(const Frame<S>& frame, const State<S>& state);
   bool keyframe_due(std::int64_t t_ns) const;
   bool segment_complete(std::int64_t t_ns, std::int64_t spacing);
   void end_segment(bool continues);
@@ -205,6 +205,7 @@ class Device {
   State<S> state_;         ///< its place counts from origin_
   double origin_[3];       ///< m, in the odometry's frame: float holds what is near
   Hash trajectory_;        ///< of all states so far
+  std::int64_t hole_ns_;         ///< where a spike was taken out: the end of the first group of samples after it
   std::int64_t state_time_, last_imu_, last_frame_, last_offered_, next_keyframe_, frame_period_;
   Near<Segment<S>> spare_;      ///< where the open segment stands while the one before is scored
   std::uint32_t session_, serial_, frame_, crowded_out_, imu_spikes_;
@@ -215,6 +216,7 @@ class Device {
   std::int32_t open_segments_;   ///< scored while a change was open
   std::int32_t thinned_;         ///< how often the open segment was
   std::int32_t stamp_shift_ns_;  ///< from stamps of frames to the IMU's clock, as known: for frames that come from now on
+  bool has_hole_;                ///< no image after hole_ns_ has been processed yet
   bool has_state_, has_imu_, has_frame_, has_offered_, has_next_keyframe_;
   bool calibrated_, knew_enough_, own_odometry_;
   bool condensing_, new_epoch_;  ///< segments that end go into epochs; the next one begins another

@@ -56,6 +56,8 @@ void Device<S>::keep_unbroken(std::int64_t t_ns, const InertialReading<S>& readi
   if (bridged) {
     imu_.take_back(d_.options.imu_group > 1 ? decimation_.drop_newest(wrong) : wrong);
     used_ >>= wrong;
+    hole_ns_ = t_ns + static_cast<std::int64_t>(S(d_.options.imu_group - 1) / d_.options.imu_rate_hz * S(1e9));
+    has_hole_ = true;
     return;
   }
   if (gap) ++d_.faults.imu_gaps;
@@ -76,7 +78,7 @@ bool Device<S>::bridge_is_short(std::int64_t t_ns, int wrong) const {
   } else {
     return false;
   }
-  return S(t_ns - last_ns) * S(1e-9) <= (m > 1 ? S(1.5) * S(m) + S(2) : S(3.5)) / d_.options.imu_rate_hz;
+  return S(t_ns - last_ns) * S(1e-9) <= (m > 1 ? S(1.6) * S(m) + S(2.5) : S(3.5)) / d_.options.imu_rate_hz;
 }
 
 /// Signal::time counts from the first sample.

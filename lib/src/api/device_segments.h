@@ -46,7 +46,9 @@ void Device<S>::take_keyframe(const Frame<S>& frame, const State<S>& state) {
   const std::int64_t base = static_cast<std::int64_t>(d_.options.segment_s * S(1e9)) / kMaxKeyframes;
   const std::int64_t gap = 4 * (base << thinned_);
   const bool late = has_next_keyframe_ && t_ns > next_keyframe_ + (gap > kKeyframeGapNs ? gap : kKeyframeGapNs);
-  if (late) end_segment(false);
+  const bool behind_hole = has_hole_ && t_ns >= hole_ns_;   // the images before it may have waited until it was known
+  has_hole_ = has_hole_ && !behind_hole;
+  if (late || behind_hole) end_segment(false);
   if (!builder().empty() && segment_complete(t_ns, base << thinned_)) end_segment(true);
   if (builder().full() && d_.options.most_segment_s > d_.options.segment_s) {
     builder().thin();

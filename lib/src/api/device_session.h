@@ -96,6 +96,7 @@ void Device<S>::restart_filter() {
   builder().begin(&open_slot(), session_, serial_, false);
   has_state_ = has_imu_ = has_frame_ = has_offered_ = has_next_keyframe_ = false;
   used_ = 0;
+  has_hole_ = false;
 }
 
 template <class S>

@@ -9,6 +9,8 @@ namespace SEGCAL_NS {
 constexpr std::int64_t kFarFrameNs = 2000000000;
 /// No camera is faster, ns: nearer stamps say nothing about its period.
 constexpr std::int64_t kShortestPeriodNs = 1000000;
+/// No images are missing in a longer one: it was switched off, ns.
+constexpr std::int64_t kLongestPauseNs = 3600000000000;
 
 /// Where states come from. Two sources have two frames; the user's own frame outlives gaps in the IMU's stream.
 template <class S>
@@ -23,7 +25,7 @@ void Device<S>::use_odometry(bool own) {
 template <class S>
 void Device<S>::count_missing_frames(std::int64_t t_ns) {
   const std::int64_t interval = t_ns - last_frame_;
-  if (interval < kShortestPeriodNs) return;
+  if (interval < kShortestPeriodNs || interval > kLongestPauseNs) return;
   if (frame_period_ == 0 || interval < frame_period_) frame_period_ = interval;
   const std::int64_t periods = (interval + frame_period_ / 2) / frame_period_;
   if (periods > 1) d_.faults.frames_dropped += static_cast<std::uint32_t>(periods - 1);
@@ -146,7 +148,7 @@ template <class S>
 template <class Point>
 Taken Device<S>::push_keyframe(std::int64_t t_ns, const State<S>& state, const double* p_GI, int n, Point point) {
   if (!take_frame_stamp(t_ns)) return Taken::stamp_refused;
-  if (!let_wait(t_ns, 0, n, point)) return Taken::skipped;
+  if (!has_imu_ || !let_wait(t_ns, 0, n, point)) return Taken::skipped;   // without a sample nothing tells whether its stamp is one
   last_frame_ = t_ns;
   has_frame_ = true;
   Frame<S>& frame = frames_.newest();

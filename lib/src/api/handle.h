@@ -13,7 +13,7 @@ extern template class Device<Real>;  // device.cpp
 
 /// What both blocks begin with. Bytes of a library with another layout are no device, and two blocks are one only if they were made together.
 struct MemoryHead {
-  static constexpr std::uint32_t kMagic = 0x5E6CA102u ^ sizeof(Device<Real>) ^ (sizeof(ColdParts<Real>) << 8);
+  static constexpr std::uint32_t kHot = 0x5E6CA102u ^ sizeof(Device<Real>) ^ (sizeof(ColdParts<Real>) << 8), kCold = ~kHot;
   std::uint32_t magic;
   std::uint32_t pair;
 };
@@ -30,7 +30,7 @@ struct CDevice {
 /// The device behind a handle; null if the handle is null or was never created.
 inline CDevice* open(segcal_t* handle) {
   CDevice* d = reinterpret_cast<CDevice*>(handle);
-  return d && d->head.magic == MemoryHead::kMagic ? d : nullptr;
+  return d && d->head.magic == MemoryHead::kHot ? d : nullptr;
 }
 inline const CDevice* open(const segcal_t* handle) { return open(const_cast<segcal_t*>(handle)); }
 

@@ -1,4 +1,5 @@
 // The C API: a device's memory, its beginning, and its going on at another place.
+#include <cstddef>
 #include <cstring>
 #include <new>
 
@@ -31,9 +32,11 @@ bool overlap(const void* hot, const void* cold) {
   return h < c + sizeof(Cold) && c < h + sizeof(CDevice);
 }
 
-/// Where they were made: no two devices were there at a time.
+/// Where they are made, and another number than that of a device which was there before.
 std::uint32_t pair_number(const void* hot, const void* cold) {
-  return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(hot) * 2654435761u + reinterpret_cast<std::uintptr_t>(cold));
+  std::uint32_t before;
+  std::memcpy(&before, static_cast<const char*>(hot) + offsetof(MemoryHead, pair), sizeof before);
+  return before + 1u + static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(hot) * 2654435761u + reinterpret_cast<std::uintptr_t>(cold));
 }
 
 [[gnu::cold]] int create(segcal_t** device, const segcal_config_t& config, void* hot, void* cold, bool fits, const std::uint32_t* capacities) {
@@ -43,12 +46,14 @@ std::uint32_t pair_number(const void* hot, const void* cold) {
   if (!aligned(hot) || !aligned(cold)) return SEGCAL_ERROR_ALIGNMENT;
   DeviceOptions<Real> options;
   if (!options_from_config(config, &options)) return SEGCAL_ERROR_CONFIG;
+  const std::uint32_t pair = pair_number(hot, cold);
   std::memset(hot, 0, sizeof(CDevice));
   std::memset(cold, 0, sizeof(Cold));
   CDevice* d = new (hot) CDevice;
   Cold* c = new (cold) Cold;
   d->device.create(options, &c->parts);
-  d->head = c->head = {MemoryHead::kMagic, pair_number(hot, cold)};
+  d->head = {MemoryHead::kHot, pair};
+  c->head = {MemoryHead::kCold, pair};
   *device = reinterpret_cast<segcal_t*>(d);
   return SEGCAL_OK;
 }
@@ -89,7 +94,7 @@ int segcal_create_in_blocks_for(segcal_t** device, const segcal_config_t* config
   if (!d) return SEGCAL_ERROR_STATE;
   if (!cold && d->device.cold() != &behind(hot)->parts) return SEGCAL_ERROR_NULL;
   Cold* c = cold ? static_cast<Cold*>(cold) : behind(hot);
-  if (c->head.magic != MemoryHead::kMagic || c->head.pair != d->head.pair) return SEGCAL_ERROR_STATE;
+  if (c->head.magic != MemoryHead::kCold || c->head.pair != d->head.pair) return SEGCAL_ERROR_STATE;
   if (!d->device.attach(&c->parts)) return SEGCAL_ERROR_BUSY;
   *device = static_cast<segcal_t*>(hot);
   return SEGCAL_OK;

@@ -7,7 +7,7 @@
 namespace SEGCAL_NS {
 
 /// Stamps beyond this are refused (146 years either way, ns): differences of two that are not always fit into 64 bits.
-constexpr std::int64_t kMostStamp = std::int64_t(1) << 62;
+constexpr std::int64_t kMostStamp = (std::int64_t(1) << 62) - 1;
 
 enum class StampVerdict : std::int32_t {
   good,   ///< follows the stamp before
