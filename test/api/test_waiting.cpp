@@ -84,6 +84,38 @@ void test_what_finds_no_place_is_counted() {
   }
 }
 
+/// Nothing tells yet whether it is a stamp of this clock: one far off must not keep those out that follow.
+void test_a_keyframe_before_the_first_sample_is_skipped() {
+  const SyntheticStream& s = long_stream<14>();
+  Storage storage(0);
+  segcal_t* device = create(&storage, SyntheticStream::config());
+  segcal_state_t far = s.frames[0].state;
+  far.t_ns = std::int64_t(1) << 61;
+  const int n = std::min(static_cast<int>(s.frames[0].points.size()), SEGCAL_MAX_TRACKS);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_SKIPPED, segcal_push_keyframe(device, &far, s.frames[0].points.data(), n));
+  for (int i = 0; i < 400; ++i) {
+    segcal_push_imu(device, &s.imu[i]);
+    if (i % 20 == 0) push_frame(device, s.frames[i / 20], Way::keyframes);
+  }
+  segcal_counters_t counters;
+  segcal_get_counters(device, &counters);
+  TEST_ASSERT_EQUAL_INT(20, counters.frames_used);
+}
+
+/// The largest stamps that are taken, one after the other: no difference overflows, and no images are missing between them.
+void test_a_pause_of_centuries_drops_no_images() {
+  const std::int64_t most = (std::int64_t(1) << 62) - 1;
+  const SyntheticStream& s = long_stream<14>();
+  Storage storage(0);
+  segcal_t* device = create(&storage, SyntheticStream::config());
+  const int n = std::min(static_cast<int>(s.frames[0].points.size()), SEGCAL_MAX_TRACKS);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STAMP, segcal_push_tracks(device, -most - 1, s.frames[0].points.data(), n));
+  for (const std::int64_t t : {-most, -most + 100000000, most}) TEST_ASSERT_EQUAL_INT(SEGCAL_WAITING, segcal_push_tracks(device, t, s.frames[0].points.data(), n));
+  segcal_counters_t counters;
+  segcal_get_counters(device, &counters);
+  TEST_ASSERT_EQUAL_INT(0, counters.frames_dropped);
+}
+
 /// Where a spike was taken out a segment ends: none has the hole inside, whichever image waited meanwhile. Forty offsets meet each place of a
 /// group of two and of an image's period.
 void test_no_segment_has_a_hole() {
@@ -133,6 +165,8 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_the_same_bits_in_any_order);
   RUN_TEST(test_what_finds_no_place_is_counted);
+  RUN_TEST(test_a_keyframe_before_the_first_sample_is_skipped);
+  RUN_TEST(test_a_pause_of_centuries_drops_no_images);
   RUN_TEST(test_no_segment_has_a_hole);
   return UNITY_END();
 }
