@@ -21,19 +21,12 @@ RATES = [50, 100, 200, 400, 1000, 4000]
 
 
 def draw(rng):
+    """In which calibration is possible: room for a keyframe in half a second. A sensor for whose samples there is no room is averaged."""
     keyframes, landmarks, cameras = rng.randint(8, 24), rng.randint(30, 120), rng.randint(1, 2)
     return {"MAX_CAMERAS": cameras, "MAX_SEGMENTS": rng.randint(4, 16), "MAX_KEYFRAMES": keyframes, "MAX_LANDMARKS": landmarks,
             "MAX_OBSERVATIONS": rng.randint(6, 14) * landmarks * cameras, "MAX_IMU_SAMPLES": rng.randint(300, 2000), "MAX_CLONES": rng.randint(7, 12),
             "MAX_TRACKS": rng.randint(30, 100), "MAX_TIES": rng.choice([0, 4, 8]), "IMU_HISTORY": rng.randint(200, 1000), "PIXEL_BITS": rng.choice([16, 32]),
             "MAX_EFFECT_COLUMNS": rng.choice([0, 1, 3, 12]), "TRACK_WALK": rng.randint(0, 1), "FRAME_FEATURES": rng.randint(6, 30)}
-
-
-def draw_possible(rng):
-    """In which calibration is possible: room for a keyframe in half a second, and for 100 IMU samples a second in 4.1 s. Faster ones are averaged
-    to what there is room for; below 100 Hz the mean hides motion that the sigmas do not know of (docs/porting.md)."""
-    while (capacities := draw(rng))["MAX_IMU_SAMPLES"] < 410:
-        pass
-    return capacities
 
 
 def draw_small(rng):
@@ -112,7 +105,7 @@ def main():
     runs = []
     with open(o.work / "runs.jsonl", "w", encoding="utf-8") as file:
         for s in range(o.sets):
-            capacities = {**(draw_possible if o.range == "possible" else draw_small)(rng), **dict(f.split("=") for f in o.fixed)}
+            capacities = {**(draw if o.range == "possible" else draw_small)(rng), **dict(f.split("=") for f in o.fixed)}
             if o.only and s not in o.only:
                 continue
             program, refusal = build(capacities, o.work / f"set{s}")
