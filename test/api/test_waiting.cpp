@@ -116,6 +116,25 @@ void test_a_pause_of_centuries_drops_no_images() {
   TEST_ASSERT_EQUAL_INT(0, counters.frames_dropped);
 }
 
+/// Images that are missing are told by the usual interval: some stamps are taken 30 ms late, three images are missing.
+void test_late_stamps_are_no_missing_images() {
+  const SyntheticStream& s = long_stream<14>();
+  Storage storage(0);
+  segcal_t* device = create(&storage, SyntheticStream::config());
+  std::size_t next = 0;
+  for (int i = 0; i < 139; ++i) {
+    if (i == 50 || i == 51 || i == 120) continue;
+    const SyntheticStream::Frame& frame = s.frames[static_cast<std::size_t>(i)];
+    const std::int64_t t_ns = frame.state.t_ns + (i % 7 == 3 ? 30000000 : 0);
+    while (next < s.imu.size() && s.imu[next].t_ns <= t_ns + 5000000) segcal_push_imu(device, &s.imu[next++]);
+    const int n = std::min(static_cast<int>(frame.points.size()), SEGCAL_MAX_TRACKS);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(0, segcal_push_tracks(device, t_ns, frame.points.data(), n));
+  }
+  segcal_counters_t counters;
+  segcal_get_counters(device, &counters);
+  TEST_ASSERT_EQUAL_INT(3, counters.frames_dropped);
+}
+
 /// Where a spike was taken out a segment ends: none has the hole inside, whichever image waited meanwhile. Forty offsets meet each place of a
 /// group of two and of an image's period.
 void test_no_segment_has_a_hole() {
@@ -167,6 +186,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_what_finds_no_place_is_counted);
   RUN_TEST(test_a_keyframe_before_the_first_sample_is_skipped);
   RUN_TEST(test_a_pause_of_centuries_drops_no_images);
+  RUN_TEST(test_late_stamps_are_no_missing_images);
   RUN_TEST(test_no_segment_has_a_hole);
   return UNITY_END();
 }

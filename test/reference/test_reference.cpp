@@ -71,6 +71,21 @@ void test_recordings_with_rest() {
   for (int seed = 1; seed <= recordings(2); ++seed) check_recording("arvr", seed, "mobile", kRests);
 }
 
+/// An IMU ten times noisier than stated: both must find that, each link for itself.
+void test_rough_imu() {
+  const Id id = Id().add("imu", "rough");
+  if (!test::selected(id.text())) return;
+  host::SimulationOptions options;
+  options.seconds = 30;
+  const host::ImuNoise data_sheet = options.imu_noise;
+  options.imu_noise.accel_noise_density *= 10;
+  options.imu_noise.gyro_noise_density *= 10;
+  host::SimulationResult session = host::simulate(options);
+  session.recording.imu.noise = data_sheet;
+  const host::ReplayResult core = test::replayed(session);
+  compare(id, core.result, host::reference_segments(host::kept_segments(core), {}).result, kFloat);
+}
+
 void test_segments_survive_the_file() {
   const test::TemporaryFolder folder("segcal_reference");
   const host::KeptSegments kept = host::kept_segments(test::replayed(test::simulated("rich", 20, 3)));
@@ -128,6 +143,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_core_in_double);
   RUN_TEST(test_one_segment);
   RUN_TEST(test_recordings_with_rest);
+  RUN_TEST(test_rough_imu);
   RUN_TEST(test_segments_survive_the_file);
   RUN_TEST(test_effects_are_refused);
   RUN_TEST(test_epochs_are_refused);

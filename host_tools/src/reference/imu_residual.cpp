@@ -49,11 +49,11 @@ struct ErrorModel {
   Matrix15 noise = Matrix15::Zero();            ///< of b_a and b_g
   double gyro2 = 0, accel2 = 0;
 
-  ErrorModel(const CoreModel& model, const double* inputs, const Eigen::Matrix3d& R_AI) {
+  ErrorModel(const CoreModel& model, const LinkNoise& white, const double* inputs, const Eigen::Matrix3d& R_AI) {
     rate_by_bias = -triangle(inputs + 6, inputs + 9).inverse();
     force_by_bias = -(R_AI.transpose() * triangle(inputs + 12, inputs + 15).inverse());
-    gyro2 = model.gyro_noise_density * model.gyro_noise_density;
-    accel2 = model.accel_noise_density * model.accel_noise_density;
+    gyro2 = white.gyro * white.gyro;
+    accel2 = white.accel * white.accel;
     for (int i = 0; i < 3; ++i) {
       noise(9 + i, 9 + i) = model.accel_random_walk * model.accel_random_walk;
       noise(12 + i, 12 + i) = model.gyro_random_walk * model.gyro_random_walk;
@@ -122,13 +122,13 @@ LinkResidual::LinkResidual(const Problem& problem, const Link& link)
   Eigen::Map<Eigen::Vector3d>{inputs} = from_.b_a;
   Eigen::Map<Eigen::Vector3d>{inputs + 3} = from_.b_g;
   imu_block(problem.theta.imu, inputs + 6);
-  weigh(problem.model, inputs);
+  weigh(problem.model, link_noise(problem.model, problem.samples[static_cast<std::size_t>(link.samples)], from_.t_ns, to_.t_ns), inputs);
 }
 
 /// The covariance of the integral and the biases by the same Runge-Kutta method, beside the integral itself.
-void LinkResidual::weigh(const CoreModel& model, const double* inputs) {
+void LinkResidual::weigh(const CoreModel& model, const LinkNoise& white, const double* inputs) {
   const Sensor<double> sensor(inputs, R_AI0_);
-  const ErrorModel errors(model, inputs, R_AI0_);
+  const ErrorModel errors(model, white, inputs, R_AI0_);
   Integral<double> x;
   Matrix15 P = Matrix15::Zero();
   for (const Step& step : steps_) {

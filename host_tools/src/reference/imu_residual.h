@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "reference/camera_residual.h"
+#include "reference/link_noise.h"
 
 namespace host::reference {
 
@@ -94,7 +95,7 @@ class LinkResidual final : public ceres::SizedCostFunction<kLinkRows, kPoseSize,
  private:
   template <class T>
   void residual(const Integral<T>& integral, const T* pose0, const T* motion0, const T* pose1, const T* motion1, T* out) const;
-  void weigh(const CoreModel& model, const double* inputs);
+  void weigh(const CoreModel& model, const LinkNoise& white, const double* inputs);
 
   const State &from_, &to_;
   const Eigen::Matrix3d& R_AI0_;

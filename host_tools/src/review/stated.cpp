@@ -19,18 +19,23 @@ constexpr double kPriorSigmas = 3.5;           // once in 2000 devices
 constexpr double kStudent2 = 31.6;             // |t| with two degrees of freedom: once in 1000 devices
 constexpr double kSeen = 5;                    // sigmas of the common scale, below which nothing is said of it
 
-void judge(const char* name, const char* sensor, double factor, double sigma, bool steady, const char* entry, double stated, std::vector<Note>* out) {
-  const char* verdict = nullptr;
-  if (factor - 3 * sigma > kAbove && steady) verdict = "sigmas are too small by up to that";
-  if (factor + 3 * sigma < kBelow) verdict = "sigmas are too large by up to that, unless it was stated on purpose, for drift or for what a filter in the sensor hides";
-  if (!verdict) return;
-  out->push_back({name, factor, formatted("%s noise is %.2f +- %.2f times what was stated: %s. State %s %.3g (--config)", sensor, factor, sigma, verdict, entry, factor * stated)});
+/// `above`: what it means that there is more noise than stated, and what to do.
+void judge(const char* name, const char* sensor, double factor, double sigma, const std::string& above, const std::string& advice, std::vector<Note>* out) {
+  std::string verdict;
+  if (factor - 3 * sigma > kAbove) verdict = above;
+  if (factor + 3 * sigma < kBelow) verdict = "sigmas are too large by up to that, unless it was stated on purpose, for drift or for what a filter in the sensor hides. " + advice;
+  if (verdict.empty()) return;
+  out->push_back({name, factor, formatted("%s noise is %.2f +- %.2f times what was stated: %s", sensor, factor, sigma, verdict.c_str())});
 }
 
+std::string to_state(const char* entry, double value) { return formatted("State %s %.3g (--config)", entry, value); }
+
+/// Links are weighed by what their samples show (lib/src/sensors/roughness.h), the filter's and the calibration's.
 void judge_imu(const char* name, const char* sensor, const SensorNoise& noise, const char* entry, std::vector<Note>* out) {
-  // Motion or vibration that fills the band makes the figure an upper bound: it may be less, never more.
-  const bool steady = noise.verdict == SensorNoise::Verdict::above;
-  judge(name, sensor, noise.factor, noise.sigma, steady, entry, noise.stated, out);
+  const std::string advice = to_state(entry, noise.factor * noise.stated);
+  const std::string above = noise.verdict == SensorNoise::Verdict::above ? "each stretch between keyframes was weighed by what it shows. " + advice
+                                                                         : "vibration, or motion that is too fast for the samples. Each stretch between keyframes was weighed by what it shows";
+  judge(name, sensor, noise.factor, noise.sigma, above, advice, out);
 }
 
 /// Shares by which the accelerometer's three scales left the start; false where one was held or there is no covariance.
@@ -61,7 +66,10 @@ std::vector<Note> notes_on_noise(const Recording& recording, const ReplayResult&
   judge_imu("gyro_noise", "gyroscope", raw.gyro, "gyroscope_noise_density", &out);
   judge_imu("accel_noise", "accelerometer", raw.accel, "accelerometer_noise_density", &out);
   const diagnosis::PixelNoise pixel = diagnosis::pixel_noise(result.kept);
-  if (pixel.sigma > 0) judge("pixel_noise", "corner", pixel.factor, pixel.sigma, true, "pixel_sigma_px", result.model.pixel_sigma, &out);
+  if (pixel.sigma > 0) {
+    const std::string advice = to_state("pixel_sigma_px", pixel.factor * result.model.pixel_sigma);
+    judge("pixel_noise", "corner", pixel.factor, pixel.sigma, "sigmas are too small by up to that. " + advice, advice, &out);
+  }
   return out;
 }
 

@@ -21,12 +21,15 @@ void Device<S>::use_odometry(bool own) {
   ++frame_;
 }
 
-/// Frames missing from an even stream: the shortest interval seen so far is the camera's period.
+/// Frames missing from an even stream. The camera's period is where the intervals lead, by a sixteenth at most each time: one that is longer, as
+/// a frame is missing, or shorter, as its stamp was taken late, moves it little, and an even stream brings it back at once.
 template <class S>
-void Device<S>::count_missing_frames(std::int64_t t_ns) {
+[[gnu::cold]] void Device<S>::count_missing_frames(std::int64_t t_ns) {
   const std::int64_t interval = t_ns - last_frame_;
   if (interval < kShortestPeriodNs || interval > kLongestPauseNs) return;
-  if (frame_period_ == 0 || interval < frame_period_) frame_period_ = interval;
+  if (frame_period_ == 0) frame_period_ = interval;
+  const std::int64_t most = frame_period_ / 16, off = interval - frame_period_;
+  frame_period_ += off > most ? most : off < -most ? -most : off;
   const std::int64_t periods = (interval + frame_period_ / 2) / frame_period_;
   if (periods > 1) d_.faults.frames_dropped += static_cast<std::uint32_t>(periods - 1);
 }

@@ -9,6 +9,7 @@
 #include "segments/imu_store.h"
 #include "segments/landmark.h"
 #include "segments/pixel.h"
+#include "sensors/roughness.h"
 
 namespace SEGCAL_NS {
 
@@ -109,6 +110,10 @@ struct Segment {
     }
     return link.result();
   }
+  /// The noise of link k's samples as they show it.
+  ImuNoise<S> noise_of(int k, const ImuNoise<S>& stated) const {
+    return noise_in(imu, stated, link_start(k), t_us[k], S(1e-6));
+  }
   /// What terms need to know about link k.
   Stretch<S> stretch(int k, const Calibration<S>& theta) const {
     const S start = S(t0_ns - theta.effects.time_zero_ns) * S(1e-9);
@@ -135,7 +140,7 @@ class LinkIntegration {
   bool step(const Segment<S>& s, int k, const Calibration<S>& theta, const Vec3<S>& b_a, const Vec3<S>& b_g,
             const ImuNoise<S>& noise, ImuTermColumns<S>* columns = nullptr) {
     SEGCAL_SLICES(place_) {
-      integrator_.begin(theta.imu, b_a, b_g, noise, &theta.effects, columns);
+      integrator_.begin(theta.imu, b_a, b_g, s.noise_of(k, noise), &theta.effects, columns);
       samples_.restart();
       SEGCAL_AWAIT(place_, samples_.step(s.imu, s.link_start(k), s.t_us[k], S(1e-6), &integrator_,
                                          integrator_.wants_surroundings() ? s.stretch(k, theta) : Stretch<S>{}));

@@ -15,7 +15,7 @@ bool MotionStart<S>::open_step(const StartContext<S>& c, const Samples& imu) {
     SEGCAL_PAUSE(inner_);
     for (i_ = 1; i_ < c.w->n_poses && good_; ++i_) {
       new_integrator(c.w)->begin(c.w->theta.imu, c.w->now.b_a, c.w->now.b_g,
-                                 noise_in(imu, c.options.noise, c.w->pose[i_ - 1].time, c.w->pose[i_].time), &c.w->theta.effects);
+                                 noise_in(imu, c.options.noise, c.w->pose[i_ - 1].time, c.w->pose[i_].time, S(1e-9)), &c.w->theta.effects);
       samples_.restart();
       SEGCAL_AWAIT(inner_, samples_.step(imu, c.w->pose[i_ - 1].time, c.w->pose[i_].time, S(1e-9), integrator_,
                                          stretch_between(c.w->pose[i_ - 1].time, c.w->pose[i_].time, imu.warmth, c.w->now.R_GI, *integrator_)));
