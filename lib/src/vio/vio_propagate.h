@@ -20,9 +20,9 @@ State<S> predicted(const ImuIntegral<S>& I, const State<S>& x0, const Vec3<S>& g
 
 /// Integrates [t0, t1] of the history at the biases of `x0`, with the noise that the readings show. Terms of the IMU that
 /// theta has are taken off here; of the camera's, a time offset is in the stamps already, and what else moves image points
-/// is left to the filter's own estimates of the lens.
+/// is left to the filter's own estimates of the lens. Inlined, so that its integrator shares the caller's stack.
 template <class S>
-ImuIntegral<S> integral_between(const Window<S>& w, const VioOptions<S>& options, const ImuHistory<S>& imu,
+[[gnu::always_inline]] inline ImuIntegral<S> integral_between(const Window<S>& w, const VioOptions<S>& options, const ImuHistory<S>& imu,
                                 const State<S>& x0, std::int64_t t0, std::int64_t t1) {
   const ImuUntil<S> samples(imu, imu.newest(), imu.warmth());
   ImuIntegrator<S> integrator(w.theta.imu, x0.b_a, x0.b_g, noise_in(samples, options.noise, t0, t1, S(1e-9)), &w.theta.effects);
