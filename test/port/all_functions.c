@@ -1,4 +1,4 @@
-/* Calls each function of a port once; exit code 0 if the answers are possible ones. */
+/* Calls each function of a port once; exit code 0 if the answers are possible ones. PORT_HAS_STORAGE: the port must have some. */
 #include <stdint.h>
 
 #include "segcal/port.h"
@@ -12,6 +12,9 @@ int main(int argc, char **argv) {
   if (segcal_port_clock_us() > segcal_port_clock_us()) return 1;
   if (segcal_port_storage_read(end, &back, 1) != SEGCAL_PORT_ERROR_RANGE) return 2;
   if (segcal_port_storage_write(end, &byte, 1) != SEGCAL_PORT_ERROR_RANGE) return 3;
+#if defined(PORT_HAS_STORAGE)
+  if (end == 0) return 8;
+#endif
   if (end == 0) return segcal_port_storage_erase(0, block) == SEGCAL_PORT_ERROR_RANGE ? 0 : 4;
   if (segcal_port_storage_erase(0, block) != SEGCAL_PORT_OK || segcal_port_storage_write(3, &byte, 1) != SEGCAL_PORT_OK) return 5;
   if (segcal_port_storage_sync() != SEGCAL_PORT_OK || segcal_port_storage_read(3, &back, 1) != SEGCAL_PORT_OK) return 6;

@@ -1,4 +1,5 @@
-# cmake -DROOT=FOLDER -P port_sources.cmake: the builds of all ports compile exactly the core's sources, with all of its options.
+# cmake -DROOT=FOLDER -P port_sources.cmake: the builds of all ports compile exactly the core's sources, with all of its options; packages have one
+# version and licence.
 # The files of Zephyr and ESP-IDF are run with the functions of those systems replaced by ones that write down what they get.
 file(GLOB_RECURSE on_disk RELATIVE ${ROOT}/lib ${ROOT}/lib/src/*.cpp)
 list(SORT on_disk)
@@ -101,3 +102,14 @@ foreach(i RANGE 1 ${last})
 endforeach()
 compare(library.json ${core})
 has_options(library.json "${library}")
+
+# Espressif's packer takes any licence; its registry does not.
+file(READ ${ROOT}/port/esp_idf/segcal/idf_component.yml manifest)
+string(REPLACE "\"" "" manifest "${manifest}")
+foreach(key version license)
+  string(JSON value GET ${library} ${key})
+  string(FIND "\n${manifest}" "\n${key}: ${value}\n" at)
+  if(at EQUAL -1)
+    message(FATAL_ERROR "idf_component.yml has another ${key} than library.json: ${value}")
+  endif()
+endforeach()
