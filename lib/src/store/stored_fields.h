@@ -219,7 +219,8 @@ struct StoredFields {
     database.random_ = n.random;
     database.offered_ = n.offered;
     database.building_ = n.building;
-    d->frame_period_ = n.frame_period;
+    const bool a_period = n.frame_period >= kShortestPeriodNs && n.frame_period <= kLongestPauseNs;
+    d->frame_period_ = a_period ? n.frame_period : 0;   // 0: not known
     for (int i = 0; i < 3; ++i) d->d_.builder.origin_[i] = n.builder_origin[i];
     d->session_ = n.session;
     d->serial_ = n.serial;
