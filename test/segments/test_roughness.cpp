@@ -31,8 +31,7 @@ Samples white(double gyro, double accel, int n, std::uint32_t seed) {
   return out;
 }
 SixthDifferences<double> differences(const Samples& s, int group = 1) {
-  const ReadingSource<double> source{&s, [](const void* samples, int i) { return static_cast<const Samples*>(samples)->reading(i); }};
-  return SixthDifferences<double>(source, 0, s.size() - 1, group);
+  return SixthDifferences<double>(s, 0, s.size() - 1, group);
 }
 
 /// 20,000 values of which a third count (differences of white noise are correlated): 2 % of the variance is one deviation, and the largest of three axes counts.

@@ -58,7 +58,7 @@ LinkNoise link_noise(const CoreModel& stated, const std::vector<ImuSample>& samp
   LinkNoise out{stated.gyro_noise_density, stated.accel_noise_density};
   if (last <= first) return out;
   const double interval_s = static_cast<double>(samples[last].t_ns - samples[first].t_ns) * 1e-9 / static_cast<double>(last - first);
-  const std::size_t least = interval_s < kScale_s ? static_cast<std::size_t>(kScale_s / interval_s + 0.5) : 1;
+  const std::size_t least = interval_s < kScale_s ? static_cast<std::size_t>(std::lround(kScale_s / interval_s)) : 1;
   const std::size_t wanted = kMeans * (least + 1);
   if (wanted > last - first) {
     const std::size_t beside = (wanted - (last - first)) / 2;

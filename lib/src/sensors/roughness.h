@@ -15,23 +15,17 @@
 
 namespace SEGCAL_NS {
 
-/// Readings of any container, so that there is one copy in the code.
-template <class S>
-struct ReadingSource {
-  const void* samples;
-  InertialReading<S> (*at)(const void* samples, int i);
-};
-
 /// Sixth differences of readings that come one by one: each new one takes a difference further in all six orders.
 template <class S>
 class SixthDifferences {
  public:
   /// Of means of `group` of the readings [first, last].
-  [[gnu::cold]] SixthDifferences(const ReadingSource<S>& source, int first, int last, int group) {
+  template <class Samples>
+  [[gnu::cold]] SixthDifferences(const Samples& imu, int first, int last, int group) {
     for (int i = first; i + group - 1 <= last; i += group) {
-      InertialReading<S> sum = source.at(source.samples, i);
+      InertialReading<S> sum = imu.reading(i);
       for (int k = 1; k < group; ++k) {
-        const InertialReading<S> next = source.at(source.samples, i + k);
+        const InertialReading<S> next = imu.reading(i + k);
         sum.gyro += next.gyro;
         sum.accel += next.accel;
       }
@@ -46,7 +40,7 @@ class SixthDifferences {
 
  private:
   static constexpr int kOrder = 6;
-  void push(const InertialReading<S>& sum, S share) {
+  [[gnu::cold, gnu::noinline]] void push(const InertialReading<S>& sum, S share) {
     ++count_;
     for (int i = 0; i < 6; ++i) {
       S difference = share * (i < 3 ? sum.gyro(i) : sum.accel(i - 3));
@@ -75,11 +69,11 @@ S rougher_density(S density, S variance, S interval) {
 }
 
 /// The noise of readings [first, last], `interval` seconds apart, in means of `least` and one more: as stated or as rough as they are.
-template <class S>
-[[gnu::cold]] ImuNoise<S> noise_of(const ReadingSource<S>& source, const ImuNoise<S>& stated, int first, int last, S interval, int least) {
+template <class S, class Samples>
+[[gnu::cold]] ImuNoise<S> noise_of(const Samples& imu, const ImuNoise<S>& stated, int first, int last, S interval, int least) {
   ImuNoise<S> out = stated;
   for (int group = least; group <= least + 1; ++group) {
-    const SixthDifferences<S> rough(source, first, last, group);
+    const SixthDifferences<S> rough(imu, first, last, group);
     if (!rough.enough()) break;
     const S gyro = rougher_density(stated.gyro, rough.gyro_variance(), S(group) * interval);
     const S accel = rougher_density(stated.accel, rough.accel_variance(), S(group) * interval);
@@ -104,8 +98,7 @@ template <class S, class Samples, class Time>
     first = first > beside ? first - beside : 0;
     last = last + beside < imu.size() ? last + beside : imu.size() - 1;
   }
-  const ReadingSource<S> source{&imu, [](const void* samples, int i) -> InertialReading<S> { return static_cast<const Samples*>(samples)->reading(i); }};
-  return noise_of(source, stated, first, last, interval, least);
+  return noise_of(imu, stated, first, last, interval, least);
 }
 
 }  // namespace SEGCAL_NS
