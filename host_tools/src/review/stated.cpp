@@ -30,11 +30,10 @@ void judge(const char* name, const char* sensor, double factor, double sigma, co
 
 std::string to_state(const char* entry, double value) { return formatted("State %s %.3g (--config)", entry, value); }
 
-/// Links are weighed by what their samples show (lib/src/sensors/roughness.h), the filter's and the calibration's.
+/// Links are weighed by what the samples around them show where that is beyond 1.5 times the stated (lib/src/sensors/roughness.h).
 void judge_imu(const char* name, const char* sensor, const SensorNoise& noise, const char* entry, std::vector<Note>* out) {
-  const std::string advice = to_state(entry, noise.factor * noise.stated);
-  const std::string above = noise.verdict == SensorNoise::Verdict::above ? "each stretch between keyframes was weighed by what it shows. " + advice
-                                                                         : "vibration, or motion that is too fast for the samples. Each stretch between keyframes was weighed by what it shows";
+  const std::string advice = to_state(entry, noise.factor * noise.stated), weighed = "what is beyond 1.5 times was taken from the samples themselves";
+  const std::string above = noise.verdict == SensorNoise::Verdict::above ? weighed + ". " + advice : "vibration, or motion that is too fast for the samples; " + weighed;
   judge(name, sensor, noise.factor, noise.sigma, above, advice, out);
 }
 
@@ -83,6 +82,10 @@ std::vector<Note> notes_on_gravity(const CoreOptions& options, const ReplayResul
   const double by_prior = std::abs(common) / std::sqrt(prior_sigma * prior_sigma / 3 + sigma * sigma);
   const double by_spread = std::abs(common) / std::sqrt(spread / 3 + sigma * sigma);
   if (std::abs(common) > kSeen * sigma && (by_prior > kPriorSigmas || by_spread > kStudent2)) {
+    if (std::abs(g * (1 + common) - kStandardGravity) > 2 * kTypicalError)
+      return {{"gravity", 1 + common,
+               formatted("all three accelerometer scales left the start by %+.2f +- %.2f %%, which gravity does not explain (it would be %.2f m/s^2): check the accelerometer's "
+                         "unit, range and noise", 100 * common, 100 * sigma, g * (1 + common))}};
     return {{"gravity", 1 + common,
              formatted("all three accelerometer scales left the start by %+.2f +- %.2f %%, which sensors seldom do together: with gravity %.4f m/s^2 in place "
                   "of %.5g they would have stayed. No residual tells the two apart. State gravity in --config, by m_s2 or by latitude_deg and height_m",

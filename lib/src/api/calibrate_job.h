@@ -88,7 +88,7 @@ class CalibrateJob {
 };
 
 template <class S>
-bool CalibrateJob<S>::calibrate_step(DeviceParts<S>* d) {
+[[gnu::cold]] bool CalibrateJob<S>::calibrate_step(DeviceParts<S>* d) {
   SEGCAL_SLICES(place_) {
     for (round_ = 0;; ++round_) {
       SEGCAL_AWAIT(place_, fit_step(d));
@@ -149,7 +149,7 @@ bool CalibrateJob<S>::score_alone_step(DeviceParts<S>* d) {
 
 /// Do the segments that took part agree as far as noise lets them (calibration/scatter.h)? One alone cannot say.
 template <class S>
-bool CalibrateJob<S>::measure_scatter_step(DeviceParts<S>* d) {
+[[gnu::cold]] bool CalibrateJob<S>::measure_scatter_step(DeviceParts<S>* d) {
   SEGCAL_SLICES(inner_) {
     scatter_ = SegmentScatter<S>(d->calibrator().theta_triangle(), theta_.columns(), d->work.scatter_scratch());
     for (i_ = 0; d->calibrator().fit().converged && n_ >= 2 && i_ < n_; ++i_) {

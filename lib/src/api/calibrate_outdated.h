@@ -7,7 +7,7 @@ namespace SEGCAL_NS {
 
 /// Drops segments and epochs that newer ones contradict (calibration/agreement.h); dropped_ says whether there were any.
 template <class S>
-bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
+[[gnu::cold]] bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
   SEGCAL_SLICES(inner_) {
     dropped_ = false;
     if (n_ + d->epochs.count() >= 3 && d->calibrator().fit().converged && d->options.outdated_level > S(0)) {

@@ -44,7 +44,7 @@ Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading, 
 /// neighbours bridge it: the filter goes on. If a frame has used it already, the segment is dropped, and a new stretch begins, as at a gap;
 /// so too where the bridge would be long: samples at full scale were left out beside.
 template <class S>
-void Device<S>::keep_unbroken(std::int64_t t_ns, const InertialReading<S>& reading) {
+[[gnu::cold]] void Device<S>::keep_unbroken(std::int64_t t_ns, const InertialReading<S>& reading) {
   const bool gap = has_imu_ && S(t_ns - last_imu_) * S(1e-9) > S(3) / d_.options.imu_rate_hz;
   if (gap || !has_imu_) spikes_.clear();
   const int wrong = spikes_.after(reading);

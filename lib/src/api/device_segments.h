@@ -77,7 +77,7 @@ void Device<S>::end_segment(bool continues) {
 /// dropped. While a calibration is under way the database is closed, and when its window is over it takes effect at the first end
 /// at which it is done. Segments too short to be scored are not counted as ends: after a loss of tracking they come at any moment.
 template <class S>
-void Device<S>::hand_over() {
+[[gnu::cold]] void Device<S>::hand_over() {
   ++d_.faults.segments_closed;
   if (!builder().long_enough()) {
     ++d_.faults.segments_discarded;

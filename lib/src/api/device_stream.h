@@ -21,15 +21,15 @@ void Device<S>::use_odometry(bool own) {
   ++frame_;
 }
 
-/// Frames missing from an even stream. The camera's period is where the intervals lead, by a sixteenth at most each time: one that is longer, as
-/// a frame is missing, or shorter, as its stamp was taken late, moves it little, and an even stream brings it back at once.
+/// Frames missing from an even stream. The camera's period is where the intervals lead, by a sixteenth at most each time, so that a stamp that was
+/// taken late moves it little; and by a 64th where an image seems to be missing, so that half of them may be.
 template <class S>
 [[gnu::cold]] void Device<S>::count_missing_frames(std::int64_t t_ns) {
   const std::int64_t interval = t_ns - last_frame_;
   if (interval < kShortestPeriodNs || interval > kLongestPauseNs) return;
   if (frame_period_ == 0) frame_period_ = interval;
   const std::int64_t most = frame_period_ / 16, off = interval - frame_period_;
-  frame_period_ += off > most ? most : off < -most ? -most : off;
+  frame_period_ += off > frame_period_ / 2 ? most / 4 : off > most ? most : off < -most ? -most : off;
   const std::int64_t periods = (interval + frame_period_ / 2) / frame_period_;
   if (periods > 1) d_.faults.frames_dropped += static_cast<std::uint32_t>(periods - 1);
 }

@@ -178,7 +178,7 @@ void Device<S>::calibrate_as_wanted() {
 }
 
 template <class S>
-void Device<S>::read_filter(Release<S>* out, InformationAnalysis<S>* analysis) {
+[[gnu::cold]] void Device<S>::read_filter(Release<S>* out, InformationAnalysis<S>* analysis) {
   vio_.finish_start(imu_);  // it works in the filter's memory
   if (!vio_.knows_sensors()) return release_prior(prior(), out);
   const Calibration<S>& theta = vio_.calibration();

@@ -83,7 +83,7 @@ class ScoreJob {
 };
 
 template <class S>
-bool ScoreJob<S>::score_step(DeviceParts<S>* d, ScoreReport<S>* report) {
+[[gnu::cold]] bool ScoreJob<S>::score_step(DeviceParts<S>* d, ScoreReport<S>* report) {
   Segment<S>& segment = d->database().building();
   const MeasurementModel<S>& model = d->options.model;
   SEGCAL_SLICES(place_) {
@@ -119,7 +119,7 @@ bool ScoreJob<S>::score_step(DeviceParts<S>* d, ScoreReport<S>* report) {
 }
 
 template <class S>
-bool ScoreJob<S>::analyse_segment_step(DeviceParts<S>* d, Segment<S>* segment) {
+[[gnu::cold]] bool ScoreJob<S>::analyse_segment_step(DeviceParts<S>* d, Segment<S>* segment) {
   InformationAnalysis<S>* a = d->work.analysis_under_way();
   SEGCAL_SLICES(inner_) {
     a = d->work.new_analysis();

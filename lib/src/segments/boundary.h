@@ -14,7 +14,7 @@ class Liveliness {
   void reset() { *this = Liveliness(); }
 
   /// Takes the samples in (from, to].
-  void add(const ImuHistory<S>& imu, std::int64_t from_ns, std::int64_t to_ns) {
+  [[gnu::cold]] void add(const ImuHistory<S>& imu, std::int64_t from_ns, std::int64_t to_ns) {
     S turn = S(0), push = S(0);
     int n = 0;
     for (int i = imu.at_or_before(from_ns) + 1; i < imu.size() && imu.time(i) <= to_ns; ++i, ++n) {

@@ -116,7 +116,7 @@ bool SegmentBuilder<S>::copy_imu(std::int64_t from_ns, std::int64_t to_ns, const
 }
 
 template <class S>
-bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, std::int32_t shift_ns, const State<S>& state, const double* origin,
+[[gnu::cold]] bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, std::int32_t shift_ns, const State<S>& state, const double* origin,
                                      const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
   Segment<S>& s = *segment_;
   if (s.n_keyframes == kMaxKeyframes) return false;

@@ -219,7 +219,7 @@ struct StoredFields {
     database.random_ = n.random;
     database.offered_ = n.offered;
     database.building_ = n.building;
-    d->frame_period_ = n.frame_period;
+    d->frame_period_ = n.frame_period >= kShortestPeriodNs && n.frame_period <= kLongestPauseNs ? n.frame_period : 0;  // 0: not known
     for (int i = 0; i < 3; ++i) d->d_.builder.origin_[i] = n.builder_origin[i];
     d->session_ = n.session;
     d->serial_ = n.serial;

@@ -14,7 +14,7 @@ constexpr int kAlignmentColumns = 10;  // l 3, v0 3, g 3, right-hand side
 
 /// Rows of one track, each divided by its distance: then the residual is an angle. Unknown distances count as 2 m.
 template <class S>
-int alignment_rows(const Window<S>& w, const StartScratch<S>& s, const VioTrack<S>& track, const Vec3<S>* l,
+[[gnu::cold]] int alignment_rows(const Window<S>& w, const StartScratch<S>& s, const VioTrack<S>& track, const Vec3<S>* l,
                    const Vec3<S>& v0, const Vec3<S>& g, S* rows) {
   const CameraCalibration<S>& camera = w.theta.camera[track.camera];
   int m = 0;

@@ -48,7 +48,7 @@ void fold_prior_row(PackedTriangle<S>* R, int column, const Vec3<S>& a, S value,
 
 /// Prior of the cameras, at what was given from outside.
 template <class S>
-void fold_camera_prior(const Window<S>& w, const VioOptions<S>& options, PackedTriangle<S>* R, const StartColumns& at,
+[[gnu::cold]] void fold_camera_prior(const Window<S>& w, const VioOptions<S>& options, PackedTriangle<S>* R, const StartColumns& at,
                        S* row) {
   for (int c = 0; c < w.theta.n_cameras; ++c) {
     const CameraCalibration<S>&now = w.theta.camera[c], &given = w.given.camera[c];

@@ -120,7 +120,7 @@ class Vio {
 };
 
 template <class S>
-void Vio<S>::reset(const Calibration<S>& theta, const VioOptions<S>& options) {
+[[gnu::cold]] void Vio<S>::reset(const Calibration<S>& theta, const VioOptions<S>& options) {
   options_ = options;
   window_.reset(theta);
   origin_ = Origin<S>();

@@ -29,7 +29,7 @@ VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n,
 }
 
 template <class S>
-VioStatus Vio<S>::try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu) {
+[[gnu::cold]] VioStatus Vio<S>::try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu) {
   start_.link = lend_start_links(&window_);
   if (window_at_rest(window_, tracks_, options_, imu)) {
     start_at_rest(&window_, &tracks_, options_, origin_, imu, &start_);
@@ -62,7 +62,7 @@ void Vio<S>::drop_start() {
 /// Frames between those of the start and its effect are let go: features are tracked over the gap. A start that is late takes
 /// effect at a later frame, as long as its samples are there.
 template <class S>
-VioStatus Vio<S>::wait_for_start(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
+[[gnu::cold]] VioStatus Vio<S>::wait_for_start(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
   arrived_ = t_ns;
   if (!motion_.keeps_samples(imu, 0)) {   // no frame came in time
     drop_start();

@@ -63,7 +63,7 @@ bool Vio<S>::healthy() const {
 }
 
 template <class S>
-VioStatus Vio<S>::give_up() {
+[[gnu::cold]] VioStatus Vio<S>::give_up() {
   ++statistics_.restarts;
   origin_.remember(window_.now);
   window_.restore_calibration();
