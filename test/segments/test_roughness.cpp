@@ -96,6 +96,19 @@ void test_a_link_is_as_noisy_as_it_looks() {
   check_near(Id(), "accelerometer's density over the true one", 1.05, accel, 0.08);
 }
 
+/// Up to 1.5 times the stated density nothing is added, beyond it what is beyond; samples of one instant tell no density.
+void test_what_is_beyond_chance_is_added() {
+  check_near(Id().add("seen", 1.49), "density", 1, rougher_density(1.0, 1.49 * 1.49, 1.0), 1e-12);
+  check_near(Id().add("seen", 2), "density", std::sqrt(1 + 4 - 2.25), rougher_density(1.0, 4.0, 1.0), 1e-12);
+  struct Instant : Samples {
+    std::int32_t time(int i) const { return i == 0 ? 6 : 7; }
+  } s;
+  s.readings = white(1, 1, 200, 1).readings;
+  const ImuNoise<double> stated{1e-3, 2e-5, 2e-3, 3e-4};
+  const ImuNoise<double> same = noise_in(s, stated, 6, 7, 1e-9);
+  TEST_ASSERT_TRUE(same.gyro == stated.gyro && same.accel == stated.accel);
+}
+
 /// Tones of 90 and 65 Hz at 200 Hz: means of two stop the first, means of three the second. Their integral is bounded.
 void test_a_tone_is_no_noise() {
   const ImuNoise<double> stated{1.7e-4, 2e-5, 2e-3, 3e-4};
@@ -133,6 +146,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_motion_leaves_what_the_formula_says);
   RUN_TEST(test_a_polynomial_of_the_fifth_degree_leaves_nothing);
   RUN_TEST(test_a_link_is_as_noisy_as_it_looks);
+  RUN_TEST(test_what_is_beyond_chance_is_added);
   RUN_TEST(test_a_tone_is_no_noise);
   RUN_TEST(test_samples_around_the_link_count);
   return UNITY_END();
