@@ -31,7 +31,9 @@ Samples white(double gyro, double accel, int n, std::uint32_t seed) {
   return out;
 }
 SixthDifferences<double> differences(const Samples& s, int group = 1) {
-  return SixthDifferences<double>(s, 0, s.size() - 1, group);
+  SixthDifferences<double> out;
+  out.take(s, 0, s.size() - 1, group);
+  return out;
 }
 
 /// 20,000 values of which a third count (differences of white noise are correlated): 2 % of the variance is one deviation, and the largest of three axes counts.

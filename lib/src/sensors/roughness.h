@@ -15,13 +15,13 @@
 
 namespace SEGCAL_NS {
 
-/// Sixth differences of readings that come one by one: each new one takes a difference further in all six orders.
+/// Sixth differences of means that come one by one: each new one takes a difference further in all six orders.
 template <class S>
 class SixthDifferences {
  public:
-  /// Of means of `group` of the readings [first, last].
+  /// Means of `group` of the readings [first, last].
   template <class Samples>
-  [[gnu::cold]] SixthDifferences(const Samples& imu, int first, int last, int group) {
+  [[gnu::cold, gnu::noinline]] void take(const Samples& imu, int first, int last, int group) {
     for (int i = first; i + group - 1 <= last; i += group) {
       InertialReading<S> sum = imu.reading(i);
       for (int k = 1; k < group; ++k) {
@@ -73,12 +73,14 @@ template <class S, class Samples>
 [[gnu::cold]] ImuNoise<S> noise_of(const Samples& imu, const ImuNoise<S>& stated, int first, int last, S interval, int least) {
   ImuNoise<S> out = stated;
   for (int group = least; group <= least + 1; ++group) {
-    const SixthDifferences<S> rough(imu, first, last, group);
+    SixthDifferences<S> rough;
+    rough.take(imu, first, last, group);
     if (!rough.enough()) break;
     const S gyro = rougher_density(stated.gyro, rough.gyro_variance(), S(group) * interval);
     const S accel = rougher_density(stated.accel, rough.accel_variance(), S(group) * interval);
     if (group == least || gyro < out.gyro) out.gyro = gyro;
     if (group == least || accel < out.accel) out.accel = accel;
+    if (out.gyro == stated.gyro && out.accel == stated.accel) break;   // no answer is smaller
   }
   return out;
 }
