@@ -3,13 +3,15 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "angles.h"
+
 namespace host {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector4d;
 
-constexpr double max_angle = 85 * M_PI / 180;
+constexpr double max_angle = 85 * rad_per_deg;
 constexpr double tiny = 1e-12;
 
 /// Each model is a radial factor r_d / r, and radtan adds Brown's tangential terms.

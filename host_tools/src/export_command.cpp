@@ -13,9 +13,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* explanation = "Writes a calibration as Kalibr, OpenVINS, Basalt or ROS read it, or a whole session for a viewer: as MCAP with the messages of Foxglove and Lichtblick, or for rerun.";
+constexpr const char* export_explanation = "Writes a calibration as Kalibr, OpenVINS, Basalt or ROS read it, or a whole session for a viewer: as MCAP with the messages of Foxglove and Lichtblick, or for rerun.";
 
-constexpr const char* footer = R"(DIR is what `segcal replay --out DIR` wrote (or any folder with camchain-imucam.yaml and imu.yaml). Written to --out:
+constexpr const char* export_footer = R"(DIR is what `segcal replay --out DIR` wrote (or any folder with camchain-imucam.yaml and imu.yaml). Written to --out:
   kalibr     camchain-imucam.yaml, imu.yaml (model scale-misalignment: lower triangular M, body frame of the accelerometer)
   openvins   kalibr_imucam_chain.yaml, kalibr_imu_chain.yaml (model rpng, frame of the gyroscope as here)
   basalt     calibration.json
@@ -40,8 +40,8 @@ struct ExportOptions {
 }  // namespace
 
 void add_export_command(CLI::App& app, int& exit_code) {
-  CLI::App* const sub = app.add_subcommand("export", explanation);
-  sub->footer(footer);
+  CLI::App* const sub = app.add_subcommand("export", export_explanation);
+  sub->footer(export_footer);
   const auto options = std::make_shared<ExportOptions>();
   sub->add_option("DIR", options->folder, "folder with camchain-imucam.yaml and imu.yaml")->required();
   sub->add_option("--to", options->to, "kalibr, openvins, basalt, ros, mcap or rerun")

@@ -10,7 +10,7 @@
 namespace host {
 namespace {
 
-constexpr const char* explanation =
+constexpr const char* fleet_explanation =
     "Replays many logs on all cores or on a cluster, and fuses their results per device and per model.\n"
     "All options: segcal fleet --help";
 
@@ -20,7 +20,7 @@ constexpr int kNegative = 3;
 }  // namespace
 
 void add_fleet_command(CLI::App& app, int& exit_code) {
-  CLI::App* const sub = app.add_subcommand("fleet", explanation);
+  CLI::App* const sub = app.add_subcommand("fleet", fleet_explanation);
   sub->set_help_flag();  // argparse explains the options: they are its own
   sub->prefix_command();
   sub->callback([sub, &exit_code] {

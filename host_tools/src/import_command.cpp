@@ -10,10 +10,10 @@
 namespace host {
 namespace {
 
-constexpr const char* explanation =
+constexpr const char* import_explanation =
     "Makes a recording of a log: ROS bags, MCAP, phone logs, PX4 logs, Aria's VRS, video. REC then works with all other commands.";
 
-constexpr const char* footer = R"(Formats, known by their content:
+constexpr const char* import_footer = R"(Formats, known by their content:
   ROS 1 bag          run.bag, or all parts of one that was split
   ROS 2 bag          folder with metadata.yaml (SQLite or MCAP), or its .db3 or .mcap alone
   phone log          folder with tables gyro.csv and accel.csv or the like (Sensor Logger, phyphox, ...) or JSON lines, and a
@@ -106,8 +106,8 @@ void add_calibration(CLI::App& sub, ImportOptions& options) {
 }  // namespace
 
 void add_import_command(CLI::App& app, int& exit_code) {
-  CLI::App* const sub = app.add_subcommand("import", explanation);
-  sub->footer(footer);
+  CLI::App* const sub = app.add_subcommand("import", import_explanation);
+  sub->footer(import_footer);
   const auto options = std::make_shared<ImportOptions>();
   sub->add_option("SRC", options->sources, "log file or folder")->required();
   sub->add_option("--out", options->out, "folder of the recording, new or empty");

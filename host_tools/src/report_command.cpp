@@ -15,12 +15,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* explanation =
+constexpr const char* report_explanation =
     "Writes DIR/report.html from what `segcal replay`, `diagnose` or `allan` left in DIR: one file that needs no network, readable on a\n"
     "phone and on paper. Of a replay: what happened and why, the calibration, its way there, the path, what each segment told, residuals\n"
     "over the image and over time, how tracks drift, biases, timing.";
 
-constexpr const char* footer = R"(Example:
+constexpr const char* report_footer = R"(Example:
   segcal report out && xdg-open out/report.html
 
 A figure whose data are missing is left out, and the page says so. Python with plotly and numpy draws the page:
@@ -57,8 +57,8 @@ void check_result(const fs::path& folder) {
 }  // namespace
 
 void add_report_command(CLI::App& app, int& exit_code) {
-  CLI::App* const sub = app.add_subcommand("report", explanation);
-  sub->footer(footer);
+  CLI::App* const sub = app.add_subcommand("report", report_explanation);
+  sub->footer(report_footer);
   const auto folder = std::make_shared<fs::path>();
   sub->add_option("DIR", *folder, "folder that `segcal replay`, `diagnose` or `allan` wrote")->required();
   sub->callback([folder, &exit_code] {

@@ -16,10 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* explanation =
+constexpr const char* allan_explanation =
     "Measures noise densities and bias walks of an IMU from a recording at rest (overlapping Allan deviation).";
 
-constexpr const char* footer = R"(Put the device on a table that nobody touches and record its IMU: a minute gives the noise densities to 5 %, an hour the
+constexpr const char* allan_footer = R"(Put the device on a table that nobody touches and record its IMU: a minute gives the noise densities to 5 %, an hour the
 bias walks. REC needs no images. The longest rest in it is used.
 
   segcal import rest.mcap --out rest       any log; without images too
@@ -101,8 +101,8 @@ int run(const fs::path& root, const fs::path& out, bool as_json) {
 }  // namespace
 
 void add_allan_command(CLI::App& app, int& exit_code) {
-  CLI::App* const sub = app.add_subcommand("allan", explanation);
-  sub->footer(footer);
+  CLI::App* const sub = app.add_subcommand("allan", allan_explanation);
+  sub->footer(allan_footer);
   const auto root = std::make_shared<fs::path>(), out = std::make_shared<fs::path>();
   const auto as_json = std::make_shared<bool>(false);
   sub->add_option("REC", *root, "recording with a rest of a minute at least")->required();

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "angles.h"
+#include "formatted.h"
 #include "recording.h"
 
 namespace host {
@@ -12,13 +13,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double degree = 3.14159265358979323846 / 180;
-
-std::string text(const char* format, double value, double limit) {
-  char line[128];
-  std::snprintf(line, sizeof line, format, value, limit);
-  return line;
-}
 
 /// What is beyond the tolerances, in words. `own`: against a truth, which has no sigma, A's or B's own counts.
 void judge(const ParameterComparison& c, const CompareOptions& o, Comparison* out) {
@@ -28,10 +22,10 @@ void judge(const ParameterComparison& c, const CompareOptions& o, Comparison* ou
     const std::string where = c.of + " against " + c.against + ": " + d.name;
     const auto units = d.judged(against_truth ? SigmaOf::a : o.sigma_of);
     judged += units ? 1 : 0;
-    if (units && !(std::abs(*units) <= o.sigmas)) out->exceeded.push_back(where + text(" %.3g sigma, tolerance %.3g", *units, o.sigmas));
+    if (units && !(std::abs(*units) <= o.sigmas)) out->exceeded.push_back(where + formatted(" %.3g sigma, tolerance %.3g", *units, o.sigmas));
     if (against_truth || !o.sigma_ratio || !d.sigma_a || !d.sigma_b) continue;
     const double ratio = *d.sigma_a / *d.sigma_b - 1;
-    if (!(std::abs(ratio) <= *o.sigma_ratio)) out->exceeded.push_back(where + text(" sigma differs by %.3g, tolerance %.3g", ratio, *o.sigma_ratio));
+    if (!(std::abs(ratio) <= *o.sigma_ratio)) out->exceeded.push_back(where + formatted(" sigma differs by %.3g, tolerance %.3g", ratio, *o.sigma_ratio));
   }
   if (judged == 0) throw InputError(c.of + " against " + c.against + ": expected at least one parameter with a sigma in both");
 }
@@ -39,9 +33,9 @@ void judge(const ParameterComparison& c, const CompareOptions& o, Comparison* ou
 void judge(const TrajectoryComparison& c, const CompareOptions& o, Comparison* out) {
   const std::string where = c.of + " against " + c.against + ": ";
   const double position = c.error.position_m.rmse, attitude = c.error.attitude_rad.rmse;
-  if (o.position_m && !(position <= *o.position_m)) out->exceeded.push_back(where + text("position RMSE %.3g m, tolerance %.3g m", position, *o.position_m));
+  if (o.position_m && !(position <= *o.position_m)) out->exceeded.push_back(where + formatted("position RMSE %.3g m, tolerance %.3g m", position, *o.position_m));
   if (o.attitude_rad && !(attitude <= *o.attitude_rad)) {
-    out->exceeded.push_back(where + text("attitude RMSE %.3g deg, tolerance %.3g deg", attitude / degree, *o.attitude_rad / degree));
+    out->exceeded.push_back(where + formatted("attitude RMSE %.3g deg, tolerance %.3g deg", attitude / rad_per_deg, *o.attitude_rad / rad_per_deg));
   }
 }
 
@@ -66,7 +60,7 @@ std::string verdict_of(const Comparison& c) {
     for (const ParameterDifference& d : p.parameters) largest = std::max(largest, std::abs(d.in_difference.value_or(0)));
   }
   if (c.exceeded.empty()) {
-    return "within tolerance: " + std::to_string(parameters) + " parameter differences, the largest " + text("%.3g sigma", largest, 0) + "; " +
+    return "within tolerance: " + std::to_string(parameters) + " parameter differences, the largest " + formatted("%.3g sigma", largest) + "; " +
            std::to_string(c.trajectories.size()) + " trajectories";
   }
   return "above tolerance: " + std::to_string(c.exceeded.size()) + " figures, the first: " + c.exceeded.front();
@@ -92,11 +86,11 @@ Json json_of(const Spread& s, double unit, const char* name) {
 Json json_of(const TrajectoryComparison& c) {
   Json relative = Json::array();
   for (const RelativeError& r : c.error.relative) {
-    relative.push_back({{"segment_m", r.segment_m}, {"position", json_of(r.position_m, 1, "m")}, {"attitude", json_of(r.attitude_rad, degree, "deg")}});
+    relative.push_back({{"segment_m", r.segment_m}, {"position", json_of(r.position_m, 1, "m")}, {"attitude", json_of(r.attitude_rad, rad_per_deg, "deg")}});
   }
   return {{"of", c.of}, {"against", c.against}, {"poses", c.error.poses}, {"duration_s", c.error.duration_s}, {"path_m", c.error.path_m},
           {"time_shift_s", c.error.time_shift_s}, {"position", json_of(c.error.position_m, 1, "m")},
-          {"attitude", json_of(c.error.attitude_rad, degree, "deg")}, {"relative", relative}};
+          {"attitude", json_of(c.error.attitude_rad, rad_per_deg, "deg")}, {"relative", relative}};
 }
 
 }  // namespace

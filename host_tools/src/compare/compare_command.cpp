@@ -3,6 +3,7 @@
 #include <iostream>
 #include <memory>
 
+#include "angles.h"
 #include "commands.h"
 #include "compare/compare.h"
 #include "file_output.h"
@@ -13,9 +14,8 @@
 namespace host {
 namespace {
 
-constexpr double degree = 3.14159265358979323846 / 180;
 
-constexpr const char* footer = R"(Examples:
+constexpr const char* compare_footer = R"(Examples:
   segcal compare out1 out2
       the same device on two days: differences in units of their sigma
   segcal compare replay_out reference_out --sigma-of b --sigmas 0.05 --sigma-ratio 0.02
@@ -58,13 +58,13 @@ void print(const TrajectoryComparison& c) {
   std::printf("%s against %s: %.1f s, %.2f m of path, time shift %.4f s\n  %-24s %10s %10s %10s %8s\n", c.of.c_str(), c.against.c_str(),
               c.error.duration_s, c.error.path_m, c.error.time_shift_s, "", "RMSE", "median", "max", "poses");
   print_row("position [m]", c.error.position_m, 1);
-  print_row("attitude [deg]", c.error.attitude_rad, degree);
+  print_row("attitude [deg]", c.error.attitude_rad, rad_per_deg);
   for (const RelativeError& r : c.error.relative) {
     char name[48];
     std::snprintf(name, sizeof name, "over %g m: position [m]", r.segment_m);
     print_row(name, r.position_m, 1);
     std::snprintf(name, sizeof name, "over %g m: attitude [deg]", r.segment_m);
-    print_row(name, r.attitude_rad, degree);
+    print_row(name, r.attitude_rad, rad_per_deg);
   }
 }
 
@@ -72,7 +72,7 @@ int run(Arguments a) {
   a.options.trajectory.alignment = alignment_from_name(a.align);
   a.options.sigma_of = sigma_of_from_name(a.sigma_of);
   if (a.position_m >= 0) a.options.position_m = a.position_m;
-  if (a.attitude_deg >= 0) a.options.attitude_rad = a.attitude_deg * degree;
+  if (a.attitude_deg >= 0) a.options.attitude_rad = a.attitude_deg * rad_per_deg;
   if (a.sigma_ratio >= 0) a.options.sigma_ratio = a.sigma_ratio;
   for (const auto& folder : {a.options.a, a.options.b}) check_folder(folder);
   const Comparison c = compare(a.options);
@@ -118,7 +118,7 @@ void add_compare_command(CLI::App& app, int& exit_code) {
   sub->add_option("--largest-gap", o.trajectory.largest_gap_s, "the reference is not interpolated across more, s")
       ->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_option("--relative", o.trajectory.segment_m, "lengths of path for the relative pose error, m")->check(CLI::PositiveNumber);
-  sub->footer(footer);
+  sub->footer(compare_footer);
   sub->callback([a, &exit_code] { exit_code = run(*a); });
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "angles.h"
 #include "calibration_file.h"
 #include "csv.h"
 #include "simulate/device.h"
@@ -13,9 +14,7 @@ namespace host {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
-
-constexpr double turn = 6.28318530717958647692;  // rad
+using Json = nlohmann::ordered_json;
 
 Json parsed(const fs::path& file) {
   const std::string text = read_file(file);
@@ -77,8 +76,8 @@ void bring_rotations_together(ParameterList& a, const ParameterList& b) {
     const ParameterEstimate *x = find(b, stem + "x"), *y = find(b, stem + "y"), *z = find(b, stem + "z");
     if (!x || !y || !z || a[i + 1].name != stem + "y" || a[i + 2].name != stem + "z") continue;
     const Eigen::Vector3d v(a[i].value, a[i + 1].value, a[i + 2].value), w(x->value, y->value, z->value);
-    if (v.norm() < 0.25 * turn) continue;
-    const Eigen::Vector3d other = v * (1 - turn / v.norm());
+    if (v.norm() < 0.25 * two_pi) continue;
+    const Eigen::Vector3d other = v * (1 - two_pi / v.norm());
     if ((other - w).norm() >= (v - w).norm()) continue;
     for (int k = 0; k < 3; ++k) a[i + static_cast<std::size_t>(k)].value = other(k);
   }

@@ -7,16 +7,11 @@
 #include "diagnose/catalogue.h"
 #include "diagnose/chi_square.h"
 #include "diagnose/decision.h"
+#include "formatted.h"
 #include "sensors/effect_terms.h"
 
 namespace host::diagnosis {
 namespace {
-
-std::string text(const char* format, double a) {
-  char out[80];
-  std::snprintf(out, sizeof out, format, a);
-  return out;
-}
 
 const char* signal_words(int signal) {
   static const char* const kWords[] = {"", "rate x", "rate y", "rate z", "the size of rate x", "the size of rate y",
@@ -62,8 +57,8 @@ std::string sentence_of(const DiagnosedEffect& e) {
 }
 
 std::string gap_words(const Diagnosis& d) {
-  return "Held-out excess " + text("%.2g", d.before.total) + " -> " + text("%.2g", d.after.total) + ", " +
-         text("%.1f", 100 * d.gap_closed) + " % of the gap";
+  return "Held-out excess " + formatted("%.2g", d.before.total) + " -> " + formatted("%.2g", d.after.total) + ", " +
+         formatted("%.1f", 100 * d.gap_closed) + " % of the gap";
 }
 
 std::string where_words(const Diagnosis& d) {
@@ -160,7 +155,7 @@ DiagnosedEffect named(const Shift& shift, const Accepted& accepted) {
   for (std::size_t i = 1; i < out.parameters.size(); ++i) {
     if (std::abs(out.parameters[i].value) > std::abs(out.parameters[most].value)) most = i;
   }
-  out.words = "the calibration changed at " + text("%.0f", shift.time_s) + " s, " + block + " by " +
+  out.words = "the calibration changed at " + formatted("%.0f", shift.time_s) + " s, " + block + " by " +
               in_words(out.parameters[most].value, out.parameters[most].sigma, unit) + ": calibration_shift";
   return out;
 }
@@ -201,7 +196,7 @@ void conclude_fits(Diagnosis* d) {
   const bool open = d->before.total > 0 && d->open_excess > (1 - decision::kNamesFrom) * d->before.total;
   if (d->effects.empty()) {
     d->verdict = open ? "unexplained" : "consistent";
-    d->sentence = open ? "something is missing in the model that has no name here: excess " + text("%.2g", d->before.total) +
+    d->sentence = open ? "something is missing in the model that has no name here: excess " + formatted("%.2g", d->before.total) +
                              " of chi2 per degree of freedom" + where_words(*d)
                        : "model and measurements agree: nothing is missing that this motion would have shown";
     say_cut_short(d);

@@ -1,10 +1,11 @@
 // Magnitudes: the accelerometer must show gravity, the gyroscope's noise tells its unit where no image turns.
 #include <Eigen/Core>
 #include <cmath>
-#include <cstdio>
 
+#include "angles.h"
 #include "diagnose/fault.h"
 #include "diagnose/imu_noise.h"
+#include "formatted.h"
 #include "quantile.h"
 
 namespace host {
@@ -15,7 +16,6 @@ constexpr double gravity = 9.80665;  // m/s^2
 constexpr double most_off_at_rest = 0.06;
 constexpr double most_off_moving = 0.2;   // acceleration adds to the norm: 6 m/s^2 rms makes it 17 %
 constexpr double most_off_unit = 0.25;    // a norm of 1 within this is g
-constexpr double deg_per_rad = 57.29577951308232;
 
 /// Mean of the norm of half-second means: shaking cancels within the mean, attitude does not change much.
 struct Norms {
@@ -42,12 +42,6 @@ Norms force_norms(const Recording& recording) {
   return {quantile(all, 0.5), rest.size() >= 4 ? quantile(rest, 0.5) : 0, all.size()};
 }
 
-std::string text(const char* format, double a, double b = 0) {
-  char buffer[320];
-  std::snprintf(buffer, sizeof buffer, format, a, b);
-  return buffer;
-}
-
 void check_gravity(const Recording& recording, std::vector<Fault>& out) {
   const Norms norms = force_norms(recording);
   if (norms.n < 4) return;
@@ -58,10 +52,10 @@ void check_gravity(const Recording& recording, std::vector<Fault>& out) {
               recording.imu.samples.size(), norm, limit * gravity, "m/s^2", ""};
   if (std::abs(norm - 1) < most_off_unit) {
     fault.kind = "unit";
-    fault.words = text("accelerometer: readings have the size %.3f, which is g. Multiply by 9.80665: the log is in m/s^2.", norm);
+    fault.words = formatted("accelerometer: readings have the size %.3f, which is g. Multiply by 9.80665: the log is in m/s^2.", norm);
   } else {
-    fault.words = text("accelerometer: the specific force is %.2f m/s^2 ", norm) + (resting ? "at rest" : "in the middle") +
-                  text(", expected %.2f. Check the range setting and the scale factor of the driver.", gravity);
+    fault.words = formatted("accelerometer: the specific force is %.2f m/s^2 ", norm) + (resting ? "at rest" : "in the middle") +
+                  formatted(", expected %.2f. Check the range setting and the scale factor of the driver.", gravity);
   }
   out.push_back(fault);
 }
@@ -73,7 +67,7 @@ void check_gyro_unit(const Recording& recording, std::vector<Fault>& out) {
   if (!noise.gyro.steady || noise.gyro.factor < deg_per_rad / 3 || noise.accel.factor > 3) return;
   out.push_back({"unit", "gyro", recording.imu.samples.front().t_ns, recording.imu.samples.back().t_ns, recording.imu.samples.size(),
                  noise.gyro.factor, deg_per_rad / 3, "-",
-                 text("gyroscope: its noise is %.0f times the stated one, as of readings in deg/s. Multiply by pi / 180: the log is in rad/s.",
+                 formatted("gyroscope: its noise is %.0f times the stated one, as of readings in deg/s. Multiply by pi / 180: the log is in rad/s.",
                       noise.gyro.factor)});
 }
 

@@ -2,13 +2,14 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "angles.h"
 #include "diagnose/axis_orders.h"
 #include "diagnose/clock.h"
 #include "diagnose/fault.h"
 #include "diagnose/gyro_path.h"
 #include "diagnose/image_rotation.h"
+#include "formatted.h"
 #include "quantile.h"
 
 namespace host {
@@ -20,7 +21,6 @@ constexpr double other_order_fits = 0.9;     // correlation of another order of 
 // A start that is 0.05 rad askew and parallax leave 0.97; an axis that is turned about and holds a fortieth of the power, 0.95.
 constexpr double as_is_fits = 0.95;
 constexpr double better_by = 0.35;           // what is not explained, over that as it is
-constexpr double deg_per_rad = 57.29577951308232;
 // Share of gravity that is lost as it is. Right axes lose less than 0.0015 in all scenarios, in euroc_mh01 and along five real
 // recordings of drones and hands; wrong ones 0.008 to 0.06 in calm use (arvr, nav), 0.4 where the device is shaken.
 constexpr double gravity_lost = 0.006;
@@ -83,12 +83,6 @@ Fault whole(const Recording& recording, const char* kind, const char* sensor) {
   return fault;
 }
 
-std::string text(const char* format, double a, double b = 0) {
-  char buffer[400];
-  std::snprintf(buffer, sizeof buffer, format, a, b);
-  return buffer;
-}
-
 /// Which order and signs of the gyroscope's axes agree with the images; the identity where none is clearly better.
 AxisOrder check_gyro_axes(const Recording& recording, const Rates& rates, const Eigen::Matrix3d& R_CI, std::vector<Fault>& out) {
   AxisOrder best = axis_orders().front();
@@ -105,7 +99,7 @@ AxisOrder check_gyro_axes(const Recording& recording, const Rates& rates, const 
   fault.value = highest;
   fault.limit = as_is_fits;
   fault.unit = "-";
-  fault.words = text("gyroscope: it agrees with the rotation of the images (correlation %.2f, as it is %.2f) when its axes are read as ", highest, as_is) +
+  fault.words = formatted("gyroscope: it agrees with the rotation of the images (correlation %.2f, as it is %.2f) when its axes are read as ", highest, as_is) +
                 best.name + (best.P.determinant() < 0 ? ", which is mirrored" : "") +
                 ". Correct the axes in the driver" + (best.P.determinant() < 0 ? "." : ", or the camera's rotation R_CI in the starting calibration.");
   out.push_back(fault);
@@ -119,7 +113,7 @@ void check_gyro_scale(const Recording& recording, const Rates& rates, const Eige
   fault.value = ratio;
   fault.limit = deg_per_rad / 2;
   fault.unit = "-";
-  fault.words = text("gyroscope: its rates are %.0f times those of the images, which is deg/s. Multiply by pi / 180: the log is in rad/s.", ratio);
+  fault.words = formatted("gyroscope: its rates are %.0f times those of the images, which is deg/s. Multiply by pi / 180: the log is in rad/s.", ratio);
   out.push_back(fault);
 }
 
@@ -166,7 +160,7 @@ void check_accel_axes(const Recording& recording, const GyroPath& gyro, const Ei
   fault.value = share;
   fault.limit = gravity_lost;
   fault.unit = "-";
-  fault.words = text("accelerometer: turned by the gyroscope it loses %.1f %% of gravity, which it does not when its axes are read as ", 100 * share) +
+  fault.words = formatted("accelerometer: turned by the gyroscope it loses %.1f %% of gravity, which it does not when its axes are read as ", 100 * share) +
                 axis_orders()[best].name + " (or as that with all signs changed). Correct the axes in the driver.";
   out.push_back(fault);
 }
@@ -191,7 +185,7 @@ double coarse_offset(const Recording& recording, const std::vector<FramePair>& p
   fault.value = best;
   fault.limit = largest_offset_s;
   fault.unit = "s";
-  fault.words = text("cam0: its stamps are %.2f s off the IMU's clock (t_imu = t_cam %+.2f s). Stamp both with one clock, or correct the offset first.", std::abs(best), best);
+  fault.words = formatted("cam0: its stamps are %.2f s off the IMU's clock (t_imu = t_cam %+.2f s). Stamp both with one clock, or correct the offset first.", std::abs(best), best);
   out.push_back(fault);
   return best;
 }
@@ -205,7 +199,7 @@ void check_drift(const Recording& recording, const std::vector<FramePair>& pairs
   fault.value = drift.change;
   fault.limit = largest_change_s;
   fault.unit = "s";
-  fault.words = text("cam0: its clock runs off the IMU's by %.1f ms over the recording (%.0f us per second). ", 1e3 * drift.change, 1e6 * drift.slope) +
+  fault.words = formatted("cam0: its clock runs off the IMU's by %.1f ms over the recording (%.0f us per second). ", 1e3 * drift.change, 1e6 * drift.slope) +
                 "Stamp both with one clock, or let them synchronise.";
   out.push_back(fault);
 }

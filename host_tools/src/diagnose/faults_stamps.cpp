@@ -1,9 +1,9 @@
 // Stamps: do they go forward, at the stated rate, evenly, without holes, and do camera and IMU run at the same time?
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "diagnose/fault.h"
+#include "formatted.h"
 #include "quantile.h"
 
 namespace host {
@@ -27,12 +27,6 @@ std::vector<double> intervals(const std::vector<Stamped>& entries) {
   return out;
 }
 
-std::string text(const char* format, double a, double b = 0, double c = 0) {
-  char buffer[320];
-  std::snprintf(buffer, sizeof buffer, format, a, b, c);
-  return buffer;
-}
-
 template <typename Stamped>
 void check_order(const std::vector<Stamped>& entries, const std::vector<double>& dt, const std::string& sensor, std::vector<Fault>& out) {
   Fault fault{"stamps_back", sensor, 0, 0, 0, 0, most_back_share, "-", ""};
@@ -43,7 +37,7 @@ void check_order(const std::vector<Stamped>& entries, const std::vector<double>&
   }
   fault.value = static_cast<double>(fault.count) / static_cast<double>(dt.size());
   if (fault.value <= most_back_share) return;
-  fault.words = sensor + text(": %.0f stamps repeat or go back. Write the log in the order of measurement, with the sensor's own clock.",
+  fault.words = sensor + formatted(": %.0f stamps repeat or go back. Write the log in the order of measurement, with the sensor's own clock.",
                               static_cast<double>(fault.count));
   out.push_back(fault);
 }
@@ -71,7 +65,7 @@ void check_missing(const std::vector<ImuSample>& samples, const std::vector<doub
   }
   fault.value = static_cast<double>(missing) / static_cast<double>(samples.size() + missing);
   if (longest <= longest_imu_gap_s && fault.value <= most_missing_share) return;
-  fault.words = text("IMU: %.0f samples are missing in %.0f gaps, the longest %.0f ms. ", static_cast<double>(missing),
+  fault.words = formatted("IMU: %.0f samples are missing in %.0f gaps, the longest %.0f ms. ", static_cast<double>(missing),
                      static_cast<double>(fault.count), 1e3 * longest) +
                 "Look for a full queue or a bus that is too slow between the sensor and the log.";
   out.push_back(fault);
@@ -91,7 +85,7 @@ void check_jitter(const std::vector<Stamped>& entries, const std::vector<double>
   const double spread = spread_of(dt, quantile(dt, 0.5));
   if (spread <= limit_s) return;
   out.push_back({"stamp_jitter", sensor, entries.front().t_ns, entries.back().t_ns, dt.size(), spread, limit_s, "s",
-                 sensor + text(": intervals between stamps scatter by %.2f ms (limit %.2f ms). ", 1e3 * spread, 1e3 * limit_s) +
+                 sensor + formatted(": intervals between stamps scatter by %.2f ms (limit %.2f ms). ", 1e3 * spread, 1e3 * limit_s) +
                      "Stamp at the moment of measurement (interrupt or trigger), not when the data arrive."});
 }
 
@@ -99,7 +93,7 @@ void check_rate(const ImuData& imu, double period, std::vector<Fault>& out) {
   const double off = std::abs(period * imu.noise.rate_hz - 1);
   if (off <= most_rate_error) return;
   out.push_back({"rate", "imu", imu.samples.front().t_ns, imu.samples.back().t_ns, imu.samples.size(), 1 / period, imu.noise.rate_hz, "Hz",
-                 text("IMU: samples come at %.1f Hz, sensor.yaml states %.1f Hz. ", 1 / period, imu.noise.rate_hz) +
+                 formatted("IMU: samples come at %.1f Hz, sensor.yaml states %.1f Hz. ", 1 / period, imu.noise.rate_hz) +
                      "State the rate at which the log was written, or log every sample."});
 }
 
@@ -117,7 +111,7 @@ void check_overlap(const Recording& recording, std::size_t camera, std::vector<F
   }
   fault.value = 1 - static_cast<double>(fault.count) / static_cast<double>(frames.size());
   if (fault.value >= least_covered_share) return;
-  fault.words = name + text(": only %.0f %% of the frames fall into the time of the IMU samples. ", 100 * fault.value) +
+  fault.words = name + formatted(": only %.0f %% of the frames fall into the time of the IMU samples. ", 100 * fault.value) +
                 "Stamp both with one clock, or correct the offset between their clocks first.";
   out.push_back(fault);
 }

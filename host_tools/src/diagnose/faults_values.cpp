@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "diagnose/fault.h"
 #include "diagnose/spectrum.h"
+#include "formatted.h"
 
 namespace host {
 namespace {
@@ -21,12 +21,6 @@ constexpr double least_axis_frozen_s = 1;      // one axis while the others go o
 constexpr double most_repeats = 0.05;          // share of samples that repeat the one before
 
 using Values = std::array<double, 3> ImuSample::*;
-
-std::string text(const char* format, double a, double b = 0, double c = 0) {
-  char buffer[320];
-  std::snprintf(buffer, sizeof buffer, format, a, b, c);
-  return buffer;
-}
 
 struct Sensor {
   const char* name;
@@ -47,7 +41,7 @@ void check_finite(const std::vector<ImuSample>& samples, const Sensor& sensor, s
   }
   fault.value = static_cast<double>(fault.count) / static_cast<double>(samples.size());
   if (fault.value <= 0.001) return;  // single ones are skipped by the core
-  fault.words = std::string(sensor.word) + text(": %.0f samples are not a number. Look at the driver's error handling.", static_cast<double>(fault.count));
+  fault.words = std::string(sensor.word) + formatted(": %.0f samples are not a number. Look at the driver's error handling.", static_cast<double>(fault.count));
   out.push_back(fault);
 }
 
@@ -92,7 +86,7 @@ bool check_extremes(const std::vector<ImuSample>& samples, const Sensor& sensor,
   if (!fault.count) return false;
   fault.limit = static_cast<double>(least_stuck);
   fault.words = std::string(sensor.word) + " " + "xyz"[axis] +
-                text(": %.0f samples (%.2f %%) stand at the extreme, %.4g ", static_cast<double>(fault.count),
+                formatted(": %.0f samples (%.2f %%) stand at the extreme, %.4g ", static_cast<double>(fault.count),
                      100.0 * static_cast<double>(fault.count) / static_cast<double>(samples.size()), fault.value) +
                 sensor.unit + ". Set a larger measuring range, or move less.";
   out.push_back(fault);
@@ -135,11 +129,11 @@ void check_frozen(const std::vector<ImuSample>& samples, const Sensor& sensor, d
   }
   const double share = static_cast<double>(repeats) / static_cast<double>(samples.size());
   if (fault.count) {
-    fault.words = std::string(sensor.word) + text(": %.0f samples repeat the same reading, up to %.2f s long. ", static_cast<double>(fault.count), fault.value) +
+    fault.words = std::string(sensor.word) + formatted(": %.0f samples repeat the same reading, up to %.2f s long. ", static_cast<double>(fault.count), fault.value) +
                   "The sensor or its driver hung: restart it and record again.";
   } else if (share > most_repeats) {
     fault = {"frozen", sensor.name, samples.front().t_ns, samples.back().t_ns, repeats, share, most_repeats, "-",
-             std::string(sensor.word) + text(": %.0f %% of the samples repeat the one before. ", 100 * share) +
+             std::string(sensor.word) + formatted(": %.0f %% of the samples repeat the one before. ", 100 * share) +
                  "It measures at a lower rate than is logged: log each reading once."};
   }
   if (fault.count) out.push_back(fault);
@@ -161,7 +155,7 @@ void check_frozen_axis(const std::vector<ImuSample>& samples, const Sensor& sens
     begin = k;
   }
   if (!fault.count) return;
-  fault.words = std::string(sensor.word) + " " + "xyz"[axis] + text(": %.0f samples repeat the same reading, up to %.2f s long, while the other axes go on. ",
+  fault.words = std::string(sensor.word) + " " + "xyz"[axis] + formatted(": %.0f samples repeat the same reading, up to %.2f s long, while the other axes go on. ",
                 static_cast<double>(fault.count), fault.value) + "This channel is dead: restart the sensor and record again.";
   out.push_back(fault);
 }

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "angles.h"
 #include "quantile.h"
 
 namespace host {
 namespace {
 
 constexpr std::size_t window_size = 128;
-constexpr double two_pi = 6.28318530717958647692;
 constexpr double median_of_exponential = 0.693147180559945;
 
 std::vector<double> taper() {

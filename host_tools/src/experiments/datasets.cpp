@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "angles.h"
 #include "compare/trajectory_error.h"
 #include "replay/replay.h"
 #include "simulate/device.h"
@@ -83,12 +84,11 @@ Evaluation::Evaluation(std::uint64_t seed, int count, double session_s) {
 }
 
 Json Evaluation::operator()(const Calibration& calibration, Odometry odometry) const {
-  constexpr double degree = 3.14159265358979323846 / 180;
   Json position = Json::array(), attitude = Json::array();
   for (const SimulationResult& session : sessions_) {
     const OdometryError e = odometry_error(session, calibration, odometry);
     position.push_back(100 * e.position_m);
-    attitude.push_back(e.attitude_rad / degree);
+    attitude.push_back(e.attitude_rad / rad_per_deg);
   }
   return {{"position_cm", position}, {"attitude_deg", attitude}};
 }

@@ -13,7 +13,7 @@
 namespace host::experiments {
 namespace {
 
-constexpr double session_s = 40;
+constexpr double degenerate_session_s = 40;
 constexpr double largest_mean_square = 1.5;
 
 /// What follows from the motion alone: these parameters cannot be told, whatever the noise.
@@ -127,7 +127,7 @@ std::vector<Cell> degenerate_cells(const StudyOptions& options) {
     for (int i = 0; i < seeds; ++i) {
       const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
       cells.push_back({std::string(m.scenario) + "_seed" + std::to_string(seed),
-                       {{"scenario", m.scenario}, {"seconds", session_s}, {"seed", seed}}});
+                       {{"scenario", m.scenario}, {"seconds", degenerate_session_s}, {"seed", seed}}});
     }
   }
   return cells;

@@ -13,7 +13,7 @@ namespace {
 
 using namespace experiments;
 
-constexpr const char* footer = R"(Examples:
+constexpr const char* experiments_footer = R"(Examples:
   segcal experiments --list
   segcal experiments basin --out basin --jobs 2
       160 starts; stopped and started again it goes on where it was
@@ -87,7 +87,7 @@ void add_experiments_command(CLI::App& app, int& exit_code) {
   sub->add_option("--seeds", a->options.seeds, "recordings of each kind, for faults (default: 20, 2 with --quick)")->check(CLI::Range(1, 1000));
   sub->add_flag("--quick", a->options.quick, "fewer and shorter sessions: minutes instead of an hour");
   sub->add_flag("--list", a->list, "the studies in a line each");
-  sub->footer(footer);
+  sub->footer(experiments_footer);
   sub->callback([a, &exit_code] { exit_code = run(*a); });
 }
 

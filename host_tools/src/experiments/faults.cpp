@@ -19,7 +19,7 @@ namespace {
 
 using sim::FaultKind, sim::fault_kind, sim::fault_kinds;
 
-constexpr double session_s = 40;
+constexpr double fault_session_s = 40;
 constexpr double wrong_sigmas = 5;
 
 /// Counters that say of a fault; the others count work.
@@ -156,7 +156,7 @@ std::vector<Cell> faults_cells(const StudyOptions& options) {
   for (int i = 0; i < seeds; ++i) {
     const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
     for (const FaultKind& kind : fault_kinds())
-      cells.push_back({std::string(kind.name) + "_seed" + std::to_string(seed), {{"kind", kind.name}, {"seconds", session_s}, {"seed", seed}}});
+      cells.push_back({std::string(kind.name) + "_seed" + std::to_string(seed), {{"kind", kind.name}, {"seconds", fault_session_s}, {"seed", seed}}});
   }
   return cells;
 }

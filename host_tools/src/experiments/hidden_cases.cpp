@@ -11,7 +11,7 @@
 namespace host::experiments {
 namespace {
 
-constexpr double session_s = 60;
+constexpr double hidden_session_s = 60;
 
 struct Outside {
   const char* name;
@@ -81,7 +81,7 @@ std::string drawn(const std::string& name, double level, sim::Random& random) {
 }
 
 Json cell(HiddenGroup group, const char* scenario, const char* distortion, std::uint64_t seed, std::vector<std::string> effects) {
-  return {{"group", name_of(group)}, {"scenario", scenario}, {"distortion", distortion}, {"seconds", session_s}, {"seed", seed},
+  return {{"group", name_of(group)}, {"scenario", scenario}, {"distortion", distortion}, {"seconds", hidden_session_s}, {"seed", seed},
           {"effects", effects}};
 }
 

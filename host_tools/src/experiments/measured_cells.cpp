@@ -7,6 +7,7 @@
 #include <map>
 #include <sstream>
 
+#include "angles.h"
 #include "commands.h"
 #include "experiments/measured.h"
 #include "render/render_images.h"
@@ -98,15 +99,15 @@ ImuNoise published_noise(const std::string& sequence) {
 Calibration disturbed(Calibration calibration, std::uint64_t start, double factor) {
   sim::Random random(start, sim::Stream::device);
   const auto direction = [&random] {
-    const double z = random.uniform(-1, 1), a = random.uniform(-M_PI, M_PI), r = std::sqrt(1 - z * z);
+    const double z = random.uniform(-1, 1), a = random.uniform(-pi, pi), r = std::sqrt(1 - z * z);
     return Eigen::Vector3d(r * std::cos(a), r * std::sin(a), z);
   };
   for (CameraCalibration& camera : calibration.cameras) {
-    const double a = random.uniform(-M_PI, M_PI);
+    const double a = random.uniform(-pi, pi);
     camera.intrinsics.head<2>() *= 1 + factor * (random.uniform() < 0.5 ? -0.02 : 0.02);
     camera.intrinsics.tail<2>() += factor * 10 * Eigen::Vector2d(std::cos(a), std::sin(a));
     camera.distortion = {-0.24, 0.05, 0, 0};
-    camera.R_CI = Eigen::AngleAxisd(factor * 1.7 * M_PI / 180, direction()).toRotationMatrix() * camera.R_CI;
+    camera.R_CI = Eigen::AngleAxisd(factor * 1.7 * rad_per_deg, direction()).toRotationMatrix() * camera.R_CI;
     camera.p_CI += factor * 0.027 * direction();
   }
   return calibration;

@@ -10,7 +10,7 @@
 namespace host {
 namespace {
 
-constexpr const char* explanation =
+constexpr const char* reference_explanation =
     "Solves a calibration with Ceres in double precision: an independent answer to compare the core's with. Its\n"
     "residuals are written apart from the core, with automatic derivatives.\n"
     "  --segments-from DIR   exactly the segments that `segcal replay --out DIR` kept (DIR/kept_segments.json): the same\n"
@@ -75,7 +75,7 @@ int run(Arguments a) {
 
 void add_reference_command(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* sub = app.add_subcommand("reference", explanation);
+  CLI::App* sub = app.add_subcommand("reference", reference_explanation);
   sub->footer(examples);
   sub->add_option("recordings", a->recordings, "recordings in ASL layout; several are sessions of one device");
   sub->add_option("--segments-from", a->segments_from, "folder that `segcal replay --out` wrote; the recordings are not read then");

@@ -1,3 +1,4 @@
+#include "angles.h"
 #include "room.h"
 
 #include <cmath>
@@ -82,7 +83,7 @@ class Builder {
 
   Vector3d beside_the_path() {
     const Vector3d& p = path_[static_cast<std::size_t>(random_.integer(0, static_cast<int>(path_.size()) - 1))];
-    const double angle = random_.uniform(0, 2 * 3.14159265358979323846), reach = random_.uniform(1.2, 3.2);
+    const double angle = random_.uniform(0, two_pi), reach = random_.uniform(1.2, 3.2);
     return p + reach * Vector3d(std::cos(angle), std::sin(angle), 0);
   }
 

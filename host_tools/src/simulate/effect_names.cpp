@@ -1,3 +1,4 @@
+#include "angles.h"
 #include "effect_names.h"
 
 #include <cmath>
@@ -118,7 +119,7 @@ Made make_frozen(const Values& v) {
 Made make_unit(const Values& v) {
   expect(v, 1, 1);
   const disturb::Sensor sensor = sensor_of(v[0]);
-  const double factor = sensor == disturb::Sensor::gyro ? 180 / 3.14159265358979323846 : 1 / 9.80665;
+  const double factor = sensor == disturb::Sensor::gyro ? deg_per_rad : 1 / 9.80665;
   return log_fault({"unit", {{v[0], factor, "-"}}}, [=](Recording& r, std::uint64_t) {
     disturb::scale(r, sensor, Eigen::Vector3d::Constant(factor));
   });

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "angles.h"
 #include "simulate/disturb.h"
 #include "simulate/spoil.h"
 
@@ -56,7 +57,7 @@ std::vector<FaultKind> value_kinds() {
       {"saturation_unknown", "the same, and the clipped readings look like others", {"saturat"}, [](Recording& r, Seed) { spoil::saturate(r, 0.5, false); }},
       {"gyro_stuck", "the gyroscope repeats a reading for 2 s", {"frozen"}, [](Recording& r, Seed) { disturb::freeze(r, Sensor::gyro, disturb::middle_ns(r), 2); }},
       {"accel_z_stuck", "the accelerometer's z axis repeats its first reading", {"frozen", "accel"}, [](Recording& r, Seed) { spoil::freeze_accel_z(r); }},
-      {"gyro_degrees", "the gyroscope in deg/s", {"unit"}, [](Recording& r, Seed) { disturb::scale(r, Sensor::gyro, Eigen::Vector3d::Constant(180 / M_PI)); }},
+      {"gyro_degrees", "the gyroscope in deg/s", {"unit"}, [](Recording& r, Seed) { disturb::scale(r, Sensor::gyro, Eigen::Vector3d::Constant(deg_per_rad)); }},
       {"accel_g", "the accelerometer in g", {"unit"}, [](Recording& r, Seed) { disturb::scale(r, Sensor::accel, Eigen::Vector3d::Constant(1 / 9.80665)); }},
       {"gyro_axes", "the gyroscope's x and y swapped", {"axes"}, [](Recording& r, Seed) { disturb::reorder_axes(r, Sensor::gyro, "yx-z"); }},
       {"accel_axes", "the accelerometer's y with the wrong sign", {"axes"}, [](Recording& r, Seed) { disturb::reorder_axes(r, Sensor::accel, "x-yz"); }},

@@ -1,3 +1,4 @@
+#include "angles.h"
 #include "random.h"
 
 #include <algorithm>
@@ -6,7 +7,6 @@
 namespace host::sim {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 
 /// Finaliser of splitmix64: spreads neighbouring seeds over all 64 bits.
 std::uint64_t mixed(std::uint64_t x) {

@@ -1,13 +1,13 @@
 // The scenario `nav`: walking through several rooms with the device in the hand (the paper's navigation use case).
 #include <cmath>
 
+#include "angles.h"
 #include "scenarios.h"
 #include "wander.h"
 
 namespace host::sim {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 
 /// Walking speed, heading of the path, and how much the person looks around, over time.
 struct Walk {

@@ -1,3 +1,4 @@
+#include "angles.h"
 #include "scenarios.h"
 
 #include <cmath>
@@ -10,7 +11,6 @@ namespace {
 
 constexpr double sample_step = 0.1;  // s; motion content is below 2 Hz
 constexpr double margin = 1;         // s before the first and after the last frame
-constexpr double pi = 3.14159265358979323846;
 
 /// Attitude of a device that rests somewhere: upright within a few degrees, any heading.
 Eigen::Vector3d resting_attitude(Random& random) {

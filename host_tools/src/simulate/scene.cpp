@@ -1,3 +1,4 @@
+#include "angles.h"
 #include "scene.h"
 
 #include <Eigen/Geometry>
@@ -12,7 +13,6 @@ namespace {
 using Box = Eigen::AlignedBox3d;
 using Points = std::vector<Eigen::Vector3d>;
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double largest_room = 7;      // m, extent of the motion above which there are several rooms
 constexpr double clearance = 0.75;      // m, furniture keeps this distance from the path
 constexpr int wall_points = 1500;

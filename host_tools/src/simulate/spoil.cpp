@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "angles.h"
 #include "simulate/disturb.h"
 #include "simulate/random.h"
 
@@ -107,7 +108,7 @@ void spikes(Recording& r, double share, double value, std::uint64_t seed) {
 }
 
 void flip_bits(Recording& r, double share, std::uint64_t seed) {
-  constexpr double gyro_digit = 2000 * M_PI / 180 / 32768, accel_digit = 16 * 9.80665 / 32768;
+  constexpr double gyro_digit = 2000 * rad_per_deg / 32768, accel_digit = 16 * 9.80665 / 32768;
   Random random = random_of(seed);
   for (ImuSample& s : r.imu.samples) {
     const bool hit = random.uniform() < share;
@@ -142,7 +143,7 @@ void outliers(Recording& r, double share, double drift, std::uint64_t seed) {
     for (TrackPoint& p : f.points) {
       if (!chosen.count(p.track_id)) {
         const bool bad = random.uniform() < share;
-        chosen[p.track_id] = {bad, random.uniform(0, 6.283185307179586)};
+        chosen[p.track_id] = {bad, random.uniform(0, two_pi)};
         since[p.track_id] = f.t_ns;
       }
       const auto [bad, heading] = chosen[p.track_id];

@@ -1,3 +1,4 @@
+#include "angles.h"
 #include "trajectory_fit.h"
 
 #include <Eigen/Geometry>
@@ -15,7 +16,6 @@ constexpr double longest_step = 0.1;        // s between poses, above it is a ho
 constexpr double shortest_recording = 3;    // s
 constexpr double steepest_pitch = 1.48;     // rad, 85 degrees
 constexpr double roughness_weight = 1e-3;   // per pose weight of 1; decides in holes only
-constexpr double two_pi = 6.28318530717958647692;
 
 struct Poses {
   std::vector<double> t;  ///< s since the first

@@ -1,3 +1,4 @@
+#include "angles.h"
 #include "wander.h"
 
 #include <algorithm>
@@ -6,7 +7,6 @@
 namespace host::sim {
 namespace {
 
-constexpr double two_pi = 6.28318530717958647692;
 
 }  // namespace
 

@@ -16,9 +16,9 @@ constexpr std::size_t least_envelope = 5;
 constexpr int reweightings = 6;
 
 /// A stream of stamps in s from the first one, with the number of each event.
-class Stream {
+class SmoothedStream {
  public:
-  explicit Stream(const std::vector<std::int64_t>& t_ns) {
+  explicit SmoothedStream(const std::vector<std::int64_t>& t_ns) {
     for (const std::int64_t t : t_ns) t_.push_back(1e-9 * static_cast<double>(t - t_ns.front()));
     number();
   }
@@ -107,7 +107,7 @@ SmoothedStamps smooth_stamps(const std::vector<std::int64_t>& t_ns) {
   SmoothedStamps out{t_ns, 0, 0, 0, 0};
   const bool increasing = std::adjacent_find(t_ns.begin(), t_ns.end(), std::greater_equal<std::int64_t>()) == t_ns.end();
   if (t_ns.size() < 2 * least_envelope || !increasing) return out;
-  const Stream stream(t_ns);
+  const SmoothedStream stream(t_ns);
   std::vector<double> intervals;
   double squares = 0;
   for (std::size_t i = 0; i < t_ns.size(); ++i) {

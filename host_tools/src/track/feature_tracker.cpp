@@ -8,12 +8,12 @@
 namespace host {
 namespace {
 
-constexpr float border_px = 8;  // closer to the edge than this the patch is mostly outside
+constexpr float rim_px = 8;  // closer to the edge than this the patch is mostly outside
 constexpr double merged_px = 4;     // closer to each other than this two tracks share most of their patch
 
 bool inside(const cv::Point2f& point, const cv::Size& size) {
-  return point.x >= border_px && point.y >= border_px && point.x < size.width - border_px &&
-         point.y < size.height - border_px;
+  return point.x >= rim_px && point.y >= rim_px && point.x < size.width - rim_px &&
+         point.y < size.height - rim_px;
 }
 
 double distance_px(const cv::Point2f& a, const cv::Point2f& b) { return cv::norm(a - b); }
