@@ -1,5 +1,7 @@
 // Data that must not harm: repeated tracks, stamps from another time, sensors with a FIFO, places far from the origin, counts below
 // zero. Where the bad data carry nothing, the result is that of the good ones alone, bit by bit.
+#include <limits>
+
 #include "api_fixture.h"
 
 extern "C" void setUp() {}
@@ -163,6 +165,45 @@ void test_one_image_from_another_time() {
   TEST_ASSERT_GREATER_THAN_UINT(used + 60, counters_of(device).frames_used);
 }
 
+/// When it comes nothing tells that it is: no sample has come yet, or none of the new session.
+void test_the_first_image_from_another_time() {
+  Storage storage(0xFF);
+  segcal_t* device = create(&storage, SyntheticStream::config());
+  const SyntheticStream::Frame& frame = long_stream<kSeconds>().frames[0];
+  for (const int from : {0, 1000}) {
+    const Id id = Id().add("from", from);
+    const segcal_counters_t before = counters_of(device);
+    if (from > 0) TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_new_session(device));
+    segcal_push_tracks(device, frame.state.t_ns + (std::int64_t(1) << 45), frame.points.data(), 20);
+    feed(device, {}, from, 1000 + from);
+    const segcal_counters_t after = counters_of(device);
+    check_near(id, "frame_stamps_far", 1, after.frame_stamps_far - before.frame_stamps_far, 0);
+    check_near(id, "frame_stamps_back", 0, after.frame_stamps_back - before.frame_stamps_back, 0);
+    check_true(id, "images are used", after.frames_used > before.frames_used + 30);   // of 50
+  }
+}
+
+/// No chip has such a temperature: the sample's values count, its warmth does not.
+void test_impossible_temperatures_change_nothing() {
+  if (SEGCAL_MAX_EFFECT_ESTIMATES < 3) return;   // not in profile mcu
+  segcal_config_t config = SyntheticStream::config();
+  config.has_temperature = 1;
+  config.estimate_effects = SEGCAL_EFFECT_GYRO_TEMPERATURE;
+  std::uint64_t expected = 0;
+  for (const float glitch : {30.f, 201.f, -3e38f, 4e20f, std::numeric_limits<float>::quiet_NaN()}) {
+    Storage storage(0xFF);
+    segcal_t* device = create(&storage, config);
+    static float now;
+    now = glitch;
+    Feed how;
+    how.change = [](int i, segcal_imu_t* s) { s->temperature = i % 100 == 50 ? now : 30; };
+    feed(device, how);
+    const std::uint64_t hash = hash_of(device);
+    if (glitch == 30.f) expected = hash;
+    check_true(Id().add("degC", glitch), "the result of 30 degC", hash == expected);
+  }
+}
+
 /// Blocks of 250 ms: three images wait for the samples of the first.
 void test_blocks_of_samples_give_the_same_result() {
   Feed blocks;
@@ -312,6 +353,8 @@ int main(int argc, char** argv) {
   RUN_TEST(test_one_stamp_from_another_time_costs_one_sample);
   RUN_TEST(test_a_clock_that_was_set_is_followed);
   RUN_TEST(test_one_image_from_another_time);
+  RUN_TEST(test_the_first_image_from_another_time);
+  RUN_TEST(test_impossible_temperatures_change_nothing);
   RUN_TEST(test_blocks_of_samples_give_the_same_result);
   RUN_TEST(test_a_spike_beyond_full_scale_is_not_used);
   RUN_TEST(test_a_spike_is_taken_out_of_the_stream);

@@ -32,7 +32,8 @@ static inline const char *segcal_health_words(int health) {
     case SEGCAL_HEALTH_LOST_OFTEN:
       return "the odometry is lost within seconds of each start: check the clocks' offset, R_CI and the lens";
     case SEGCAL_HEALTH_SATURATED:
-      return "more than one IMU sample in a hundred is at full scale: choose a larger range";
+      return "more than one IMU sample in a hundred is at full scale: choose a larger range, and check the units, rad/s and m/s^2, of samples, "
+             "gyro_range and accel_range";
     case SEGCAL_HEALTH_FRAMES_CROWDED:
       return "most frames are dropped because their IMU samples come too late: shorter blocks of samples, a longer frame_interval_s, or a "
              "larger SEGCAL_WAITING_FRAMES";
@@ -42,6 +43,11 @@ static inline const char *segcal_health_words(int health) {
     case SEGCAL_HEALTH_STARTS_LATE:
       return "the odometry does not start: the slices of a start in motion are not done when it is due; call segcal_background for more "
              "slices after each sample, start at rest, or give it time (SEGCAL_START_DELAY_MS, SEGCAL_IMU_HISTORY)";
+    case SEGCAL_HEALTH_IMU_RATE:
+      return "IMU samples do not come at imu_rate_hz: state the rate at which the sensor measures";
+    case SEGCAL_HEALTH_NO_SEGMENTS:
+      return "no segment is of use: too few points are seen by several keyframes (keyframes too far apart, tracks too short), or images and "
+             "IMU contradict each other";
     default:
       return "unknown";
   }

@@ -316,10 +316,12 @@ enum {
   SEGCAL_HEALTH_FRAMES_TOO_FAR = 8,   /* over 0.6 s apart, or too far for the IMU samples that the profile keeps: no start was tried */
   SEGCAL_HEALTH_NO_START = 9,         /* several starts were tried and none fits the motion */
   SEGCAL_HEALTH_LOST_OFTEN = 10,      /* the filter starts, and is lost again within ten seconds on average */
-  SEGCAL_HEALTH_SATURATED = 11,       /* runs, but more than one IMU sample in a hundred is at full scale */
+  SEGCAL_HEALTH_SATURATED = 11,       /* most IMU samples are at full scale; or it runs, but more than one in a hundred is */
   SEGCAL_HEALTH_FRAMES_CROWDED = 12,  /* does not run: most frames find no place to wait for their IMU samples, which come in long blocks */
   SEGCAL_HEALTH_SPIKES = 13,          /* an IMU sample in four seconds, or more, stands alone or with one other, far from its neighbours: they end segments */
-  SEGCAL_HEALTH_STARTS_LATE = 14      /* does not run: starts in motion are due before segcal_background has done their slices */
+  SEGCAL_HEALTH_STARTS_LATE = 14,     /* does not run: starts in motion are due before segcal_background has done their slices */
+  SEGCAL_HEALTH_IMU_RATE = 15,        /* IMU samples come at another rate than imu_rate_hz: most are a gap apart, or far more than stated */
+  SEGCAL_HEALTH_NO_SEGMENTS = 16      /* runs, but of five segments or more none is of use: too few points, or far from the IMU's motion */
 };
 
 /* A whitened residual of the last calibration. */

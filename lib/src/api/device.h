@@ -110,6 +110,7 @@ class Device {
   /// What had come when the odometry used a frame with enough points the last time.
   const StreamCounts& counts_at_last_use() const { return last_use_; }
   const VioStatistics& vio_statistics() const { return vio_.statistics(); }
+  const ImuHistory<S>& imu_history() const { return imu_; }
   /// IMU readings that stood alone, since create().
   std::uint32_t imu_spikes() const { return imu_spikes_; }
   /// Frames that found no place to wait for their IMU samples.
@@ -142,6 +143,7 @@ class Device {
 
   // device_stream.h
   bool take_frame_stamp(std::int64_t t_ns);
+  void forget_frames();
   template <class Point>
   bool let_wait(std::int64_t t_ns, std::int32_t shift_ns, int n, Point point);
   Taken process_frames();

@@ -5,6 +5,10 @@
 
 namespace SEGCAL_NS {
 
+/// No chip works beyond, degC.
+template <class S>
+constexpr S kMostCelsius = S(200);
+
 template <class S>
 Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading, S celsius) {
   ++d_.faults.imu_samples;
@@ -26,7 +30,7 @@ Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading, 
       break;
   }
   if (!began && d_.faults.imu_samples - d_.faults.imu_not_finite - d_.faults.imu_stamps_far == 1) start_clock(t_ns);
-  if (d_.options.has_temperature && is_finite(celsius)) imu_.set_warmth(celsius - S(25));
+  if (d_.options.has_temperature && absolute(celsius) <= kMostCelsius<S>) imu_.set_warmth(celsius - S(25));
   if (!in_range(reading.gyro, d_.options.gyro_range) || !in_range(reading.accel, d_.options.accel_range)) {
     ++d_.faults.imu_saturated;
     return Taken::skipped;   // what it measured is not known; its neighbours bridge it, or it is a gap

@@ -14,7 +14,7 @@ constexpr std::int64_t kLongestPauseNs = 3600000000000;
 
 /// Where states come from. Two sources have two frames; the user's own frame outlives gaps in the IMU's stream.
 template <class S>
-void Device<S>::use_odometry(bool own) {
+[[gnu::cold]] void Device<S>::use_odometry(bool own) {
   if (own == own_odometry_) return;
   if (!builder().empty()) end_segment(false);
   own_odometry_ = own;
@@ -34,11 +34,20 @@ template <class S>
   if (periods > 1) d_.faults.frames_dropped += static_cast<std::uint32_t>(periods - 1);
 }
 
+/// What came before the first sample, when nothing told that its stamp is far ahead: what follows must not wait for that time.
+template <class S>
+[[gnu::cold]] void Device<S>::forget_frames() {
+  frames_.clear();
+  has_frame_ = has_offered_ = false;
+  ++d_.faults.frame_stamps_far;
+}
+
 /// Counts a frame; false if its stamp is refused.
 template <class S>
-bool Device<S>::take_frame_stamp(std::int64_t t_ns) {
+[[gnu::cold]] bool Device<S>::take_frame_stamp(std::int64_t t_ns) {
   ++d_.faults.frames;
   const bool in_range = t_ns <= kMostStamp && t_ns >= -kMostStamp;
+  if (in_range && has_frame_ && last_frame_ - (has_imu_ ? last_imu_ : t_ns) > kFarFrameNs) forget_frames();
   if (!in_range || (has_imu_ && (t_ns - last_imu_ > kFarFrameNs || last_imu_ - t_ns > kFarFrameNs))) {
     ++d_.faults.frame_stamps_far;
     return false;
@@ -162,7 +171,7 @@ Taken Device<S>::push_keyframe(std::int64_t t_ns, const State<S>& state, const d
 }
 
 template <class S>
-Taken Device<S>::take_own_keyframe(const Frame<S>& frame) {
+[[gnu::cold]] Taken Device<S>::take_own_keyframe(const Frame<S>& frame) {
   State<S> x = frame.state;
   for (int i = 0; i < 3; ++i) {
     if (absolute(frame.p_GI[i] - origin_[i]) > kFarPlace) origin_[i] = frame.p_GI[i];

@@ -63,14 +63,15 @@ struct SliceCounts {
   }
 };
 
-/// Of the samples and frames that came, those that were refused, and frames with few points.
+/// Of the samples and frames that came, those that were refused, that are at full scale or come after a gap, and frames with few points.
 struct StreamCounts {
-  std::uint32_t imu = 0, imu_refused = 0, frames = 0, frames_far = 0, frames_back = 0, frames_few = 0;
+  std::uint32_t imu = 0, imu_refused = 0, imu_saturated = 0, imu_gaps = 0, frames = 0, frames_far = 0, frames_back = 0, frames_few = 0;
 
   StreamCounts() = default;
   explicit StreamCounts(const FaultCounts& f)
-      : imu(f.imu_samples), imu_refused(f.imu_stamps_back + f.imu_stamps_far + f.imu_not_finite), frames(f.frames),
-        frames_far(f.frame_stamps_far), frames_back(f.frame_stamps_back), frames_few(f.frames_few_tracks) {}
+      : imu(f.imu_samples), imu_refused(f.imu_stamps_back + f.imu_stamps_far + f.imu_not_finite), imu_saturated(f.imu_saturated),
+        imu_gaps(f.imu_gaps), frames(f.frames), frames_far(f.frame_stamps_far), frames_back(f.frame_stamps_back),
+        frames_few(f.frames_few_tracks) {}
 };
 
 /// What the stream touches little: segments, the open one too, and what a calibration from them needs. It may lie in a block of memory of its own.

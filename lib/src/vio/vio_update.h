@@ -151,8 +151,12 @@ bool use_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& opti
 
 /// Products of folding `rows` rows over `columns` columns.
 constexpr int fold_work(int rows, int columns) { return rows * columns * columns / 2; }
-/// What the features of one frame may cost.
-constexpr int kFrameWork = SEGCAL_FRAME_FEATURES * fold_work(kFeatureRows - kLandmarkColumns, kFilterColumns + 1 - pose_column(0));
+/// Triangulating a track and writing its rows takes as long as so many products for each of its points: 15,400 instructions of some nine
+/// a product. Without it thirty short tracks, as where a tracker detects all corners anew, cost a fifth more than six long ones.
+constexpr int kPointWork = 1800;
+/// What the features of one frame may cost: as much as SEGCAL_FRAME_FEATURES of the longest tracks.
+constexpr int kFrameWork = SEGCAL_FRAME_FEATURES * (fold_work(kFeatureRows - kLandmarkColumns, kFilterColumns + 1 - pose_column(0)) +
+                                                    kPointWork * (kFeatureRows / 2));
 
 /// What a frame's inertial link has cost of that beyond the usual: after a gap in the images, or where they are slow, there are more
 /// samples to integrate, and fewer features are used then. A sample, integrated for the filter and looked at for rest, takes as long as
@@ -160,9 +164,9 @@ constexpr int kFrameWork = SEGCAL_FRAME_FEATURES * fold_work(kFeatureRows - kLan
 constexpr int kUsualSamples = 25, kSampleWork = 2000;
 constexpr int link_work(int samples) { return samples > kUsualSamples ? (samples - kUsualSamples) * kSampleWork : 0; }
 
-/// What folding a track costs at most.
+/// What folding a track costs at most, once its landmark is gone.
 template <class S>
-int feature_work(const Window<S>& w, const VioTrack<S>& track) {
+int track_fold_work(const Window<S>& w, const VioTrack<S>& track) {
   int first = 0;
   while (first < w.n_poses && !track.in(w.pose[first].slot)) ++first;
   return fold_work(2 * track.length() + 1 - kLandmarkColumns, w.columns() + 1 - pose_column(first));
@@ -178,11 +182,11 @@ int use_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options
   for (int i = 0; i < tracks->end(); ++i) {
     VioTrack<S>& track = (*tracks)[i];
     if (!track.used || !due(track)) continue;
-    const int once = feature_work(*w, track);
+    const int fold = track_fold_work(*w, track), once = fold + kPointWork * track.length();
     if (tried < kMaxFeaturesPerFrame && work + once <= kFrameWork && track.length() >= kMinTrackLength) {
       ++tried;
       const bool accepted = use_track(w, track, options, monitor, statistics);
-      work += accepted ? once : 2 * once;  // folded and taken back
+      work += accepted ? once : once + fold;  // folded and taken back
       used += accepted ? 1 : 0;
       track.slots = 0;
     }
