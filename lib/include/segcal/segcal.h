@@ -58,8 +58,9 @@ enum {
   SEGCAL_ERROR_SIZE = -2,        /* storage smaller than segcal_storage_bytes(), or a count out of range */
   SEGCAL_ERROR_ALIGNMENT = -3,   /* storage not aligned to SEGCAL_STORAGE_ALIGNMENT */
   SEGCAL_ERROR_CONFIG = -4,      /* a configuration value out of its range */
-  SEGCAL_ERROR_NOT_FINITE = -5,  /* NaN or infinity in a sample; dropped and counted */
-  SEGCAL_ERROR_STAMP = -6,       /* a stamp that repeats or goes back; dropped and counted */
+  SEGCAL_ERROR_NOT_FINITE = -5,  /* NaN or infinity in a sample, dropped and counted; a keyframe whose state is out of range, or with a point
+                                    that is no number, dropped */
+  SEGCAL_ERROR_STAMP = -6,       /* a stamp that repeats, goes back, is far from the others, or outside +-2^62 ns; dropped and counted */
   SEGCAL_ERROR_CAMERA = -7,      /* camera index out of range */
   SEGCAL_ERROR_STATE = -8,       /* call not possible now (no segment, not created) */
   SEGCAL_ERROR_BUSY = -9,        /* a calibration is under way and moves what was asked for: again when segcal_background returns 0
@@ -70,7 +71,9 @@ enum {
   SEGCAL_ERROR_VERSION = -13     /* store.h: stored by a newer major format */
 };
 
-/* ---- configuration: a struct of zeroes means all defaults, except for the camera itself ---- */
+/* ---- configuration: a struct of zeroes means all defaults, except for the camera itself ----
+ * [a, b] is the range of a value; one outside it, or not a number, makes segcal_create return SEGCAL_ERROR_CONFIG. Where 0 stands
+ * for a default, 0 is allowed beside the range. The square of a quaternion's length is in [0.98, 1.02]. */
 enum { SEGCAL_FOV = 0, SEGCAL_RADTAN = 1, SEGCAL_EQUIDISTANT = 2 };
 enum { SEGCAL_METRIC_A = 0, SEGCAL_METRIC_D = 1, SEGCAL_METRIC_E = 2, SEGCAL_METRIC_RANDOM = 3,
        SEGCAL_METRIC_SET_D = 4 };
@@ -79,10 +82,10 @@ enum { SEGCAL_SINGLE_SESSION = 0, SEGCAL_MULTI_SESSION = 1 };
 typedef struct {
   int32_t model;         /* SEGCAL_FOV, SEGCAL_RADTAN or SEGCAL_EQUIDISTANT */
   double q_CI[4];        /* rotates I into C, w x y z; {0,0,0,0}: identity */
-  double p_CI[3];        /* m */
-  double intrinsics[4];  /* fx fy cx cy, px; fx, fy > 0 */
-  double distortion[4];  /* fov: w (0..2.5 rad); radtan: k1 k2 p1 p2; equidistant: k1..k4 */
-  int32_t height;        /* rows of the image, for rolling_shutter; 0: twice cy */
+  double p_CI[3];        /* m, [-100, 100] */
+  double intrinsics[4];  /* fx fy cx cy, px; f [1, 1e5], c [-1e5, 1e5] */
+  double distortion[4];  /* fov: w, rad, [0, 2.5]; radtan: k1 k2 p1 p2; equidistant: k1..k4; [-100, 100] */
+  int32_t height;        /* rows of the image, for rolling_shutter, [0, 100000]; 0: twice cy */
 } segcal_camera_t;
 
 /* ---- effects: what the model may lack (DESIGN, section 3) ----
@@ -136,10 +139,10 @@ typedef struct {
 } segcal_effect_t;
 
 typedef struct {
-  double gyro_scale[3];         /* 0: 1 */
-  double gyro_misalignment[3];
-  double accel_scale[3];        /* 0: 1 */
-  double accel_misalignment[3];
+  double gyro_scale[3];         /* [0.5001, 1.9999]; 0: 1 */
+  double gyro_misalignment[3];  /* [-10, 10] */
+  double accel_scale[3];        /* [0.5001, 1.9999]; 0: 1 */
+  double accel_misalignment[3]; /* [-10, 10] */
   double q_AI[4];               /* rotates I into the accelerometer's axes; {0,0,0,0}: identity */
 } segcal_imu_calibration_t;
 
@@ -147,17 +150,17 @@ typedef struct {
   int32_t n_cameras;                          /* 1..SEGCAL_MAX_CAMERAS; 0: 1 */
   segcal_camera_t camera[SEGCAL_MAX_CAMERAS]; /* the starting calibration, also the mean of the prior */
   segcal_imu_calibration_t imu;
-  double imu_rate_hz;              /* 0: 200; a gap of more than 3 periods is a fault */
-  double gyro_noise_density;       /* rad/s/sqrt(Hz); 0: 1.7e-4 */
-  double gyro_random_walk;         /* rad/s^2/sqrt(Hz); 0: 2e-5 */
-  double accel_noise_density;      /* m/s^2/sqrt(Hz); 0: 2e-3 */
-  double accel_random_walk;        /* m/s^3/sqrt(Hz); 0: 3e-4 */
-  double gyro_range;               /* rad/s, full scale, for counting saturation; 0: 35 (2000 deg/s) */
-  double accel_range;              /* m/s^2, full scale; 0: 157 (16 g) */
-  double pixel_sigma;              /* px, corner noise per axis; 0: 0.5 */
-  double gravity;                  /* m/s^2; 0: 9.80665 */
-  double frame_interval_s;         /* frames closer than this are skipped by the filter; 0: 0.1 */
-  double segment_s;                /* length of a segment; 0: 4. A segment holds it with keyframes at equal distances */
+  double imu_rate_hz;              /* [20, 20000]; 0: 200; a gap of more than 3 periods is a fault */
+  double gyro_noise_density;       /* rad/s/sqrt(Hz), [1e-9, 1]; 0: 1.7e-4 */
+  double gyro_random_walk;         /* rad/s^2/sqrt(Hz), [1e-9, 1]; 0: 2e-5 */
+  double accel_noise_density;      /* m/s^2/sqrt(Hz), [1e-9, 10]; 0: 2e-3 */
+  double accel_random_walk;        /* m/s^3/sqrt(Hz), [1e-9, 10]; 0: 3e-4 */
+  double gyro_range;               /* rad/s, full scale: a sample beyond is left out, [0.01, 1e4]; 0: 35 (2000 deg/s) */
+  double accel_range;              /* m/s^2, not g, full scale, [0.1, 1e5]; 0: 157 (16 g) */
+  double pixel_sigma;              /* px, corner noise per axis, [1e-3, 100]; 0: 0.5 */
+  double gravity;                  /* m/s^2, [1e-3, 100]; 0: 9.80665 */
+  double frame_interval_s;         /* frames closer than this are skipped by the filter, [1e-3, 2]; 0: 0.1 */
+  double segment_s;                /* length of a segment, [0.1, 60]; 0: 4. A segment holds it with keyframes at equal distances */
   /* Segments of open length: quiet ones end from least_segment_s on, lively ones go on up to most_segment_s, with every
      second keyframe left out each time these are used up. A segment whose IMU samples do not fit any more ends early and
      is counted. 0 < least <= segment_s <= most <= 60; one 0: segment_s; both 0: all are of segment_s. */
@@ -165,31 +168,31 @@ typedef struct {
   int32_t keep_segments;           /* 1..SEGCAL_MAX_SEGMENTS; 0: 8, or the maximum if that is smaller */
   int32_t metric;                  /* SEGCAL_METRIC_*; A, D and E judge each segment alone, SET_D all kept ones together */
   int32_t strategy;                /* SEGCAL_SINGLE_SESSION or SEGCAL_MULTI_SESSION */
-  double least_gain_nats;          /* a segment that tells less is never kept; 0: half a nat per parameter */
-  double prior_sigma[SEGCAL_MAX_PARAMETERS]; /* 0: the table in DESIGN, section 3 */
-  double sigma_ref[SEGCAL_MAX_PARAMETERS];   /* normalises the metrics; 0: the prior's sigma */
+  double least_gain_nats;          /* a segment that tells less is never kept, [1e-9, 1e6]; 0: half a nat per parameter */
+  double prior_sigma[SEGCAL_MAX_PARAMETERS]; /* [1e-9, 1e6]; 0: the table in DESIGN, section 3 */
+  double sigma_ref[SEGCAL_MAX_PARAMETERS];   /* normalises the metrics, [1e-9, 1e6]; 0: the prior's sigma */
   double filter_share;             /* the filter estimates the calibration along its way; factor on the prior sigmas of these
-                                      estimates, up to 1; 0: 1. 1e-3 holds it at what is given */
+                                      estimates, [1e-6, 1]; 0: 1. 1e-3 holds it at what is given */
   uint64_t seed;                   /* of the random metric */
   /* When the device begins a calibration of its own. All 0: when keep_segments are kept. Else as soon as the kept segments
      together predict all of these sigmas (before scaling by what the fit shows); once the database is full, parameters
      that it hardly shows (sigma above 0.5 of the prior's) are not waited for. Checked at each segment that is kept, once
      per session. It is done in the background and takes effect calibration_window ends of segments later, or at
      segcal_flush, segcal_new_session or segcal_calibrate; segments that end until then are counted as missed. */
-  double trigger_sigma[SEGCAL_MAX_PARAMETERS]; /* of theta's entries, units as prior_sigma; 0: trigger_fraction's */
-  double trigger_fraction;         /* of each prior sigma, 0..1; 0: no target but those above; -1: never of its own */
+  double trigger_sigma[SEGCAL_MAX_PARAMETERS]; /* of theta's entries, units as prior_sigma, [0, 1e6]; 0: trigger_fraction's */
+  double trigger_fraction;         /* of each prior sigma, [0, 1), 0: no target but those above; -1: never of its own */
   int32_t joint_filter;            /* 1: no segments; the filter's own calibration is the result, for comparison. 0: off.
                                       The filter estimates all of theta in either case, from priors of its own; what it
                                       finds stays with it, and segcal_calibrate's result replaces it */
   /* Kept segments that newer ones contradict are dropped at calibration (a device that fell has another calibration).
-     Probability that a calibration drops any although the device is the same, up to 0.1; 0: 0.001; -1: never drop any. */
+     Probability that a calibration drops any although the device is the same, [1e-9, 0.1]; 0: 0.001; -1: never drop any. */
   double outdated_level;
   /* Effects that are estimated (SEGCAL_EFFECT_*), then further terms: together at most SEGCAL_MAX_EFFECT_ESTIMATES terms.
      They stand behind theta's other entries, effects by bit, and have entries of prior_sigma, sigma_ref, trigger_sigma. */
   uint32_t estimate_effects;
   int32_t n_terms;
   segcal_term_t term[SEGCAL_MAX_EFFECT_ESTIMATES + 1];
-  double term_value[SEGCAL_MAX_EFFECT_ESTIMATES + 1];  /* start, and mean of the prior, of each estimated term */
+  double term_value[SEGCAL_MAX_EFFECT_ESTIMATES + 1];  /* start, and mean of the prior, of each estimated term, [-1e6, 1e6] */
   /* Effects that each scored segment is asked about, see segcal_get_effect_scores. Those that find no column any more
      (SEGCAL_MAX_EFFECT_COLUMNS) are refused. With any effect estimated or watched, segments whose states break their IMU
      links are kept up to ten times further: it may be the effect that breaks them. */
@@ -213,22 +216,22 @@ typedef struct {
   int64_t t_ns;      /* IMU clock */
   float gyro[3];     /* rad/s, gyroscope's axes */
   float accel[3];    /* m/s^2, accelerometer's axes; at rest and level z reads +9.8 */
-  float temperature; /* degC, with segcal_config_t.has_temperature; NaN: as the sample before */
+  float temperature; /* degC, with segcal_config_t.has_temperature; NaN, or outside [-200, 200]: as the sample before */
 } segcal_imu_t;
 
 typedef struct {
   uint32_t track_id; /* the same corner has the same number in all frames and cameras, different ones never */
   int32_t camera;    /* 0..n_cameras - 1 */
-  float u, v;        /* px, raw (distorted) image coordinates */
+  float u, v;        /* px, raw (distorted) image coordinates; outside [-1e6, 1e6], or not a number: the point is left out and counted */
 } segcal_point_t;
 
 typedef struct {
   int64_t t_ns;
   double q_GI[4];    /* rotates I into G, w x y z */
-  double p_GI[3];    /* m */
-  double v_GI[3];    /* m/s */
-  double b_a[3];     /* m/s^2 */
-  double b_g[3];     /* rad/s */
+  double p_GI[3];    /* m, [-1e9, 1e9] */
+  double v_GI[3];    /* m/s, [-1e4, 1e4] */
+  double b_a[3];     /* m/s^2, [-1e3, 1e3] */
+  double b_g[3];     /* rad/s, [-100, 100] */
 } segcal_state_t;
 
 /* ---- results ---- */
@@ -429,7 +432,7 @@ int segcal_push_imu(segcal_t *device, const segcal_imu_t *sample);
    faster than SEGCAL_MAX_IMU_SAMPLES allows, that is two averages later. Images for which they have not come at a segcal_flush stay out. */
 int segcal_push_tracks(segcal_t *device, int64_t t_ns, const segcal_point_t *points, int32_t n);
 /* Instead of segcal_push_tracks, for users with their own odometry: a keyframe's state and its points. The filter is not
-   used. It waits for IMU samples as an image does; before the first of all samples it is skipped (SEGCAL_SKIPPED). */
+   used. A segment needs four that see the same points, so they should come every segment_s / 4 or sooner. It waits for IMU samples as an image does; before the first of all samples it is skipped (SEGCAL_SKIPPED). */
 int segcal_push_keyframe(segcal_t *device, const segcal_state_t *state, const segcal_point_t *points, int32_t n);
 /* Does pending work, the filter's start in motion, the score of a segment that has ended or a calibration: at most `slices`
    pieces, each bounded (see the budgets in docs). Returns 1 while work is pending, else 0, or an error.
@@ -471,7 +474,7 @@ int segcal_get_camera(const segcal_t *device, int32_t camera, segcal_camera_t *o
 int segcal_get_imu_calibration(const segcal_t *device, segcal_imu_calibration_t *out);
 int segcal_get_result(const segcal_t *device, segcal_result_t *result);
 /* What the filter itself knows about the calibration at this moment: values, sigmas and verdicts by the same rule. Nothing
-   about a fit. Before the filter's start: the prior. */
+   about a fit. Before the filter's start: the prior. Where a start in motion is under way, that is done first: not in bounded time. */
 int segcal_get_filter_calibration(segcal_t *device, segcal_result_t *result);
 /* The last result as a Gaussian over its parameters, for fusing several: `mean`, n numbers, where the fit has its optimum while
    nothing is held (segcal_parameter_t.value of what is FIXED stays at `initial`, and the others follow), and `covariance`,
@@ -497,7 +500,7 @@ int segcal_get_counters(const segcal_t *device, segcal_counters_t *counters);
    (segcal/health.h has a sentence for each), or an
    error code. Work of a few dozen instructions: may be asked after every image. */
 int segcal_get_health(const segcal_t *device);
-/* Residuals of kept slot `index` after calibration; fill up to `capacity`, return their number. */
+/* Residuals of kept slot `index` after calibration; fill up to `capacity`, return their number. Before the first one they tell nothing. */
 int segcal_get_point_residuals(const segcal_t *device, int32_t index, segcal_point_residual_t *out, int32_t capacity);
 int segcal_get_imu_residuals(const segcal_t *device, int32_t index, segcal_imu_residual_t *out, int32_t capacity);
 /* Keyframe states of slot `index`. */
@@ -541,7 +544,8 @@ int segcal_get_effect_scores(segcal_t *device, segcal_effect_score_t *out, int32
  * row-major, n = n_theta + n_terms + 1 columns, d last and rho in the corner; capacity in numbers, n (n + 1) / 2 are
  * written. Theta's entries are those of segcal_result_t, rotations as small rotations from the left. n_candidates and
  * theta's terms together at most SEGCAL_MAX_EFFECT_COLUMNS. dof: residuals minus states and landmarks, theta and terms not
- * counted. Call it after the segments were calibrated or scored; it changes nothing but the workspaces. */
+ * counted. Call it after the segments were calibrated: it changes nothing but the workspaces, which residuals and links of a
+ * calibration before the first one are read from. Takes as long as one step of a calibration. */
 int segcal_linearise(segcal_t *device, const uint8_t *use_slot, const segcal_term_t *candidate, int32_t n_candidates,
                      double *triangle, int32_t capacity, int32_t *n_theta, int32_t *n_terms, int32_t *dof);
 /* Bytes of one database slot and of the workspaces. */
