@@ -432,7 +432,8 @@ int segcal_push_imu(segcal_t *device, const segcal_imu_t *sample);
    faster than SEGCAL_MAX_IMU_SAMPLES allows, that is two averages later. Images for which they have not come at a segcal_flush stay out. */
 int segcal_push_tracks(segcal_t *device, int64_t t_ns, const segcal_point_t *points, int32_t n);
 /* Instead of segcal_push_tracks, for users with their own odometry: a keyframe's state and its points. The filter is not
-   used. A segment needs four that see the same points, so they should come every segment_s / 4 or sooner. It waits for IMU samples as an image does; before the first of all samples it is skipped (SEGCAL_SKIPPED). */
+   used. A segment needs four that see the same points, so they should come every segment_s / 4 or sooner. It waits for IMU samples
+   as an image does; before the first of all samples it is skipped (SEGCAL_SKIPPED). */
 int segcal_push_keyframe(segcal_t *device, const segcal_state_t *state, const segcal_point_t *points, int32_t n);
 /* Does pending work, the filter's start in motion, the score of a segment that has ended or a calibration: at most `slices`
    pieces, each bounded (see the budgets in docs). Returns 1 while work is pending, else 0, or an error.
