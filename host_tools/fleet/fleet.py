@@ -105,6 +105,8 @@ def check_options(options, program):
     for name, value in zip(options, options[1:]):
         if name in FILES and not pathlib.Path(value).is_file():
             raise logs.InputError(f"{name} {value}: no such file")
+        if name in FILES:
+            output_run.check_file(value)
 
 
 def store_of(tables):
