@@ -63,6 +63,7 @@ struct ImageEntry {
 struct CameraData {
   std::vector<ImageEntry> images;  ///< from camN/data.csv; empty where the folder has only tracks
   std::vector<Frame> frames;       ///< from camN/tracks.csv; empty where that file is absent
+  std::vector<Frame> strays;       ///< frames whose stamps lie apart, set aside by the reader (stamps/stray_frames.h)
 };
 
 /// One pose of the ground truth (evaluation only, never fed to an estimator).

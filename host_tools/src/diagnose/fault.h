@@ -10,7 +10,7 @@
 
 namespace host {
 
-/// One finding. `kind` is one of: saturation, spikes, dropped_samples, stamp_jitter, stamps_back, not_finite, frozen, unit, axes,
+/// One finding. `kind` is one of: saturation, spikes, dropped_samples, stamp_jitter, stamps_back, stray_stamps, not_finite, frozen, unit, axes,
 /// gravity_norm, rate, no_overlap, clock_offset, clock_drift, image_size, outlier_tracks, mixed_tracks, lost_tracks.
 struct Fault {
   std::string kind;
@@ -23,8 +23,9 @@ struct Fault {
   std::string unit;            ///< of value and limit
   std::string words;           ///< what it is, and what to do: one sentence each
 
-  /// Worth knowing, and hardly why odometry went wrong: tracks that end and begin anew are only fewer, a few spikes the end of a segment each.
-  bool is_remark() const { return kind == "lost_tracks" || (kind == "spikes" && value < limit); }
+  /// Worth knowing, and hardly why odometry went wrong: tracks that end and begin anew are only fewer, a few spikes the end of a segment each, and
+  /// images with stamps of their own were left out.
+  bool is_remark() const { return kind == "lost_tracks" || kind == "stray_stamps" || (kind == "spikes" && value < limit); }
   /// Whether fits to such data say little. A few spikes end as many segments, and corners that move unlike the rest may be good ones of
   /// another lens, which fits are to tell.
   bool spoils_fits() const { return !is_remark() && kind != "outlier_tracks"; }
