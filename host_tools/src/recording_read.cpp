@@ -10,6 +10,7 @@
 #include "files/manifest.h"
 #include "imu_data_file.h"
 #include "imu_noise_file.h"
+#include "imu_temperature.h"
 #include "recording.h"
 #include "stamps/imu_streams.h"
 #include "stamps/smooth_stamps.h"
@@ -169,6 +170,7 @@ Recording read_recording(const fs::path& root, int n_cameras, bool smooth, std::
   for (int i = 0; i < n_cameras; ++i)
     recording.cameras.push_back(read_camera(root / "mav0" / ("cam" + std::to_string(i))));
   set_strays_aside(&recording);
+  check_temperature(&recording.imu, true);
   if (smooth) smooth_frames(&recording.cameras, &recording.notes);
   recording.truth = read_truth(root / "mav0");
   check_overlap(recording);

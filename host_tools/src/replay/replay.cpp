@@ -8,6 +8,7 @@
 
 #include "replay/config_file.h"
 #include "replay/counters.h"
+#include "replay/temperature_use.h"
 
 namespace host {
 namespace {
@@ -235,6 +236,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   }
   out.clocks = options.clocks;
   if (options.review) review::review(sessions, core_options, *core, &out);
+  refuse_temperature(sessions, &out);
   if (options.keep_core) *options.keep_core = std::move(core);
   return out;
 }
