@@ -8,6 +8,7 @@ import platform
 import re
 from pathlib import Path
 
+import fsspec
 from input_error import InputError
 
 NAME, KIND, FORMAT = "manifest.json", "segcal output", 1
@@ -76,6 +77,33 @@ def read(fs, root):
     if not all(isinstance(n, str) and n and not n.startswith("/") and ".." not in n.split("/") for n in names) or not all(map(str.strip, commands)):
         raise InputError(f"{where}: expected names inside the folder")
     return runs, writing
+
+
+DEEPEST = 3  # mav0/cam0/sensor.yaml: no name that segcal lists has more parts
+
+
+def check_file(file):
+    """InputError for a file on this machine that a manifest in its folder, or in one of those above, does not know as whole: files that pass, of
+    one folder, belong together. As check_file of host_tools/src/files/manifest.h."""
+    here = Path(os.path.abspath(file))
+    for path in dict.fromkeys([here, here.resolve()]):  # a link into a folder of ours, or out of one
+        for folder in list(path.parents)[:DEEPEST]:
+            check_as_listed(folder, path.relative_to(folder).as_posix())
+
+
+def check_as_listed(folder, name):
+    fs = fsspec.filesystem("file")
+    try:
+        runs, writing = read(fs, str(folder))
+    except InputError:
+        return  # of another program
+    entries = [(run["command"], f) for run in runs for f in run["files"] if f["name"] == name]
+    if name in writing.get("files", []) or any(command == writing.get("command") for command, _ in entries):
+        raise InputError(f"{folder}: expected all files of one run, but `segcal {writing['command']}` was stopped while it wrote them ({NAME}); run it again")
+    for command, entry in entries:
+        if entry_of(fs, str(folder), name) != entry:
+            raise InputError(f"{folder / name}: expected the file that `segcal {command}` wrote with the others of this folder, found another one; run it "
+                             f"again, or remove {folder / NAME} if you changed the file yourself")
 
 
 def expect_folder(fs, root, command):

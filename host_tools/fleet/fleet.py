@@ -40,6 +40,11 @@ class Parser(argparse.ArgumentParser):
     def error(self, message):
         raise logs.InputError(f"{message} (see segcal fleet --help)")
 
+    def print_help(self, file=None):
+        """argparse's own takes a full disk for a success."""
+        (file or sys.stdout).write(self.format_help())
+        sys.stdout.flush()
+
 
 def shard(text):
     try:
@@ -105,6 +110,8 @@ def check_options(options, program):
     for name, value in zip(options, options[1:]):
         if name in FILES and not pathlib.Path(value).is_file():
             raise logs.InputError(f"{name} {value}: no such file")
+        if name in FILES:
+            output_run.check_file(value)
 
 
 def store_of(tables):
@@ -212,9 +219,6 @@ def main():
         return 2
     except KeyboardInterrupt:
         print("segcal: interrupted; the same command goes on where it was stopped", file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"segcal: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
         return 2
 
 

@@ -11,7 +11,7 @@ FAULTS = {
     "imu_stamps_back": "IMU stamps that repeat or go back",
     "imu_stamps_far": "IMU stamps more than a second from their neighbours",
     "frame_stamps_back": "Image stamps that repeat or go back",
-    "frame_stamps_far": "Images more than two seconds from the newest IMU sample, so of another clock",
+    "frame_stamps_far": "Images more than two seconds from the newest IMU sample, so of another clock, or with a stamp ahead of those that follow",
     "frames_dropped": "Images missing, by the gaps between the others",
     "frames_few_tracks": "Images with fewer than eight corner tracks",
     "points_not_finite": "Corner points that are no numbers",

@@ -36,9 +36,18 @@ struct ImuNoise {
   double accel_random_walk = 3e-4;      ///< m/s^3/sqrt(Hz)
 };
 
+/// Temperature readings that jump away and back (imu_temperature.h).
+struct TemperatureJumps {
+  std::size_t count = 0, of = 0;   ///< readings; none: all is well
+  std::int64_t first_ns = 0, last_ns = 0;
+  double share = 0, farthest_K = 0;
+  bool bridged = false;            ///< the one before was held in their place; else temperature is not to be used
+};
+
 struct ImuData {
   ImuNoise noise;
   bool has_temperature = false;
+  TemperatureJumps temperature_jumps;
   std::vector<ImuSample> samples;  ///< in file order; data faults (repeats, NaN, gaps) are left in, the core counts them
 };
 
@@ -63,6 +72,7 @@ struct ImageEntry {
 struct CameraData {
   std::vector<ImageEntry> images;  ///< from camN/data.csv; empty where the folder has only tracks
   std::vector<Frame> frames;       ///< from camN/tracks.csv; empty where that file is absent
+  std::vector<Frame> strays;       ///< frames whose stamps lie apart, set aside by the reader (stamps/stray_frames.h)
 };
 
 /// One pose of the ground truth (evaluation only, never fed to an estimator).

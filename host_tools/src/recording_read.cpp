@@ -10,9 +10,11 @@
 #include "files/manifest.h"
 #include "imu_data_file.h"
 #include "imu_noise_file.h"
+#include "imu_temperature.h"
 #include "recording.h"
 #include "stamps/imu_streams.h"
 #include "stamps/smooth_stamps.h"
+#include "stamps/stray_frames.h"
 
 namespace host {
 namespace {
@@ -167,6 +169,8 @@ Recording read_recording(const fs::path& root, int n_cameras, bool smooth, std::
   recording.imu = read_imu(root, smooth, &recording.notes);
   for (int i = 0; i < n_cameras; ++i)
     recording.cameras.push_back(read_camera(root / "mav0" / ("cam" + std::to_string(i))));
+  set_strays_aside(&recording);
+  check_temperature(&recording.imu, true);
   if (smooth) smooth_frames(&recording.cameras, &recording.notes);
   recording.truth = read_truth(root / "mav0");
   check_overlap(recording);

@@ -5,12 +5,14 @@
 #include <cmath>
 
 #include "csv.h"
+#include "files/manifest.h"
 #include "recording.h"
 
 namespace host {
 
 YamlFile::YamlFile(const std::filesystem::path& file) : file_(file) {
   const std::string content = read_file(file);
+  check_file(file);
   try {
     root_ = YAML::Load(content);
   } catch (const YAML::ParserException& error) {

@@ -12,7 +12,8 @@
 
 namespace host {
 
-/// One parsed YAML file. All members throw InputError "FILE:LINE: expected ..." on a fault.
+/// One parsed YAML file, which its folder's manifest, if there is one, must know as whole (files/manifest.h): all that segcal reads from a folder
+/// by a file's name, calibrations, models, noise, is YAML. All members throw InputError "FILE:LINE: expected ..." on a fault.
 class YamlFile {
  public:
   explicit YamlFile(const std::filesystem::path& file);

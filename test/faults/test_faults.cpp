@@ -193,6 +193,33 @@ void little_data_is_no_trouble() {
   check_none(test::Id().add("cameras", 0), recording, session.nominal);
 }
 
+struct Unit {
+  const char* scenario;
+  host::disturb::Sensor sensor;
+  double factor;                 ///< readings over those in rad/s or m/s^2
+  const char* words;             ///< what the first sentence says
+};
+
+/// Whatever the log is in, the sentence says what to multiply by.
+void units_are_named() {
+  constexpr double g = 9.80665, degrees = 57.29578;
+  constexpr auto accel = host::disturb::Sensor::accel, gyro = host::disturb::Sensor::gyro;
+  const Unit units[] = {
+      {"rich", accel, 1 / g, "which is g."}, {"still", accel, 1000 / g, "which is mg "}, {"rich", accel, 1000 / g, "which is mg "},
+      {"rich", accel, 2048 / g, "raw counts"}, {"still", accel, 16384 / g, "raw counts"}, {"rich", gyro, degrees, "deg/s. Multiply by pi / 180:"},
+      {"rich", gyro, 1000 * degrees, "mdeg/s"}, {"rich", gyro, 16.4 * degrees, "raw counts"}, {"still", gyro, 131 * degrees, "raw counts"},
+  };
+  for (const Unit& unit : units) {
+    const auto id = test::Id().add("scenario", unit.scenario).add("words", unit.words).add("factor", unit.factor);
+    if (!test::selected(id.text())) continue;
+    auto session = simulated(unit.scenario, 41);
+    host::disturb::scale(session.recording, unit.sensor, Eigen::Vector3d::Constant(unit.factor));
+    const std::vector<host::Fault> faults = host::find_faults(session.recording, session.nominal);
+    test::check_true(id, "no fault", !faults.empty());
+    test::check_true(id, (faults.front().kind + ": " + faults.front().words).c_str(), faults.front().kind == "unit" && faults.front().words.find(unit.words) != std::string::npos);
+  }
+}
+
 }  // namespace
 
 void setUp() {}
@@ -204,6 +231,7 @@ int main(int argc, char** argv) {
   RUN_TEST(sound_recordings_have_no_fault);
   RUN_TEST(effects_are_no_faults);
   RUN_TEST(each_fault_is_found_alone);
+  RUN_TEST(units_are_named);
   RUN_TEST(counts_and_places_are_right);
   RUN_TEST(spikes_are_found);
   RUN_TEST(other_faults_of_the_log_are_found);

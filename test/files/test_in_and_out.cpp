@@ -64,7 +64,7 @@ void test_a_fault_of_the_study_can_be_simulated() {
 void test_a_full_disk_or_closed_pipe_is_an_error() {
   for (const char* command : {"segcal --help", "segcal --version", "segcal replay rec --out out --json", "segcal replay rec --out out",
                               "segcal compare out out", "segcal compare out out --json", "segcal experiments --list",
-                              "segcal export out --to kalibr --out kalibr", "segcal import rec --list"}) {
+                              "segcal export out --to kalibr --out kalibr", "segcal import rec --list", "segcal fleet --help"}) {
     check_refused(std::string(command) + " > /dev/full", "cannot be written");
   }
   check_refused("segcal replay rec --out out --json | true", "standard output: cannot be written");

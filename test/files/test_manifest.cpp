@@ -9,6 +9,7 @@
 
 #include "../replay/program.h"
 #include "../replay/temporary_folder.h"
+#include "calibration_file.h"
 #include "commands.h"
 #include "diagnose/diagnose.h"
 #include "experiments/experiment.h"
@@ -219,6 +220,41 @@ void test_programs_refuse_mixed_folders() {
   TEST_ASSERT_EQUAL_INT(0, program("report " + mixed).code);
 }
 
+/// A calibration is read by its file's name: of a stopped run, or of two runs, it is refused wherever it is named. A copy without the manifest is
+/// the user's own.
+void test_calibration_by_its_file() {
+  const fs::path rec = scratch / "started", a = scratch / "half", b = scratch / "whole", copy = scratch / "copy";
+  TEST_ASSERT_EQUAL_INT(0, program("simulate --out " + rec.string() + " --images --scenario nav --seconds 1 --rate-camera 4 --seed 1").code);
+  TEST_ASSERT_EQUAL_INT(0, program("track " + rec.string()).code);
+  const auto read_by = [&](const fs::path& folder) {
+    const std::string out = " --out " + (scratch / "out3").string(), calib = " --calib " + (folder / "camchain-imucam.yaml").string();
+    return std::vector<std::string>{"replay " + rec.string() + calib + out, "diagnose " + rec.string() + calib + out, "track " + rec.string() + calib,
+                                    "convert " + rec.string() + calib + out + ".segcal", "reference " + rec.string() + calib + out,
+                                    "fleet " + rec.string() + out + " -- " + calib.substr(1),
+                                    "import " + rec.string() + out + calib, "import " + rec.string() + out + " --imu-noise " + (folder / "imu.yaml").string(),
+                                    "replay " + rec.string() + out + " --config " + (folder / "config.yaml").string(),
+                                    "replay " + rec.string() + out + " --model " + (folder / "model.yaml").string()};
+  };
+  write_result_files(b, session(2).result, {}, {});
+  const auto write_over = [&] { write_result_files(a, session(2).result, {}, {}); };
+  const std::string of_second = test::text_of(b / "camchain-imucam.yaml");
+  int n = 0;
+  do {   // until the camera chain is the second run's and the IMU the first's
+    fs::remove_all(a);
+    write_result_files(a, session(1).result, {}, {});
+    TEST_ASSERT_TRUE(test::killed_at(++n, write_over));
+  } while (test::text_of(a / "camchain-imucam.yaml") != of_second);
+  TEST_ASSERT_TRUE(test::text_of(a / "imu.yaml") != test::text_of(b / "imu.yaml"));
+  for (const std::string& command : read_by(a)) check_refused(command, "was stopped while it wrote");
+  fs::copy(a, copy);
+  fs::remove(copy / manifest_name);
+  TEST_ASSERT_EQUAL_size_t(1, read_calibration(copy / "camchain-imucam.yaml").cameras.size());
+  complete(write_over);
+  TEST_ASSERT_EQUAL_size_t(1, read_calibration(a / "camchain-imucam.yaml").cameras.size());
+  for (const char* name : {"camchain-imucam.yaml", "imu.yaml", "config.yaml", "model.yaml"}) test::write_text(a / name, test::text_of(a / name) + "# another\n");
+  for (const std::string& command : read_by(a)) check_refused(command, ".yaml: expected the file that `segcal replay` wrote");
+}
+
 void test_recordings() {
   const fs::path rec = scratch / "rec", other = scratch / "other";
   TEST_ASSERT_EQUAL_INT(0, program("simulate --out " + rec.string() + " --seconds 4 --seed 1").code);
@@ -271,6 +307,7 @@ int main() {
   RUN_TEST(test_track_killed_anywhere);
   RUN_TEST(test_experiments_killed_anywhere);
   RUN_TEST(test_programs_refuse_mixed_folders);
+  RUN_TEST(test_calibration_by_its_file);
   RUN_TEST(test_recordings);
   RUN_TEST(test_strange_manifests);
   return UNITY_END();

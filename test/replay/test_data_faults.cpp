@@ -1,6 +1,7 @@
 // Faults in the data of a log: counted in result.json, survived, and never worse than the motion they cost.
 #include <unity.h>
 
+#include <cstdio>
 #include <functional>
 #include <limits>
 #include <map>
@@ -91,6 +92,34 @@ void test_faults_are_counted_and_survived() {
   }
 }
 
+struct Stray {
+  const char* name;
+  std::vector<std::size_t> images;
+  double seconds;                  ///< that their stamps are ahead
+};
+
+/// An image whose stamp lies apart costs itself, and one that may wait for it: not all that come before its stamp.
+void test_stray_images_cost_themselves() {
+  const nlohmann::json good = replayed(Id().add("case", "good"), session.recording);
+  const Stray all[] = {{"first_ahead", {0}, 3600}, {"middle_ahead", {150}, 3600}, {"within_the_log", {150}, 10}, {"near", {150}, 1.5}, {"last_but_one", {299}, 3600},
+                       {"handful_in_a_row", {140, 141, 142, 143, 144}, 3600}, {"handful", {0, 60, 61, 130, 290}, 7}, {"first_behind", {0}, -3600}, {"middle_behind", {150}, -3600}};
+  for (const Stray& stray : all) {
+    const Id id = Id().add("stray", stray.name);
+    if (!test::selected(id.text())) continue;
+    Recording recording = session.recording;
+    for (const std::size_t i : stray.images) frames(&recording)[i].t_ns += static_cast<std::int64_t>(stray.seconds * 1e9);
+    const nlohmann::json result = replayed(id, recording);
+    test::check_true(id, "not calibrated", result["status"] == "calibrated");
+    test::check_between(id, "images used", double(good["faults"]["frames_used"]) - 2 * double(stray.images.size()), result["faults"]["frames_used"], 1e9);
+    test::check_between(id, "images in all", good["faults"]["frames"], result["faults"]["frames"], good["faults"]["frames"]);
+    test::check_between(id, "counted", stray.images.size(), result["faults"]["frame_stamps_far"], stray.images.size());
+    if (stray.seconds < 0) continue;
+    char time[40];
+    std::snprintf(time, sizeof time, "the first at %.3f s", static_cast<double>(frames(&recording)[stray.images.front()].t_ns) * 1e-9);
+    test::check_true(id, "no sentence with its time", result["health"]["suspects"].dump().find(time) != std::string::npos);
+  }
+}
+
 /// The faults together must not make the result wrong: within 5 of its own sigmas, as without them.
 void test_faults_do_not_bend_the_result() {
   const Id id = Id().add("case", "all");
@@ -118,6 +147,7 @@ int main(int argc, char** argv) {
   session = host::simulate(options);
   UNITY_BEGIN();
   RUN_TEST(test_faults_are_counted_and_survived);
+  RUN_TEST(test_stray_images_cost_themselves);
   RUN_TEST(test_faults_do_not_bend_the_result);
   return UNITY_END();
 }

@@ -26,7 +26,7 @@ using namespace diagnosis;
 class Diagnoser {
  public:
   Diagnoser(const std::vector<Recording>& sessions, const DiagnoseOptions& options)
-      : sessions_(sessions), options_(options), has_temperature_(sessions.front().imu.has_temperature),
+      : sessions_(sessions), options_(options), has_temperature_(std::all_of(sessions.begin(), sessions.end(), [](const Recording& r) { return r.imu.has_temperature; })),
         model_(options.core, has_temperature_),
         evidence_(sessions, with_temperature(options.core, has_temperature_), options.profile,
                   [this](double fraction) { report(fraction); }) {}

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "diagnose/diagnose.h"
 #include "files/output_run.h"
+#include "imu_temperature.h"
 #include "replay/model_file.h"
 #include "replay/sessions.h"
 
@@ -75,12 +76,25 @@ void print_next(const Arguments& a, const Diagnosis& d) {
   std::printf("      segcal report %s   draws where the model and the measurements disagreed\n", a.out.c_str());
 }
 
+/// A model that follows temperatures which nobody can read says nothing.
+void expect_temperature(const EffectChoice& model, const std::vector<Recording>& sessions) {
+  for (const Recording& session : sessions) {
+    const TemperatureJumps& jumps = session.imu.temperature_jumps;
+    if (model.follows_temperature() && jumps.count > 0 && !jumps.bridged)
+      throw InputError(session.root.string() + ": expected temperatures for the effects of --model; " + temperature_words(session.imu));
+  }
+}
+
 int run(Arguments a) {
   expect_output_folder(a.out, "diagnose");
   const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras, a.smooth_stamps);
   a.diagnose.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
   a.diagnose.core.noise = sessions.front().imu.noise;
-  if (!a.model.empty()) read_model(a.model).apply(&a.diagnose.core);
+  if (!a.model.empty()) {
+    const EffectChoice model = read_model(a.model);
+    expect_temperature(model, sessions);
+    model.apply(&a.diagnose.core);
+  }
   a.diagnose.progress = show_progress;
   const Diagnosis d = diagnose(sessions, a.diagnose);
   write_diagnosis(a.out, d, sessions);

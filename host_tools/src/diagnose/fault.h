@@ -10,7 +10,7 @@
 
 namespace host {
 
-/// One finding. `kind` is one of: saturation, spikes, dropped_samples, stamp_jitter, stamps_back, not_finite, frozen, unit, axes,
+/// One finding. `kind` is one of: saturation, spikes, dropped_samples, stamp_jitter, stamps_back, stray_stamps, temperature_spikes, not_finite, frozen, unit, axes,
 /// gravity_norm, rate, no_overlap, clock_offset, clock_drift, image_size, outlier_tracks, mixed_tracks, lost_tracks.
 struct Fault {
   std::string kind;
@@ -23,8 +23,9 @@ struct Fault {
   std::string unit;            ///< of value and limit
   std::string words;           ///< what it is, and what to do: one sentence each
 
-  /// Worth knowing, and hardly why odometry went wrong: tracks that end and begin anew are only fewer, a few spikes the end of a segment each.
-  bool is_remark() const { return kind == "lost_tracks" || (kind == "spikes" && value < limit); }
+  /// Worth knowing, and hardly why odometry went wrong: tracks that end and begin anew are only fewer, a few spikes the end of a segment each, and
+  /// images with stamps of their own were left out, temperatures that jump are not used.
+  bool is_remark() const { return kind == "lost_tracks" || kind == "stray_stamps" || kind == "temperature_spikes" || (kind == "spikes" && value < limit); }
   /// Whether fits to such data say little. A few spikes end as many segments, and corners that move unlike the rest may be good ones of
   /// another lens, which fits are to tell.
   bool spoils_fits() const { return !is_remark() && kind != "outlier_tracks"; }
@@ -39,6 +40,7 @@ std::vector<Fault> find_faults(const Recording& recording, const Calibration& st
 // The groups of checks, one file each.
 std::vector<Fault> stamp_faults(const Recording& recording);                            ///< order, gaps, jitter, rate, overlap
 std::vector<Fault> value_faults(const Recording& recording);                            ///< spikes, saturation, repeats, not a number
+std::vector<Fault> temperature_faults(const Recording& recording);                      ///< readings that jump away and back
 std::vector<Fault> magnitude_faults(const Recording& recording);                        ///< gravity norm, g, deg/s
 std::vector<Fault> image_faults(const Recording& recording, const Calibration& start);     ///< corners that the image cannot have
 std::vector<Fault> track_faults(const Recording& recording, const Calibration& start);     ///< corners that do not belong to one scene

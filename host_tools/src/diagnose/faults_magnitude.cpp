@@ -16,6 +16,8 @@ constexpr double gravity = 9.80665;  // m/s^2
 constexpr double most_off_at_rest = 0.06;
 constexpr double most_off_moving = 0.2;   // acceleration adds to the norm: 6 m/s^2 rms makes it 17 %
 constexpr double most_off_unit = 0.25;    // a norm of 1 within this is g
+constexpr double least_counts = 157;      // m/s^2, 16 g: no device is moved so for half of a recording
+constexpr double stated_too_small = 3;    // noise that is stated so much too small is no unit
 
 /// Mean of the norm of half-second means: shaking cancels within the mean, attitude does not change much.
 struct Norms {
@@ -53,6 +55,13 @@ void check_gravity(const Recording& recording, std::vector<Fault>& out) {
   if (std::abs(norm - 1) < most_off_unit) {
     fault.kind = "unit";
     fault.words = formatted("accelerometer: readings have the size %.3f, which is g. Multiply by 9.80665: the log is in m/s^2.", norm);
+  } else if (std::abs(norm / 1000 - 1) < most_off_unit) {
+    fault.kind = "unit";
+    fault.words = formatted("accelerometer: readings have the size %.0f, which is mg (or raw counts of 1024 per g). Multiply by 0.00980665: the log is in m/s^2.", norm);
+  } else if (norm > least_counts) {
+    fault.kind = "unit";
+    fault.words = formatted("accelerometer: readings have the size %.0f, which is raw counts. Multiply by what the data sheet says for the range that is set, here "
+                            "about 9.80665 / %.0f: the log is in m/s^2.", norm, norm);
   } else {
     fault.words = formatted("accelerometer: the specific force is %.2f m/s^2 ", norm) + (resting ? "at rest" : "in the middle") +
                   formatted(", expected %.2f. Check the range setting and the scale factor of the driver.", gravity);
@@ -64,11 +73,11 @@ void check_gravity(const Recording& recording, std::vector<Fault>& out) {
 /// the same more surely where the device turns (rotation_faults), so this is for rest.
 void check_gyro_unit(const Recording& recording, std::vector<Fault>& out) {
   const RawNoise noise = raw_imu_noise(recording);
-  if (!noise.gyro.steady || noise.gyro.factor < deg_per_rad / 3 || noise.accel.factor > 3) return;
-  out.push_back({"unit", "gyro", recording.imu.samples.front().t_ns, recording.imu.samples.back().t_ns, recording.imu.samples.size(),
-                 noise.gyro.factor, deg_per_rad / 3, "-",
-                 formatted("gyroscope: its noise is %.0f times the stated one, as of readings in deg/s. Multiply by pi / 180: the log is in rad/s.",
-                      noise.gyro.factor)});
+  const double factor = noise.gyro.factor, least = deg_per_rad / stated_too_small;
+  if (!noise.gyro.steady || factor < least || noise.accel.factor > 3) return;
+  const char* const unit = factor < deg_per_rad * stated_too_small ? "deg/s. Multiply by pi / 180" : "mdeg/s or raw counts. Multiply by what the driver or the data sheet says";
+  out.push_back({"unit", "gyro", recording.imu.samples.front().t_ns, recording.imu.samples.back().t_ns, recording.imu.samples.size(), factor, least, "-",
+                 formatted("gyroscope: its noise is %.0f times the stated one, as of readings in %s: the log is in rad/s.", factor, unit)});
 }
 
 }  // namespace

@@ -24,6 +24,7 @@ constexpr double better_by = 0.35;           // what is not explained, over that
 // Share of gravity that is lost as it is. Right axes lose less than 0.0015 in all scenarios, in euroc_mh01 and along five real
 // recordings of drones and hands; wrong ones 0.008 to 0.06 in calm use (arvr, nav), 0.4 where the device is shaken.
 constexpr double gravity_lost = 0.006;
+constexpr double least_unit = 28;            // times the image's rates, half of what deg/s make: no range or scale error is so large
 constexpr double gravity_found = 0.05;       // how far from g the mean may be with the axes that are better
 constexpr double farthest_offset_s = 1.5, offset_step_s = 0.02;
 // An offset below this is an effect (time_offset), above it the log is put together wrongly: the core's clock search ends here.
@@ -108,12 +109,16 @@ AxisOrder check_gyro_axes(const Recording& recording, const Rates& rates, const 
 
 void check_gyro_scale(const Recording& recording, const Rates& rates, const Eigen::Matrix3d& R, std::vector<Fault>& out) {
   const double c = correlation(rates, R), ratio = c * rms(rates.gyro_I) / rms(rates.image_C);
-  if (c < 0.7 || ratio < deg_per_rad / 2 || ratio > deg_per_rad * 2) return;
+  if (c < 0.7 || ratio < least_unit) return;
+  const auto is = [ratio](double unit) { return ratio > unit / 2 && ratio < unit * 2; };
   Fault fault = whole(recording, "unit", "gyro");
   fault.value = ratio;
-  fault.limit = deg_per_rad / 2;
+  fault.limit = least_unit;
   fault.unit = "-";
-  fault.words = formatted("gyroscope: its rates are %.0f times those of the images, which is deg/s. Multiply by pi / 180: the log is in rad/s.", ratio);
+  const std::string unit = is(deg_per_rad)          ? "deg/s. Multiply by pi / 180"
+                           : is(1e3 * deg_per_rad) ? "mdeg/s. Multiply by pi / 180000"
+                                                   : formatted("raw counts. Multiply by what the data sheet says for the range that is set, here about 1 / %.0f", ratio);
+  fault.words = formatted("gyroscope: its rates are %.0f times those of the images, which is ", ratio) + unit + ": the log is in rad/s.";
   out.push_back(fault);
 }
 

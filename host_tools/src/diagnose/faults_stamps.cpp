@@ -116,6 +116,16 @@ void check_overlap(const Recording& recording, std::size_t camera, std::vector<F
   out.push_back(fault);
 }
 
+/// Images that the reader set aside: their stamps lie ahead of the ones that follow.
+void note_strays(const std::vector<Frame>& strays, std::size_t n, const std::string& sensor, std::vector<Fault>& out) {
+  if (strays.empty()) return;
+  std::string words = sensor + formatted(": the stamps of %zu of %zu images lie ahead of those that follow, the first at %.3f s (%lld ns). ", strays.size(),
+                                         strays.size() + n, static_cast<double>(strays.front().t_ns) * 1e-9, static_cast<long long>(strays.front().t_ns));
+  words += "They are left out: look at how the driver makes its stamps.";
+  out.push_back({"stray_stamps", sensor, strays.front().t_ns, strays.back().t_ns, strays.size(),
+                 static_cast<double>(strays.size()) / static_cast<double>(strays.size() + n), most_back_share, "-", words});
+}
+
 }  // namespace
 
 std::vector<Fault> stamp_faults(const Recording& recording) {
@@ -135,6 +145,7 @@ std::vector<Fault> stamp_faults(const Recording& recording) {
     if (frames.size() < 20) continue;
     const std::vector<double> frame_dt = intervals(frames);
     const std::string name = "cam" + std::to_string(i);
+    note_strays(recording.cameras[i].strays, frames.size(), name, out);
     check_order(frames, frame_dt, name, out);
     check_jitter(frames, frame_dt, most_camera_jitter_s, name, out);
     check_overlap(recording, i, out);

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "diagnose/fault.h"
+#include "imu_temperature.h"
 
 namespace host {
 namespace {
@@ -12,6 +13,12 @@ bool holds(const std::vector<Fault>& faults, const char* kind) {
 }
 
 }  // namespace
+
+std::vector<Fault> temperature_faults(const Recording& recording) {
+  const TemperatureJumps& jumps = recording.imu.temperature_jumps;
+  if (jumps.count == 0) return {};
+  return {{"temperature_spikes", "imu", jumps.first_ns, jumps.last_ns, jumps.count, jumps.share, few_temperature_jumps, "-", temperature_words(recording.imu)}};
+}
 
 bool spoil_fits(const std::vector<Fault>& faults) {
   return std::any_of(faults.begin(), faults.end(), [](const Fault& f) { return f.spoils_fits(); });
@@ -27,6 +34,7 @@ std::vector<Fault> find_faults(const Recording& recording, const Calibration& st
   };
   add(stamp_faults(recording));
   add(value_faults(recording));
+  add(temperature_faults(recording));
   add(magnitude_faults(recording));
   add(image_faults(recording, start));
   if (!holds(all, "image_size")) add(track_faults(recording, start));

@@ -1,5 +1,6 @@
 #include "files/manifest.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "csv.h"
@@ -37,6 +38,45 @@ Json json_of(const ManifestRun& run) {
   Json files = Json::array();
   for (const ManifestFile& f : run.files) files.push_back({{"name", f.name}, {"bytes", f.bytes}, {"sha256", f.sha256}});
   return {{"run", run.id}, {"program", run.program}, {"command", run.command}, {"arguments", run.arguments}, {"files", files}};
+}
+
+[[noreturn]] void refuse_stopped(const fs::path& folder, const Manifest& manifest) {
+  throw InputError(folder.string() + ": expected all files of one run, but `segcal " + manifest.writing.command +
+                   "` was stopped while it wrote them (" + manifest_name + "); run it again");
+}
+
+[[noreturn]] void refuse_changed(const fs::path& folder, const ManifestRun& run, const ManifestFile& file) {
+  throw InputError((folder / file.name).string() + ": expected the file that `segcal " + run.command + "` wrote with the others of this "
+                   "folder, found another one; run it again, or remove " + (folder / manifest_name).string() +
+                   " if you changed the file yourself");
+}
+
+/// A stopped run refuses a file that it may have written, and one of its own command: report and export refuse the folder as well.
+void check_as_listed(const fs::path& folder, const Manifest& manifest, const std::string& name) {
+  const auto& writing = manifest.writing;
+  if (std::find(writing.files.begin(), writing.files.end(), name) != writing.files.end()) refuse_stopped(folder, manifest);
+  for (const ManifestRun& run : manifest.runs) {
+    for (const ManifestFile& file : run.files) {
+      if (file.name != name) continue;
+      if (run.command == writing.command) refuse_stopped(folder, manifest);
+      if (!is_as_written(folder, file)) refuse_changed(folder, run, file);
+    }
+  }
+}
+
+constexpr int deepest = 3;  ///< mav0/cam0/sensor.yaml: no name that segcal lists has more parts
+
+void check_in_folders_above(const fs::path& file) {
+  fs::path folder = file.parent_path();
+  for (int up = 0; up < deepest; ++up, folder = folder.parent_path()) {
+    Manifest manifest;
+    try {
+      manifest = read_manifest(folder);
+    } catch (const InputError&) {
+      if (up == 0) throw;  // further up, a file of this name that nobody can read is not about our file
+    }
+    check_as_listed(folder, manifest, file.lexically_relative(folder).generic_string());
+  }
 }
 
 }  // namespace
@@ -78,20 +118,20 @@ bool is_as_written(const fs::path& folder, const ManifestFile& file) {
 
 void check_folder(const fs::path& folder, std::string_view replacing) {
   const Manifest manifest = read_manifest(folder);
-  if (!manifest.writing.command.empty() && manifest.writing.command != replacing) {
-    throw InputError(folder.string() + ": expected all files of one run, but `segcal " + manifest.writing.command +
-                     "` was stopped while it wrote them (" + manifest_name + "); run it again");
-  }
+  if (!manifest.writing.command.empty() && manifest.writing.command != replacing) refuse_stopped(folder, manifest);
   std::error_code ignored;
   for (const ManifestRun& run : manifest.runs) {
     if (run.command == replacing) continue;
-    for (const ManifestFile& file : run.files) {
-      if (!fs::exists(folder / file.name, ignored) || is_as_written(folder, file)) continue;
-      throw InputError((folder / file.name).string() + ": expected the file that `segcal " + run.command + "` wrote with the others of this "
-                       "folder, found another one; run it again, or remove " + (folder / manifest_name).string() +
-                       " if you changed the file yourself");
-    }
+    for (const ManifestFile& file : run.files)
+      if (fs::exists(folder / file.name, ignored) && !is_as_written(folder, file)) refuse_changed(folder, run, file);
   }
+}
+
+void check_file(const fs::path& file) {
+  std::error_code ignored;
+  const fs::path here = fs::absolute(file).lexically_normal(), target = fs::weakly_canonical(file, ignored);
+  check_in_folders_above(here);
+  if (!target.empty() && target != here) check_in_folders_above(target);  // a link into a folder of ours, or out of one
 }
 
 }  // namespace host

@@ -51,4 +51,8 @@ bool is_as_written(const std::filesystem::path& folder, const ManifestFile& file
 /// `replacing`: the command that is about to replace its own files; these are not looked at.
 void check_folder(const std::filesystem::path& folder, std::string_view replacing = {});
 
+/// The same for one file that is read by its own path, as --calib's: looks for a manifest that lists it in its folder and in those above.
+/// Files that pass, of one folder, belong together.
+void check_file(const std::filesystem::path& file);
+
 }  // namespace host

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "file_output.h"
+#include "replay/temperature_use.h"
 #include "replay/words.h"
 #include "sensors/effect_names.h"
 #include "yaml_file.h"
@@ -80,6 +81,10 @@ bool EffectChoice::enabled(const std::string& effect) const {
   return e >= 0 && (effects_ >> e & 1u) != 0;
 }
 
+bool EffectChoice::follows_temperature() const {
+  return has_term_of_temperature_ || enabled("gyro_temperature") || enabled("accel_temperature");
+}
+
 double EffectChoice::value(const std::string& parameter) const {
   const auto found = value_.find(parameter);
   return found == value_.end() ? 0 : found->second;
@@ -90,6 +95,7 @@ void EffectChoice::add_term(const std::string& name, double value) {
   if (!find_term(name, &t)) throw InputError("there is no term '" + name + "'; expected one as gyro_x:fy*wz, accel_z:T or image_u:x^2*y");
   terms_.push_back({static_cast<int>(t.kind), t.a, t.b, t.c});
   term_values_.push_back(value);
+  has_term_of_temperature_ |= is_of_temperature(name);
 }
 
 void EffectChoice::apply(CoreOptions* options) const {

@@ -20,6 +20,8 @@ class EffectChoice {
   /// Start of a parameter, "time_offset.t_d". Throws InputError if the effect has none of that name.
   void set(const std::string& parameter, double value);
   bool enabled(const std::string& effect) const;
+  /// Some effect or term of it is one of temperature.
+  bool follows_temperature() const;
   /// Start of a parameter; 0 where none was set.
   double value(const std::string& parameter) const;
   /// Puts the choice into the core's options.
@@ -30,6 +32,7 @@ class EffectChoice {
   std::map<std::string, double> value_;   ///< of parameters
   std::vector<CoreTerm> terms_;
   std::vector<double> term_values_;
+  bool has_term_of_temperature_ = false;
 };
 
 /// Throws InputError with file and line where it is no model of format 1.

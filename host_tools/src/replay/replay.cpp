@@ -8,6 +8,7 @@
 
 #include "replay/config_file.h"
 #include "replay/counters.h"
+#include "replay/temperature_use.h"
 
 namespace host {
 namespace {
@@ -133,11 +134,6 @@ bool calibrates_at_end(const Recording& recording) {
          std::none_of(std::find_if(calls.rbegin(), calls.rend(), is(DeviceCall::frame)).base(), calls.end(), is(DeviceCall::calibrate));
 }
 
-Counters difference(Counters now, const Counters& before) {
-  for (std::size_t i = 0; i < now.size(); ++i) now[i].second -= before[i].second;
-  return now;
-}
-
 /// The device of the state file, unless that is new.
 void go_on_from(StateFile* state, const std::string& profile, Core* core) {
   if (state->is_new()) return;
@@ -226,6 +222,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   out.track_noise = estimate_track_noise(out.kept, out.calibration, out.model);
   out.start = options.core.calibration;
   out.counters = difference(core->counters(), counters_before);
+  count_strays(sessions, &out.counters);
   out.memory = core->memory();
   out.result_hash = core->result_hash();
   out.timing.vio_ms_median = share_of_times(session.frame_ms, 0.5);
@@ -239,6 +236,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   }
   out.clocks = options.clocks;
   if (options.review) review::review(sessions, core_options, *core, &out);
+  refuse_temperature(sessions, &out);
   if (options.keep_core) *options.keep_core = std::move(core);
   return out;
 }

@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "device_log/device_log.h"
+#include "imu_temperature.h"
 
 namespace host {
 namespace {
@@ -12,6 +13,7 @@ std::vector<Recording> sessions_of_log(const std::string& file, int n_cameras) {
   for (const std::string& note : log.notes) std::cerr << "segcal: " << note << std::endl;
   const int has = static_cast<int>(log.calibration.cameras.size());
   if (has < n_cameras) throw InputError(file + ": expected " + std::to_string(n_cameras) + " cameras, found " + std::to_string(has));
+  for (Recording& session : log.sessions) check_temperature(&session.imu, false);  // the device's bits are the device's
   return std::move(log.sessions);
 }
 
