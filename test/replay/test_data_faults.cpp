@@ -101,7 +101,7 @@ struct Stray {
 /// An image whose stamp lies apart costs itself, and one that may wait for it: not all that come before its stamp.
 void test_stray_images_cost_themselves() {
   const nlohmann::json good = replayed(Id().add("case", "good"), session.recording);
-  const Stray all[] = {{"first_ahead", {0}, 3600}, {"middle_ahead", {150}, 3600}, {"within_the_log", {150}, 10}, {"near", {150}, 1.5}, {"last_but_one", {299}, 3600},
+  const Stray all[] = {{"first_ahead", {0}, 3600}, {"middle_ahead", {150}, 3600}, {"within_the_log", {150}, 10}, {"near", {150}, 1.5}, {"last_but_one", {299}, 3600}, {"last", {300}, 3600},
                        {"handful_in_a_row", {140, 141, 142, 143, 144}, 3600}, {"handful", {0, 60, 61, 130, 290}, 7}, {"first_behind", {0}, -3600}, {"middle_behind", {150}, -3600}};
   for (const Stray& stray : all) {
     const Id id = Id().add("stray", stray.name);

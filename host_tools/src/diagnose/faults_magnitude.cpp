@@ -54,14 +54,14 @@ void check_gravity(const Recording& recording, std::vector<Fault>& out) {
               recording.imu.samples.size(), norm, limit * gravity, "m/s^2", ""};
   if (std::abs(norm - 1) < most_off_unit) {
     fault.kind = "unit";
-    fault.words = formatted("accelerometer: readings have the size %.3f, which is g. Multiply by 9.80665: the log is in m/s^2.", norm);
+    fault.words = formatted("accelerometer: readings have the size %.3f, which is g. Multiply by 9.80665: a recording has m/s^2.", norm);
   } else if (std::abs(norm / 1000 - 1) < most_off_unit) {
     fault.kind = "unit";
-    fault.words = formatted("accelerometer: readings have the size %.0f, which is mg (or raw counts of 1024 per g). Multiply by 0.00980665: the log is in m/s^2.", norm);
+    fault.words = formatted("accelerometer: readings have the size %.0f, which is mg (or raw counts of 1024 per g). Multiply by 0.00980665: a recording has m/s^2.", norm);
   } else if (norm > least_counts) {
     fault.kind = "unit";
     fault.words = formatted("accelerometer: readings have the size %.0f, which is raw counts. Multiply by what the data sheet says for the range that is set, here "
-                            "about 9.80665 / %.0f: the log is in m/s^2.", norm, norm);
+                            "about 9.80665 / %.0f: a recording has m/s^2.", norm, norm);
   } else {
     fault.words = formatted("accelerometer: the specific force is %.2f m/s^2 ", norm) + (resting ? "at rest" : "in the middle") +
                   formatted(", expected %.2f. Check the range setting and the scale factor of the driver.", gravity);
@@ -77,7 +77,7 @@ void check_gyro_unit(const Recording& recording, std::vector<Fault>& out) {
   if (!noise.gyro.steady || factor < least || noise.accel.factor > 3) return;
   const char* const unit = factor < deg_per_rad * stated_too_small ? "deg/s. Multiply by pi / 180" : "mdeg/s or raw counts. Multiply by what the driver or the data sheet says";
   out.push_back({"unit", "gyro", recording.imu.samples.front().t_ns, recording.imu.samples.back().t_ns, recording.imu.samples.size(), factor, least, "-",
-                 formatted("gyroscope: its noise is %.0f times the stated one, as of readings in %s: the log is in rad/s.", factor, unit)});
+                 formatted("gyroscope: its noise is %.0f times the stated one, as of readings in %s: a recording has rad/s.", factor, unit)});
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ void check_gyro_scale(const Recording& recording, const Rates& rates, const Eige
   const std::string unit = is(deg_per_rad)          ? "deg/s. Multiply by pi / 180"
                            : is(1e3 * deg_per_rad) ? "mdeg/s. Multiply by pi / 180000"
                                                    : formatted("raw counts. Multiply by what the data sheet says for the range that is set, here about 1 / %.0f", ratio);
-  fault.words = formatted("gyroscope: its rates are %.0f times those of the images, which is ", ratio) + unit + ": the log is in rad/s.";
+  fault.words = formatted("gyroscope: its rates are %.0f times those of the images, which is ", ratio) + unit + ": a recording has rad/s.";
   out.push_back(fault);
 }
 

@@ -116,10 +116,10 @@ void check_overlap(const Recording& recording, std::size_t camera, std::vector<F
   out.push_back(fault);
 }
 
-/// Images that the reader set aside: their stamps lie ahead of the ones that follow.
+/// Images that the reader set aside (stamps/stray_frames.h).
 void note_strays(const std::vector<Frame>& strays, std::size_t n, const std::string& sensor, std::vector<Fault>& out) {
   if (strays.empty()) return;
-  std::string words = sensor + formatted(": the stamps of %zu of %zu images lie ahead of those that follow, the first at %.3f s (%lld ns). ", strays.size(),
+  std::string words = sensor + formatted(": the stamps of %zu of %zu images lie apart, ahead of the others, the first at %.3f s (%lld ns). ", strays.size(),
                                          strays.size() + n, static_cast<double>(strays.front().t_ns) * 1e-9, static_cast<long long>(strays.front().t_ns));
   words += "They are left out: look at how the driver makes its stamps.";
   out.push_back({"stray_stamps", sensor, strays.front().t_ns, strays.back().t_ns, strays.size(),

@@ -39,7 +39,8 @@ double usual_interval(const Stamps& t, const std::vector<std::size_t>& chain) {
   return dt.size() < 3 ? 0 : quantile(std::move(dt), 0.5);
 }
 
-/// Places that the chain leaves out, between two of it, ahead of both by `apart`; those after `last` wherever the chain goes on.
+/// Places that the chain leaves out, between two of it, ahead of both by `apart`; those after `last` wherever the chain goes
+/// on, or behind a jump.
 std::vector<std::size_t> places_ahead(const Stamps& t, std::int64_t last) {
   const std::vector<std::size_t> chain = chain_of(t, last);
   const double apart = nearest_stray * usual_interval(t, chain);
@@ -53,6 +54,10 @@ std::vector<std::size_t> places_ahead(const Stamps& t, std::int64_t last) {
       if (t[i] > last || (jumps && is_apart(next, i))) out.push_back(i);
     begin = next + 1;
   }
+  // At the end, as where a tracker sorted the images: after the samples, and not as of a camera that ran on.
+  const bool jumps = !chain.empty() && begin < t.size() && static_cast<double>(t[begin] - t[chain.back()]) > apart;
+  for (std::size_t i = begin; jumps && i < t.size(); ++i)
+    if (t[i] > last) out.push_back(i);
   return out;
 }
 
