@@ -88,14 +88,15 @@ void CeresProblem::add_points() {
 void CeresProblem::add_motion() {
   for (const Link& link : problem_.links) {
     const auto a = static_cast<std::size_t>(link.from), b = static_cast<std::size_t>(link.to);
-    ceres_.AddResidualBlock(new LinkResidual(problem_, link), nullptr, pose_[a].data(), motion_[a].data(), pose_[b].data(),
-                            motion_[b].data(), imu_.data());
+    motion_residuals_.push_back(ceres_.AddResidualBlock(new LinkResidual(problem_, link), nullptr, pose_[a].data(), motion_[a].data(),
+                                                        pose_[b].data(), motion_[b].data(), imu_.data()));
   }
   for (const BiasWalk& walk : problem_.walks) {
     const double root = std::sqrt(walk.gap_s);
     auto* f = new BiasResidual{problem_.model.accel_random_walk * root, problem_.model.gyro_random_walk * root};
-    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<BiasResidual, 6, kMotionSize, kMotionSize>(f), nullptr,
-                            motion_[static_cast<std::size_t>(walk.from)].data(), motion_[static_cast<std::size_t>(walk.to)].data());
+    motion_residuals_.push_back(ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<BiasResidual, 6, kMotionSize, kMotionSize>(f), nullptr,
+                                                        motion_[static_cast<std::size_t>(walk.from)].data(),
+                                                        motion_[static_cast<std::size_t>(walk.to)].data()));
   }
 }
 
@@ -140,6 +141,20 @@ std::shared_ptr<ceres::ParameterBlockOrdering> CeresProblem::ordering() {
   }
   for (auto& c : camera_) out->AddElementToGroup(c.data(), 1);
   out->AddElementToGroup(imu_.data(), 1);
+  return out;
+}
+
+std::vector<double*> CeresProblem::blocks() {
+  std::vector<double*> out;
+  for (std::size_t l = 0; l < landmark_.size(); ++l) {
+    if (used(l)) out.push_back(landmark_[l].data());
+  }
+  for (std::size_t k = 0; k < pose_.size(); ++k) {
+    out.push_back(pose_[k].data());
+    out.push_back(motion_[k].data());
+  }
+  for (auto& c : camera_) out.push_back(c.data());
+  out.push_back(imu_.data());
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include "formatted.h"
 #include "replay/counters.h"
 #include "replay/words.h"
+#include "review/bias_steps.h"
 #include "review/linearised.h"
 #include "review/missing_effects.h"
 #include "review/segment_scatter.h"
@@ -20,6 +21,7 @@ constexpr double kLeastUsed = 0.5;       // of the images that the odometry was 
 constexpr double kMostUnsettled = 0.5, kFewUnsettled = 3;   // of the newer half of the segments; fewer are no sign
 constexpr double kImplausible = -6;      // log10 p of the step from the start
 constexpr double kMostBias = 3;          // sigmas that a missing effect may move a released value by
+constexpr double kMostStepBias = 2;      // the same of a step of a bias: chance moves one of 26 entries by 3 more, which makes 5
 constexpr double kObserved = 0.3, kWeak = 0.5;  // as in lib/src/api/release.h
 
 /// chi2/dof beyond which residuals are not the stated noise made larger (a factor of two), but something else: drones, phones and effects
@@ -73,6 +75,7 @@ class Review {
     widen_sigmas();
     if (out_.result.status != "calibrated") return;
     if (!odometry_stayed()) return refuse("insufficient", used_words());
+    if (const std::string step = stepping_bias(missing); !step.empty()) return refuse("failed", step);
     if (out_.result.chi2 > kMostRatio * out_.result.dof) return refuse("failed", "");
     const std::string step = implausible_step();
     if (!step.empty()) return refuse("failed", step);
@@ -86,6 +89,14 @@ class Review {
     if (2 * static_cast<std::size_t>(observed) < out_.result.parameters.size())
       refuse("insufficient", formatted("the segments disagree with each other by %.1f times their noise: with that in the sigmas, %d of %zu parameters are observed",
                                   std::sqrt(health_.segment_scatter), static_cast<int>(observed), out_.result.parameters.size()));
+  }
+
+  /// An effect that explains more is asked for first: a bias that follows temperature steps too.
+  std::string stepping_bias(const std::vector<Suspect>& missing) {
+    const std::optional<Suspect> step = bias_step(sessions_, out_);
+    if (!step || (!missing.empty() && missing.front().statistic > step->statistic)) return "";
+    health_.suspects.insert(health_.suspects.begin() + static_cast<std::ptrdiff_t>(faults_), *step);
+    return step->bias_sigmas > kMostStepBias ? step->words : "";
   }
 
   void widen_sigmas() {

@@ -92,6 +92,13 @@ void scale(Recording& recording, Sensor sensor, const Eigen::Vector3d& factor, s
   }
 }
 
+void offset(Recording& recording, Sensor sensor, const Eigen::Vector3d& by, std::int64_t t_ns) {
+  for (ImuSample& sample : recording.imu.samples) {
+    if (sample.t_ns < t_ns) continue;
+    for (std::size_t i = 0; i < 3; ++i) values_of(sample, sensor)[i] += by[static_cast<Eigen::Index>(i)];
+  }
+}
+
 void reorder_axes(Recording& recording, Sensor sensor, const std::string& axes) {
   const auto order = parse_axes(axes);
   for (ImuSample& sample : recording.imu.samples) {

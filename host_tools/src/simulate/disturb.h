@@ -27,6 +27,9 @@ void freeze(Recording& recording, Sensor sensor, std::int64_t t_ns, double secon
 /// Readings times a factor from `t_ns` on, per axis: wrong units, or a scale that changes.
 void scale(Recording& recording, Sensor sensor, const Eigen::Vector3d& factor, std::int64_t t_ns = INT64_MIN);
 
+/// Readings plus an offset from `t_ns` on, rad/s or m/s^2: a sensor that was trimmed anew.
+void offset(Recording& recording, Sensor sensor, const Eigen::Vector3d& by, std::int64_t t_ns);
+
 /// Readings of the axes in another order or with another sign: "x-yz" keeps all but y's sign, "yxz" swaps x and y.
 /// Throws InputError for anything that is not each axis once.
 void reorder_axes(Recording& recording, Sensor sensor, const std::string& axes);
