@@ -24,6 +24,10 @@ constexpr double kFromEnds_s = 2;
 /// Links that one test stands for at first: a second apart or less, steps are hardly told from each other.
 constexpr std::size_t kStride = 4;
 
+/// The reference must find the fit that the core found: of recordings with sound stamps its sum of squares is within 1 % of the core's. Its cubics through
+/// stamps that scatter by 1 ms may overshoot (12 and 37 times the core's): there it would find steps of its own.
+constexpr double kSameFit = 1.1;
+
 struct Found {
   std::size_t link = 0;
   int axis = 0;                    ///< b_a's x, y, z, then b_g's
@@ -134,6 +138,7 @@ std::optional<Suspect> bias_step(const std::vector<Recording>& sessions, const R
   if (!problem || !may_step(*problem)) return {};
   const WalkRows rows(*problem);
   if (!rows.solved()) return {};
+  if (rows.cost() > kSameFit * result.result.chi2) return {};
   const Found found = largest(*problem, rows);
   if (!(found.test.sigma > 0)) return {};
   const double noise_scale = result.result.noise_scale;
