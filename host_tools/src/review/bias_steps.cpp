@@ -16,13 +16,18 @@ namespace host::review {
 namespace {
 
 /// log10 p of the largest of all trials; of 160 links that is 6.1 sigmas. By Cauchy and Schwarz a step moves no entry by more of its sigmas than it has
-/// itself, so that below hardly any can be 5 off by it alone. Of recordings without a step, real IMUs among them, the largest had 4.7.
-constexpr double kLevel = -6;
+/// itself, so that below hardly any can be 5 off by it alone. Of recordings without a step, real IMUs among them, the largest had 4.7
+/// away from the ends of a chain, where stamps do not scatter.
+constexpr double kStepLevel = -6;
 /// s from either end of a chain of segments: there the first and last states, which nothing holds from the other side, take up what
 /// the model lacks (7 sigmas at 0.3 s of an IMU in a hand).
 constexpr double kFromEnds_s = 2;
 /// Links that one test stands for at first: a second apart or less, steps are hardly told from each other.
 constexpr std::size_t kStride = 4;
+
+/// The reference must find the fit that the core found: of recordings with sound stamps its sum of squares is within 1 % of the core's. Its cubics through
+/// stamps that scatter by 1 ms may overshoot (12 and 37 times the core's): there it would find steps of its own.
+constexpr double kSameFit = 1.1;
 
 struct Found {
   std::size_t link = 0;
@@ -134,6 +139,7 @@ std::optional<Suspect> bias_step(const std::vector<Recording>& sessions, const R
   if (!problem || !may_step(*problem)) return {};
   const WalkRows rows(*problem);
   if (!rows.solved()) return {};
+  if (rows.cost() > kSameFit * result.result.chi2) return {};
   const Found found = largest(*problem, rows);
   if (!(found.test.sigma > 0)) return {};
   const double noise_scale = result.result.noise_scale;
@@ -141,7 +147,7 @@ std::optional<Suspect> bias_step(const std::vector<Recording>& sessions, const R
   Suspect out;
   out.statistic = std::pow(found.test.z() / noise_scale, 2);
   out.log10_p = std::min(0.0, diagnosis::log10_upper_tail(out.statistic, 1) + std::log10(6.0 * static_cast<double>(links.size())));
-  if (out.log10_p > kLevel) return {};
+  if (out.log10_p > kStepLevel) return {};
   const bool gyro = found.axis >= 3;
   out.name = gyro ? "bias_step.gyro" : "bias_step.accel";
   find_bias(rows.moves(found.link, found.axis, found.test.size), result, &out);

@@ -20,6 +20,8 @@ class WalkRows {
  public:
   explicit WalkRows(const reference::Problem& problem);
   bool solved() const { return factor_.info() == Eigen::Success; }
+  /// Sum of squares at the minimum, priors included.
+  double cost() const { return residual_.squaredNorm(); }
   /// `link` counts the problem's links, then its walks over gaps; `axis` is b_a's x, y, z, then b_g's. Sigma 0: nothing shows such a step.
   StepTest test(std::size_t link, int axis) const;
   /// What theta's columns move by when that step is taken into the model.
