@@ -2,7 +2,7 @@
 """The longest calls on faulty data: each fault of `segcal experiments faults` is simulated, made a device log of profile mcu, and fed
 to the core under QEMU, where a plugin counts the instructions of every call. A table, and exit code 1 if a call is beyond the limits
 of fixtures/budget/limits.json for cortex-m7. A frame is 1.6 times as many instructions there as on aarch64, a slice 1.2 times, so
-what comes near a limit is to be counted on the target itself (docs/porting.md, section 5).
+what comes near a limit is to be counted on the target itself (docs/porting.md, section 5). Beside the faults: `none`, and `corners_renewed`.
 
 usage: fault_calls.py --segcal PROGRAM --image count_log.elf --counter instruction_counter.so --out FOLDER
                       [--kinds none,camera_jitter,...] [--seconds 40] [--seed 1] [--slices 8] [--requests 0] [--emulator qemu-aarch64]
@@ -22,6 +22,8 @@ COLUMNS = (("imu_sample", "frame_max"), ("frame", "frame_max"), ("frame_closing"
            ("score_slice", "slice_max"), ("calibrate_slice", "slice_max"), ("calibrate", "calibrate"))
 # Of these a clean recording has its share.
 OVER_CLEAN = ("frame", "frame_closing", "start_slice", "score_slice")
+# No fault: a tracker that detects all corners anew every dozen images, so that the filter has thirty short tracks at once.
+RENEWED, IMAGES_OF_A_CORNER = "corners_renewed", 12
 
 
 def run(*command):
@@ -35,13 +37,27 @@ def all_kinds(segcal):
     """A clean recording, and the names that `segcal simulate --help` lists."""
     text = run(segcal, "simulate", "--help")
     names = re.search(r"experiments faults`, at its size:\s*(.*?)\s*--temperature", text, re.S).group(1).split()
-    return ["none", *names]
+    return ["none", RENEWED, *names]
+
+
+def renew_corners(recording):
+    """Ids of the tracks, so that each ends with its dozen of images."""
+    file = recording / "mav0/cam0/tracks.csv"
+    header, *rows = [line.split(",") for line in file.read_text().splitlines()]
+    images = {stamp: i for i, stamp in enumerate(sorted({row[0] for row in rows}, key=int))}
+    ids = {}
+    for row in rows:
+        row[1] = str(ids.setdefault((row[1], images[row[0]] // IMAGES_OF_A_CORNER), len(ids) + 1))
+    file.write_text("\n".join(",".join(row) for row in [header, *rows]) + "\n")
+    (recording / "manifest.json").unlink()  # it has the file's hash
 
 
 def longest_calls(args, kind):
     recording, log, counts = args.out / kind, args.out / f"{kind}.segcal", args.out / f"{kind}.counts"
-    fault = [] if kind == "none" else ["--fault", kind]
+    fault = [] if kind in ("none", RENEWED) else ["--fault", kind]
     run(args.segcal, "simulate", "--out", recording, "--seconds", args.seconds, "--seed", args.seed, "--tracks", 40, *fault)
+    if kind == RENEWED:
+        renew_corners(recording)
     run(args.segcal, "convert", recording, "--profile", "mcu", "--out", log)
     text = run(args.emulator, "-plugin", f"{args.counter},out={counts}", args.image, log, args.slices, args.requests)
     longest = dict.fromkeys((name for name, _ in COLUMNS), 0)

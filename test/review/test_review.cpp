@@ -171,6 +171,21 @@ void test_a_bias_that_steps_is_refused_and_named() {
   }
 }
 
+/// An effect that explains more, and moves no entry by three sigmas, hides none of this: the answer was called calibrated.
+void test_a_step_beside_a_larger_effect_is_refused() {
+  host::SimulationOptions options;
+  options.seconds = 60;
+  options.seed = 41;
+  options.effects.push_back(host::sim::parse_effect("gyro_g_sensitivity=3e-4,0,0,0,3e-4,0,0,0,3e-4"));
+  const host::SimulationResult session = host::simulate(options);
+  host::Recording recording = session.recording;
+  host::disturb::offset(recording, host::disturb::Sensor::accel, {0, 0.1, 0}, recording.imu.samples.front().t_ns + 33000000000);
+  const host::ReplayResult out = reviewed(session, recording);
+  test::check_true(Id(), ("refused: " + out.result.status).c_str(), out.result.status != "calibrated");
+  test::check_true(Id(), ("cause: " + out.cause).c_str(), out.cause.rfind("the accelerometer's bias steps by ", 0) == 0);
+  test::check_true(Id(), "the effect is named first", !out.health.suspects.empty() && out.health.suspects.front().name == "gyro_g_sensitivity");
+}
+
 /// The prior allows 4 % in f: a start that is 40 % off is no start of this device.
 void test_a_step_that_the_prior_forbids_is_refused() {
   host::SimulationResult session = test::simulated("rich", 60, 3);
@@ -206,6 +221,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_a_remark_is_no_cause);
   RUN_TEST(test_a_camera_that_turned_is_named);
   RUN_TEST(test_a_bias_that_steps_is_refused_and_named);
+  RUN_TEST(test_a_step_beside_a_larger_effect_is_refused);
   RUN_TEST(test_a_step_that_the_prior_forbids_is_refused);
   return UNITY_END();
 }

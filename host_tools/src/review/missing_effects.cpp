@@ -98,4 +98,10 @@ std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, boo
   return out;
 }
 
+double most_moved(const std::vector<Suspect>& suspects) {
+  double out = 0;
+  for (const Suspect& s : suspects) out = std::max(out, s.bias_sigmas);
+  return out;
+}
+
 }  // namespace host::review

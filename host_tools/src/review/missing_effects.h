@@ -13,4 +13,7 @@ namespace host::review {
 /// of its own value over the segments; halves of the recording agree and help each other.
 std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature);
 
+/// The most that one of them moves a released value by, in its sigmas.
+double most_moved(const std::vector<Suspect>& suspects);
+
 }  // namespace host::review

@@ -79,8 +79,7 @@ class Review {
     if (out_.result.chi2 > kMostRatio * out_.result.dof) return refuse("failed", "");
     const std::string step = implausible_step();
     if (!step.empty()) return refuse("failed", step);
-    const auto worst = std::max_element(missing.begin(), missing.end(), [](const Suspect& a, const Suspect& b) { return a.bias_sigmas < b.bias_sigmas; });
-    if (worst != missing.end() && worst->bias_sigmas > kMostBias) return refuse("failed", missing.front().words);
+    if (most_moved(missing) > kMostBias) return refuse("failed", missing.front().words);
     if (!segments_followed()) return refuse("insufficient", followed_words());
     if (health_.segment_scatter > kMostScatter)
       return refuse("insufficient", formatted("the segments disagree with each other by %.1f times their noise, so that no one calibration fits them: the device changed "
@@ -91,12 +90,15 @@ class Review {
                                   std::sqrt(health_.segment_scatter), static_cast<int>(observed), out_.result.parameters.size()));
   }
 
-  /// An effect that explains more is asked for first: a bias that follows temperature steps too.
+  /// An effect that explains more is named first (a bias that follows temperature steps too), and is the cause where it takes the answer back itself.
   std::string stepping_bias(const std::vector<Suspect>& missing) {
     const std::optional<Suspect> step = bias_step(sessions_, out_);
-    if (!step || (!missing.empty() && missing.front().statistic > step->statistic)) return "";
-    health_.suspects.insert(health_.suspects.begin() + static_cast<std::ptrdiff_t>(faults_), *step);
-    return step->bias_sigmas > kMostStepBias ? step->words : "";
+    if (!step) return "";
+    const bool second = !missing.empty() && missing.front().statistic > step->statistic;
+    const std::size_t place = second ? faults_ + missing.size() : faults_;
+    health_.suspects.insert(health_.suspects.begin() + static_cast<std::ptrdiff_t>(place), *step);
+    const bool effect_refuses = second && most_moved(missing) > kMostBias;
+    return !effect_refuses && step->bias_sigmas > kMostStepBias ? step->words : "";
   }
 
   void widen_sigmas() {
