@@ -18,7 +18,7 @@ constexpr const char* experiments_footer = R"(Examples:
   segcal experiments basin --out basin --jobs 2
       160 starts; stopped and started again it goes on where it was
   segcal experiments accuracy --out accuracy --quick
-  segcal experiments hidden --out hidden --jobs 2 --quick
+  segcal experiments hidden --out hidden --jobs 2 --seeds 3
   segcal track euroc_mh01 --out mh01 && segcal experiments hidden_real mh01 --out hidden_real
   segcal experiments faults --out faults --jobs 2 --seeds 4
   segcal experiments sigma_ref REC1 REC2 --out sigma_ref
@@ -60,7 +60,8 @@ int run(const Arguments& a) {
   const Experiment& experiment = experiment_named(a.name);
   const bool reads = a.name == "sigma_ref" || a.name == "hidden_real";
   if (!a.options.recordings.empty() && !reads) throw InputError("experiments " + a.name + ": expected no recordings, they are simulated");
-  if (a.options.seeds > 0 && a.name != "faults") throw InputError("experiments " + a.name + ": expected no --seeds, it is for faults");
+  const bool counts = a.name == "faults" || a.name == "hidden";
+  if (a.options.seeds > 0 && !counts) throw InputError("experiments " + a.name + ": expected no --seeds, it is for faults and hidden");
   const Findings findings = experiment.gather(run_cells(experiment, experiment.cells(a.options), a.out, a.jobs));
   write_findings(experiment, findings, a.options, a.out);
   int missed = 0;
@@ -84,7 +85,7 @@ void add_experiments_command(CLI::App& app, int& exit_code) {
   sub->add_option("--jobs", a->jobs, "cells at a time, each a process of its own")->capture_default_str()->check(CLI::Range(1, 256));
   sub->add_option("--seed", a->options.seed, "of all devices, motions and noise")->capture_default_str();
   sub->add_option("--calib", a->options.calibration, "starting calibration of REC, for sigma_ref");
-  sub->add_option("--seeds", a->options.seeds, "recordings of each kind, for faults (default: 20, 2 with --quick)")->check(CLI::Range(1, 1000));
+  sub->add_option("--seeds", a->options.seeds, "recordings of each kind, for faults (default: 20, 2 with --quick) and hidden (10, 1)")->check(CLI::Range(1, 1000));
   sub->add_flag("--quick", a->options.quick, "fewer and shorter sessions: minutes instead of an hour");
   sub->add_flag("--list", a->list, "the studies in a line each");
   sub->footer(experiments_footer);

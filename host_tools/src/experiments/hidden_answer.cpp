@@ -89,6 +89,10 @@ Judged judged(const CellResult& cell) {
     if (sigma > 0) out.worst_sigmas = std::max(out.worst_sigmas, off / sigma);
   }
   out.in_three_sigma = out.worst_sigmas <= 3;
+  out.statistic = std::nan("");
+  for (const std::string& name : there)
+    if (answer.at("statistics").contains(name)) out.statistic = std::fmin(out.statistic, answer.at("statistics")[name].get<double>());
+  out.visible = !(out.statistic < kVisibleStatistic);
   return out;
 }
 

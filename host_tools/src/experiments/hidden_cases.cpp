@@ -12,6 +12,8 @@ namespace host::experiments {
 namespace {
 
 constexpr double hidden_session_s = 60;
+constexpr std::uint64_t seeds_apart = 10000;  // more than there are cells
+constexpr const char* hidden_scenarios[] = {"rich", "arvr", "nav"};
 
 struct Outside {
   const char* name;
@@ -80,17 +82,20 @@ std::string drawn(const std::string& name, double level, sim::Random& random) {
   return text;
 }
 
-Json cell(HiddenGroup group, const char* scenario, const char* distortion, std::uint64_t seed, std::vector<std::string> effects) {
-  return {{"group", name_of(group)}, {"scenario", scenario}, {"distortion", distortion}, {"seconds", hidden_session_s}, {"seed", seed},
-          {"effects", effects}};
-}
-
 class Draw {
  public:
   explicit Draw(std::uint64_t seed) : seed_(seed), random_(seed, sim::Stream::device) {}
-  void add(HiddenGroup group, const char* scenario, const char* distortion, std::vector<std::string> effects) {
+  /// With white track errors and 10 images/s.
+  void add(HiddenGroup group, const char* scenario, std::vector<std::string> effects) { add(group, scenario, "fov", "white", 10, std::move(effects)); }
+  /// The i-th of a kind: lenses in turn, every second with tracks that drift, every third with 30 images/s.
+  void add_varied(HiddenGroup group, const char* scenario, int i, std::vector<std::string> effects) {
+    static const char* const lenses[] = {"fov", "radtan", "equidistant"};
+    add(group, scenario, lenses[(i / 2) % 3], i % 2 ? "drift" : "white", i % 3 == 2 ? 30 : 10, std::move(effects));
+  }
+  void add(HiddenGroup group, const char* scenario, const char* distortion, const char* tracks, int images_per_s, std::vector<std::string> effects) {
     const std::string name = std::string(name_of(group)) + "_" + std::to_string(++count_);
-    cells_.push_back({name, cell(group, scenario, distortion, seed_ * 1000 + count_, std::move(effects))});
+    cells_.push_back({name, {{"group", name_of(group)}, {"scenario", scenario}, {"distortion", distortion}, {"tracks", tracks},
+                             {"images_per_s", images_per_s}, {"seconds", hidden_session_s}, {"seed", seed_ * seeds_apart + count_}, {"effects", effects}}});
   }
   sim::Random& random() { return random_; }
   std::vector<Cell> cells() const { return cells_; }
@@ -106,22 +111,33 @@ void add_faults(Draw& draw, int each) {
                                                        {"dropped_samples=50", "dropped_samples=200"},
                                                        {"stamp_jitter=0.0005", "stamp_jitter=0.001"}};
   for (const auto& texts : sizes)
-    for (int i = 0; i < each; ++i) draw.add(HiddenGroup::fault, "rich", "fov", {texts[static_cast<std::size_t>(i) % 2]});
+    for (int i = 0; i < each; ++i) draw.add(HiddenGroup::fault, "rich", {texts[static_cast<std::size_t>(i) % 2]});
 }
 
-void add_outside(Draw& draw, int n) {
+/// From the smallest to the largest size of a kind: 0 to 1.
+double level(int i, int n) { return n > 1 ? static_cast<double>(i) / (n - 1) : 0.5; }
+
+void add_outside(Draw& draw, const char* scenario, int n) {
   for (const Outside& o : outside()) {
     for (int i = 0; i < n; ++i) {
       std::string text = std::string(o.name) + "=";
-      append_number(text, o.size * std::pow(4.0, n > 1 ? static_cast<double>(i) / (n - 1) : 0.5));
-      draw.add(HiddenGroup::outside, "rich", "fov", {text + o.rest});
+      append_number(text, o.size * std::pow(4.0, level(i, n)));
+      draw.add_varied(HiddenGroup::outside, scenario, i, {text + o.rest});
     }
+  }
+}
+
+void add_pairs(Draw& draw, const char* scenario, int n) {
+  for (int i = 0; i < n; ++i) {
+    const auto& [a, b] = pairs()[static_cast<std::size_t>(i) % pairs().size()];
+    const std::string first = drawn(a, 0.5, draw.random());
+    draw.add_varied(HiddenGroup::two, scenario, i, {first, drawn(b, 0.5, draw.random())});
   }
 }
 
 /// The name of its effects: cells of one kind.
 std::string kind_of(const Cell& cell) {
-  std::string kind = cell.parameters.at("group");
+  std::string kind = cell.parameters.at("group").get<std::string>() + " " + cell.parameters.at("scenario").get<std::string>();
   for (const Json& text : cell.parameters.at("effects")) {
     const std::string effect = text;
     kind += " " + effect.substr(0, effect.find('='));
@@ -198,22 +214,19 @@ std::vector<Cell> hidden_cases(const StudyOptions& options) {
   using G = HiddenGroup;
   Draw draw(options.seed);
   const bool quick = options.quick;
-  const char* const lenses[] = {"fov", "radtan", "equidistant"};
-  for (int i = 0; i < (quick ? 6 : 40); ++i) draw.add(G::none, "rich", lenses[i % 4 == 3 ? 0 : i % 3], {});
-  const int each = quick ? 2 : 10;
-  for (const HiddenSize& s : hidden_sizes())
-    for (int i = 0; i < each; ++i) draw.add(G::one, "rich", "fov", {drawn(s.name, static_cast<double>(i) / (each - 1), draw.random())});
-  add_faults(draw, each);
-  for (int i = 0; i < (quick ? 3 : 20); ++i) {
-    const auto& [a, b] = pairs()[static_cast<std::size_t>(i) % pairs().size()];
-    const std::string first = drawn(a, 0.5, draw.random());
-    draw.add(G::two, "rich", "fov", {first, drawn(b, 0.5, draw.random())});
+  const int each = options.seeds ? options.seeds : quick ? 1 : 10;
+  for (const char* scenario : hidden_scenarios) {
+    for (int i = 0; i < (quick ? 2 : 5 * each); ++i) draw.add_varied(G::none, scenario, i, {});
+    for (const HiddenSize& s : hidden_sizes())
+      for (int i = 0; i < each; ++i) draw.add_varied(G::one, scenario, i, {drawn(s.name, level(i, each), draw.random())});
+    add_pairs(draw, scenario, quick ? 1 : 2 * each);
+    add_outside(draw, scenario, quick ? 1 : (4 * each + 4) / 5);
   }
-  add_outside(draw, quick ? 1 : 8);
-  for (int i = 0; i < (quick ? 2 : 10); ++i) {
+  add_faults(draw, each);
+  for (int i = 0; i < (quick ? 2 : 4 * each); ++i) {
     std::vector<std::string> effects;
-    if (i >= 5) effects.push_back(drawn("time_offset", 1, draw.random()));
-    draw.add(G::weak, i % 2 ? "rotation" : "still", "fov", effects);
+    if (i % 4 >= 2) effects.push_back(drawn("time_offset", 1, draw.random()));
+    draw.add(G::weak, i % 2 ? "rotation" : "still", effects);
   }
   return spread(draw.cells());
 }
@@ -224,6 +237,8 @@ SimulationResult hidden_session(const Json& parameters) {
   options.seconds = parameters.at("seconds");
   options.seed = parameters.at("seed");
   options.distortion = distortion_from_name(parameters.at("distortion"));
+  options.camera_rate_hz = parameters.at("images_per_s");
+  if (parameters.at("tracks") == "drift") options.tracks = sim::drifting_tracks();
   for (const Json& text : parameters.at("effects")) {
     const bool shares = text.get<std::string>().rfind("saturation=", 0) == 0;
     options.effects.push_back(sim::parse_effect(shares ? range_from_shares(text, options) : text.get<std::string>()));

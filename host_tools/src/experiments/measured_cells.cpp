@@ -131,7 +131,7 @@ Json calibrate_rendered(const Json& parameters) {
   track({scratch.path().string()});
   Truth truth = truth_of(session.truth, true);
   truth["rolling_shutter.line_delay"] = line_delay;
-  return judged(read_recording(scratch.path(), 1), session.nominal, truth, line_delay != 0 ? SEGCAL_EFFECT_ROLLING_SHUTTER : 0u);
+  return judged(read_recording(scratch.path(), 1), session.nominal, truth, line_delay != 0 ? static_cast<unsigned>(SEGCAL_EFFECT_ROLLING_SHUTTER) : 0u);
 }
 
 Json calibrate_imu_gt(const Json& parameters) {

@@ -21,6 +21,14 @@ struct TrackOptions {
   DepthRange depth;
 };
 
+/// As the corner tracks of a real camera (euroc_mh01): hardly any white noise, most of it a random walk along the track.
+inline TrackOptions drifting_tracks() {
+  TrackOptions out;
+  out.pixel_noise_px = 0.1;
+  out.walk_px_per_sqrt_s = 0.9;
+  return out;
+}
+
 /// One camera with its true calibration in the scene. Calls of `next_frame` go forward in time at a fixed rate.
 class CameraSimulator {
  public:

@@ -124,8 +124,9 @@ void add_device_options(CLI::App& app, Command& command) {
 void set_track_noise(const std::string& what, sim::TrackOptions* tracks) {
   if (what == "white") return;
   if (what == "drift") {
-    tracks->pixel_noise_px = 0.1;
-    tracks->walk_px_per_sqrt_s = 0.9;
+    const sim::TrackOptions drifting = sim::drifting_tracks();
+    tracks->pixel_noise_px = drifting.pixel_noise_px;
+    tracks->walk_px_per_sqrt_s = drifting.walk_px_per_sqrt_s;
     return;
   }
   const nlohmann::json result = nlohmann::json::parse(read_file(what), nullptr, false);
