@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "experiments/experiment.h"
@@ -20,6 +21,17 @@ struct HiddenSize {
 
 /// One table for all: sizes of effects of the catalogue that the score test or the variance test is to name.
 const std::vector<HiddenSize>& hidden_sizes();
+
+/// An effect that the catalogue has no entry for, from just visible in the excess of chi2 on.
+struct HiddenOutside {
+  const char* name;
+  double size;
+  const char* rest;   ///< values behind the first
+};
+const std::vector<HiddenOutside>& hidden_outside();
+
+/// Pairs of effects that rich motion tells apart; confounded ones (time_offset and gyro_lag) are no fair question.
+const std::vector<std::pair<const char*, const char*>>& hidden_pairs();
 
 enum class HiddenGroup { none, one, fault, two, outside, weak };
 const char* name_of(HiddenGroup group);

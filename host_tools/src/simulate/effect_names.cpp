@@ -9,6 +9,7 @@
 #include "effects_log.h"
 #include "effects_outside.h"
 #include "effects_variance.h"
+#include "effects_wandering.h"
 
 namespace host::sim {
 namespace {
@@ -102,9 +103,8 @@ Made make_jitter(const Values& v) {
 }
 
 disturb::Sensor sensor_of(const std::string& name) {
-  if (name == "gyro") return disturb::Sensor::gyro;
-  if (name == "accel") return disturb::Sensor::accel;
-  throw InputError("expected gyro or accel, found '" + name + "'");
+  if (name != "gyro" && name != "accel") throw InputError("expected gyro or accel, found '" + name + "'");
+  return name == "gyro" ? disturb::Sensor::gyro : disturb::Sensor::accel;
 }
 
 Made make_frozen(const Values& v) {
@@ -120,9 +120,8 @@ Made make_unit(const Values& v) {
   expect(v, 1, 1);
   const disturb::Sensor sensor = sensor_of(v[0]);
   const double factor = sensor == disturb::Sensor::gyro ? deg_per_rad : 1 / 9.80665;
-  return log_fault({"unit", {{v[0], factor, "-"}}}, [=](Recording& r, std::uint64_t) {
-    disturb::scale(r, sensor, Eigen::Vector3d::Constant(factor));
-  });
+  return log_fault({"unit", {{v[0], factor, "-"}}},
+                   [=](Recording& r, std::uint64_t) { disturb::scale(r, sensor, Eigen::Vector3d::Constant(factor)); });
 }
 
 Made make_axes(const Values& v) {
@@ -215,6 +214,11 @@ const std::vector<EffectEntry>& effect_entries() {
       {K::outside, "outside:attitude_error", "k [m/s^2] times sin 2 roll, sin 2 pitch", "0.1", make_one<AttitudeError>},
       {K::outside, "outside:heading_error", "k [rad/s] times cos yaw, sin yaw, sin 2 yaw", "0.01", make_one<HeadingError>},
       {K::outside, "outside:decentred_distortion", "k,cx,cy [-]: k r^6 about (cx, cy)", "0.02,0.2,-0.1", make_decentred},
+      {K::outside, "outside:focus_hunting", "k [-]: f (1 + k sin(2 pi t / 7 s))", "0.002", make_one<FocusHunting>},
+      {K::outside, "outside:loose_mount", "angle [rad] to either side, drawn every 1.7 s", "0.002", make_one<LooseMount>},
+      {K::outside, "outside:wandering_stamps", "k [s] times sin(2 pi t / 11 s)", "0.001", make_one<WanderingStamps>},
+      {K::outside, "outside:gyro_hum", "k [rad/s] of a tone at 1.3 Hz", "0.005", make_one<GyroHum>},
+      {K::outside, "outside:two_way_shutter", "k [s/row] from the middle row to both edges", "5e-6", make_one<TwoWayShutter>},
   };
   return all;
 }
