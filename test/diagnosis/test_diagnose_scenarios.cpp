@@ -15,11 +15,12 @@ namespace {
 
 using host::Diagnosis;
 
-Diagnosis diagnosed(const std::string& scenario, std::uint64_t seed, const std::string& effect) {
+Diagnosis diagnosed(const std::string& scenario, std::uint64_t seed, const std::string& effect, const host::sim::TrackOptions& tracks = {}) {
   host::SimulationOptions options;
   options.scenario = scenario;
   options.seconds = 60;
   options.seed = seed;
+  options.tracks = tracks;
   if (!effect.empty()) options.effects.push_back(host::sim::parse_effect(effect));
   const host::SimulationResult session = host::simulate(options);
   host::DiagnoseOptions diagnose;
@@ -62,6 +63,16 @@ void test_rolling_shutter() {
   }
 }
 
+/// Without the drift in the weights both are `unexplained`.
+void test_tracks_that_drift() {
+  const Diagnosis nothing = diagnosed("rich", 131, "", host::sim::drifting_tracks());
+  TEST_ASSERT_EQUAL_STRING_MESSAGE("consistent", nothing.verdict.c_str(), nothing.sentence.c_str());
+  const Diagnosis d = diagnosed("rich", 132, "rolling_shutter=4e-6", host::sim::drifting_tracks());
+  expect_only(d, "rolling_shutter", 4e-6, 0.01);
+  TEST_ASSERT_DOUBLE_WITHIN(0.03, 0.1, d.tracks.white_px);          // a twentieth of it at 15,000 points, and what the fit leaves
+  TEST_ASSERT_DOUBLE_WITHIN(0.09, 0.9, d.tracks.walk_px_per_sqrt_s);
+}
+
 }  // namespace
 
 int main() {
@@ -69,5 +80,6 @@ int main() {
   RUN_TEST(test_nothing_missing);
   RUN_TEST(test_time_offsets);
   RUN_TEST(test_rolling_shutter);
+  RUN_TEST(test_tracks_that_drift);
   return UNITY_END();
 }

@@ -83,6 +83,10 @@ constexpr double kNoiseAbove = 0.04, kNoiseSigmas = 6;
 /// Far-off points leave a fit whose noise is stated too small, so that the first factor is too small too.
 constexpr int kNoiseRounds = 3;
 
+/// Walk along a track, per square root of a second, over the white noise, from which on tracks drift: after half a second, the time between two
+/// keyframes, the drift has the variance of the white noise. Simulated white tracks show 0.04, and 0.9 with a missing time offset of 1 ms; euroc_mh01 13.
+constexpr double kWalkOfWhite = 1.4;
+
 // ---- Time
 
 /// Fits of one diagnosis: rounds of noise, effects and terms draw on it together. One without effects, one for each of five effects,

@@ -100,6 +100,11 @@ class Diagnoser {
   void find_effects() {
     out_.fit_before = evidence_.result();
     search();
+    if (fits_left_.allows() && tracks_drift()) {
+      fit_plain();
+      out_.fit_before = evidence_.result();
+      search();
+    }
     for (int round = 0; round < decision::kNoiseRounds && fits_left_.allows() && !lens_has_no_name() && pixel_noise_is_above(); ++round) {
       fit_plain();
       search();
@@ -135,7 +140,19 @@ class Diagnoser {
     });
   }
 
+  /// Corners that follow their own error for many images: with white noise alone every small misfit that lasts is significant, and no
+  /// name stands beside it. Found with the effects in the model, since what is missing moves along a track as well.
+  bool tracks_drift() {
+    const TrackNoise& found = evidence_.result().track_noise;
+    if (evidence_.options().track_walk > 0 || found.points == 0 || found.walk_px_per_sqrt_s < decision::kWalkOfWhite * found.white_px) return false;
+    evidence_.options().pixel_sigma = found.white_px;
+    evidence_.options().track_walk = found.walk_px_per_sqrt_s;
+    out_.tracks = found;
+    return true;
+  }
+
   bool pixel_noise_is_above() {
+    if (evidence_.options().track_walk > 0) return false;  // differences of neighbours hold both drifts
     find_pixel_factor();
     const double so_far = evidence_.options().pixel_sigma / options_.core.pixel_sigma, above = out_.pixels.factor / so_far - 1;
     if (above <= std::max(decision::kNoiseAbove, decision::kNoiseSigmas * out_.pixels.sigma / so_far)) return false;
@@ -146,6 +163,10 @@ class Diagnoser {
   /// At the last fit, over the stated noise. What the model leaves in all is an upper bound of noise: near neighbours differ
   /// by more where a step of the calibration is not in the fit.
   void find_pixel_factor() {
+    if (evidence_.options().track_walk > 0) {
+      pixels_ = out_.pixels = PixelNoise{};
+      return;
+    }
     const double ratio = evidence_.result().model.pixel_sigma / options_.core.pixel_sigma;
     std::vector<TermGroup> groups;
     for (const Accepted& a : selection_.accepted) groups.push_back(selection_.candidates[a.candidate].columns);

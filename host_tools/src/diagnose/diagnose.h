@@ -87,6 +87,7 @@ struct Diagnosis {
   bool faults_accepted = false;      ///< asked to go on in spite of them
   RawNoise raw_noise;
   diagnosis::PixelNoise pixels;
+  TrackNoise tracks;                 ///< of the last fit, where corner tracks drift and points were weighed so; no points: they do not
   ReplayResult fit_before, fit_after;  ///< without and with the effects; empty with bad_data
   double seconds = 0;                ///< wall clock
 };

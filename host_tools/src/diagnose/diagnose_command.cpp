@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "diagnose/diagnose.h"
 #include "files/output_run.h"
+#include "formatted.h"
 #include "imu_temperature.h"
 #include "replay/model_file.h"
 #include "replay/sessions.h"
@@ -59,6 +60,10 @@ void print_table(const Diagnosis& d) {
     if (++shown > 5) break;
     std::printf("%s %s follows %s, correlation %.3f\n", s.sensor.c_str(), s.axis.c_str(), s.against.c_str(), s.correlation);
   }
+  if (d.tracks.points > 0) {
+    std::printf("corner tracks drift: %.2f px of white noise and a walk of %.2f px/sqrt(s) were taken, and not the stated noise\n", d.tracks.white_px,
+                d.tracks.walk_px_per_sqrt_s);
+  }
   std::printf("%s: %s\n", d.judged ? d.verdict.c_str() : "cannot tell", d.sentence.c_str());
 }
 
@@ -70,6 +75,7 @@ void print_next(const Arguments& a, const Diagnosis& d) {
   for (const std::string& r : a.recordings) replay += " " + r;
   if (!a.calibration.empty()) replay += " --calib " + a.calibration;
   if (a.cameras != 1) replay += " --cameras " + std::to_string(a.cameras);
+  if (d.tracks.points > 0) replay += formatted(" --pixel-sigma %.3g --track-walk %.3g", d.tracks.white_px, d.tracks.walk_px_per_sqrt_s);
   std::printf("\nnext: %s --model %s --out %s   calibrates with what was found\n", replay.c_str(), model.c_str(),
               (std::filesystem::path(a.out) / "replay").string().c_str());
   std::printf("      segcal simulate --out twin --model %s   a device with the same departure from the model\n", model.c_str());

@@ -65,7 +65,9 @@ Json noise_json(const Diagnosis& d) {
     static const char* const kVerdict[] = {"as_stated", "above", "below", "cannot_tell"};
     return Json{{"factor", n.factor}, {"sigma", n.sigma}, {"verdict", kVerdict[static_cast<int>(n.verdict)]}};
   };
-  return {{"pixel", {{"factor", d.pixels.factor}, {"sigma", d.pixels.sigma}}},
+  Json tracks;
+  if (d.tracks.points > 0) tracks = {{"white_px", d.tracks.white_px}, {"walk_px_per_sqrt_s", d.tracks.walk_px_per_sqrt_s}};
+  return {{"pixel", {{"factor", d.pixels.factor}, {"sigma", d.pixels.sigma}}}, {"tracks", tracks},
           {"gyro", sensor(d.raw_noise.gyro)}, {"accel", sensor(d.raw_noise.accel)}};
 }
 
