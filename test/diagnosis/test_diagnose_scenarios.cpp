@@ -63,7 +63,7 @@ void test_rolling_shutter() {
   }
 }
 
-/// Without the drift in the weights both are `unexplained`.
+/// Without the drift in the weights the first is `unexplained`.
 void test_tracks_that_drift() {
   const Diagnosis nothing = diagnosed("rich", 131, "", host::sim::drifting_tracks());
   TEST_ASSERT_EQUAL_STRING_MESSAGE("consistent", nothing.verdict.c_str(), nothing.sentence.c_str());
