@@ -96,7 +96,7 @@ void add_limits(std::map<std::string, Counts>& g, const std::vector<double>& gap
 
 /// Named exactly against how visible it is.
 Figure power_curves(const std::vector<std::pair<std::string, Judged>>& one) {
-  Figure figure{"Named exactly, against the score statistic of what is there", "lines", "score statistic, octaves (its lower end)", "share", false, {}};
+  Figure figure{"Named exactly, against the score statistic of what is there", "lines", "log2 of the score statistic, rounded down", "share", false, {}};
   std::map<std::string, std::map<int, std::pair<int, int>>> curves;
   for (const auto& [scenario, j] : one) {
     if (std::isnan(j.statistic)) continue;
@@ -107,7 +107,7 @@ Figure power_curves(const std::vector<std::pair<std::string, Judged>>& one) {
   for (const auto& [scenario, curve] : curves) {
     Series line{scenario, {}, {}};
     for (const auto& [octave, counts] : curve) {
-      line.x.push_back(std::to_string(1L << octave));
+      line.x.push_back(octave);
       line.y.push_back(share(counts.first, counts.second));
     }
     figure.series.push_back(line);
