@@ -64,6 +64,11 @@ def gap_table(diagnosis):
         rows.append((s, *(f"{base * (1 + v):.4f}" for v in cells), f"{base:.4f}", *(f"{v:.2g}" for v in cells)))
     header = ("sensor", "chi²/dof before", "after", "noise floor", "excess before", "after")
     closed = f'{100 * gap.get("closed", 0):.1f} % of the excess is gone; what lies within ± {2 * (gap.get("after_sigma") or 0):.2g} counts as none.'
+    noise = diagnosis.get("noise")
+    tracks = noise.get("tracks") if isinstance(noise, dict) else None
+    if isinstance(tracks, dict):
+        closed += (f' Corner tracks drift: points were weighed by {tracks.get("white_px", 0):.2f} px of white noise and a walk of '
+                   f'{tracks.get("walk_px_per_sqrt_s", 0):.2f} px/sqrt(s) along each track, not by the stated noise.')
     return joined(table(header, rows), note(closed))
 
 

@@ -100,14 +100,15 @@ host::CoreKept slow_tracks(test::Random* random, double pixel_sigma, double foll
 
 /// How many of `sessions` sessions of eight slow segments have residuals that follow the image's motion.
 int follow_image_motion(int sessions, double follows_motion_s) {
-  constexpr double kPixelSigma = 0.5;
+  host::CoreModel model;
+  model.pixel_sigma = 0.5;
   int found = 0;
   for (int seed = 0; seed < sessions; ++seed) {
     test::Random random(400 + seed);
     std::vector<host::CoreKept> kept;
-    for (int i = 0; i < 8; ++i) kept.push_back(slow_tracks(&random, kPixelSigma, follows_motion_s));
+    for (int i = 0; i < 8; ++i) kept.push_back(slow_tracks(&random, model.pixel_sigma, follows_motion_s));
     bool follows = false;
-    for (const Structure& s : find_structure(residual_lists(kept, kPixelSigma, {}), kLevel, kCauses)) {
+    for (const Structure& s : find_structure(residual_lists(kept, model, {}), kLevel, kCauses)) {
       follows = follows || s.against.rfind("image motion", 0) == 0;
     }
     found += follows ? 1 : 0;

@@ -86,6 +86,9 @@ constexpr int kNoiseRounds = 3;
 /// Walk along a track, per square root of a second, over the white noise, from which on tracks drift: after half a second, the time between two
 /// keyframes, the drift has the variance of the white noise. Simulated white tracks show 0.04, and 0.9 with a missing time offset of 1 ms; euroc_mh01 13.
 constexpr double kWalkOfWhite = 1.4;
+/// Share of the points' squares that differences of neighbours must hold for that: all of it (1.1 to 1.2, since a fit takes its share of the squares) where
+/// tracks drift each by itself, 0.9 on euroc_mh01, 0.2 to 0.4 where hysteresis or an error of the attitude moves neighbours alike.
+constexpr double kOwnSquares = 2.0 / 3;
 
 // ---- Time
 

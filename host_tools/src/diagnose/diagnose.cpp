@@ -140,11 +140,10 @@ class Diagnoser {
     });
   }
 
-  /// Corners that follow their own error for many images: with white noise alone every small misfit that lasts is significant, and no
-  /// name stands beside it. Found with the effects in the model, since what is missing moves along a track as well.
+  /// From now on, if they do, points are weighed by the white noise and the walk that their tracks show.
   bool tracks_drift() {
     const TrackNoise& found = evidence_.result().track_noise;
-    if (evidence_.options().track_walk > 0 || found.points == 0 || found.walk_px_per_sqrt_s < decision::kWalkOfWhite * found.white_px) return false;
+    if (!each_track_drifts(evidence_.result(), pixels_)) return false;
     evidence_.options().pixel_sigma = found.white_px;
     evidence_.options().track_walk = found.walk_px_per_sqrt_s;
     out_.tracks = found;

@@ -6,6 +6,7 @@
 #include "diagnose/diagnosis_files.h"
 #include "files/output_run.h"
 #include "replay/model_file.h"
+#include "replay/track_residuals.h"
 
 namespace host {
 namespace {
@@ -38,11 +39,12 @@ Json window_json(const ReplayResult& fit, const Stretch& stretch) {
   std::map<std::int64_t, std::array<double, 3>> image;  // sums and count
   std::map<std::int64_t, const CoreImuResidual*> imu;
   for (const CoreKept& k : fit.kept) {
-    for (const CorePointResidual& r : k.points) {
-      if (!stretch.holds(r.t_ns)) continue;
-      auto& sum = image[r.t_ns];
-      sum[0] += r.u_sigma * fit.model.pixel_sigma;
-      sum[1] += r.v_sigma * fit.model.pixel_sigma;
+    const std::vector<Eigen::Vector2d> r_px = residuals_px(k, fit.model);
+    for (std::size_t i = 0; i < k.points.size(); ++i) {
+      if (!stretch.holds(k.points[i].t_ns)) continue;
+      auto& sum = image[k.points[i].t_ns];
+      sum[0] += r_px[i].x();
+      sum[1] += r_px[i].y();
       sum[2] += 1;
     }
     for (const CoreImuResidual& r : k.imu) {
@@ -72,12 +74,13 @@ struct Track {
 std::map<std::uint32_t, Track> tracks_of(const ReplayResult& fit, const Stretch& stretch) {
   std::map<std::uint32_t, Track> out;
   for (const CoreKept& k : fit.kept) {
+    const std::vector<Eigen::Vector2d> r_px = residuals_px(k, fit.model);
     for (const diagnosis::SeenPoint& s : diagnosis::seen_points(k)) {
       if (!stretch.holds(s.residual->t_ns) || s.point->camera != 0) continue;
-      const double du = s.residual->u_sigma * fit.model.pixel_sigma, dv = s.residual->v_sigma * fit.model.pixel_sigma;
+      const Eigen::Vector2d& r = r_px[static_cast<std::size_t>(s.residual - k.points.data())];
       Track& track = out[k.landmarks[s.point->landmark].track_id];
-      track.square += du * du + dv * dv;
-      track.points[s.residual->t_ns] = {s.point->u, s.point->v, s.point->u + du, s.point->v + dv};
+      track.square += r.squaredNorm();
+      track.points[s.residual->t_ns] = {s.point->u, s.point->v, s.point->u + r.x(), s.point->v + r.y()};
     }
   }
   return out;

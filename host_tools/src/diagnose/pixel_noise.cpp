@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/decision.h"
+
 namespace host::diagnosis {
 namespace {
 
@@ -87,6 +89,14 @@ PixelNoise pixel_noise(const std::vector<CoreKept>& kept) {
     for (const auto& image : images) pairs.add_image(image, views);
   }
   return pairs.noise();
+}
+
+bool each_track_drifts(const ReplayResult& fit, const PixelNoise& neighbours) {
+  const TrackNoise& found = fit.track_noise;
+  const SensorSquares squares = sensor_squares(fit.kept);
+  const double own = neighbours.factor * neighbours.factor * squares.camera_count;
+  const bool by_itself = neighbours.sigma > 0 && own >= decision::kOwnSquares * squares.camera;
+  return by_itself && found.points > 0 && found.walk_px_per_sqrt_s >= decision::kWalkOfWhite * found.white_px;
 }
 
 }  // namespace host::diagnosis

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "diagnose/residuals.h"
+#include "replay/replay.h"
 
 namespace host::diagnosis {
 
@@ -13,5 +14,10 @@ struct PixelNoise {
   int pairs = 0;
 };
 PixelNoise pixel_noise(const std::vector<CoreKept>& kept);
+
+/// Corners that follow their own error for many images: held against white noise, every small misfit that lasts is significant, and no name
+/// stands beside it. What is missing in the model moves along a track as well, but neighbours alike; each track drifts by itself, so
+/// that the differences of neighbours must hold the squares. `neighbours`: pixel_noise of the same fit, of white noise.
+bool each_track_drifts(const ReplayResult& fit, const PixelNoise& neighbours);
 
 }  // namespace host::diagnosis

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "replay/track_residuals.h"
+
 namespace host::diagnosis {
 namespace {
 
@@ -102,12 +104,11 @@ Vector2d middle_of(const std::vector<CoreKept>& kept) {
 /// Where the fit sees each point, px. Measured points hold the very noise that is in their residuals, with the other sign: a
 /// cause made of them is followed by white noise, the more the slower the image moves. What least squares predict is not
 /// correlated with what they leave: for white noise of covariance s^2 I and the projector H on the columns of the fit
-/// cov((I - H) n, H n) = s^2 (I - H) H = 0.
-std::vector<Vector2d> predicted_points(const std::vector<SeenPoint>& seen, double pixel_sigma) {
+/// cov((I - H) n, H n) = s^2 (I - H) H = 0. The same holds for noise that is whitened along the tracks, in its whitened coordinates.
+std::vector<Vector2d> predicted_points(const CoreKept& kept, const std::vector<SeenPoint>& seen, const CoreModel& model) {
+  const std::vector<Vector2d> r_px = residuals_px(kept, model);
   std::vector<Vector2d> out;
-  for (const SeenPoint& s : seen) {
-    out.emplace_back(s.point->u + s.residual->u_sigma * pixel_sigma, s.point->v + s.residual->v_sigma * pixel_sigma);
-  }
+  for (const SeenPoint& s : seen) out.push_back(Vector2d(s.point->u, s.point->v) + r_px[static_cast<std::size_t>(s.residual - kept.points.data())]);
   return out;
 }
 
@@ -122,12 +123,12 @@ Vector2d image_motion(const std::vector<SeenPoint>& seen, const std::vector<Vect
   return (predicted[to] - predicted[from]) / dt;
 }
 
-void add_camera(const CoreKept& kept, double pixel_sigma, const MotionAt& motion, const Vector2d& middle, std::int64_t zero_ns, int* series,
+void add_camera(const CoreKept& kept, const CoreModel& model, const MotionAt& motion, const Vector2d& middle, std::int64_t zero_ns, int* series,
                 ResidualList* u, ResidualList* v, ResidualList* radial) {
   std::vector<MotionAt::Motion> at;
   for (const CoreState& x : kept.keyframes) at.push_back(motion.over(x.t_ns - 25000000, x.t_ns + 25000000));
   const std::vector<SeenPoint> seen = seen_points(kept);
-  const std::vector<Vector2d> predicted = predicted_points(seen, pixel_sigma);
+  const std::vector<Vector2d> predicted = predicted_points(kept, seen, model);
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const CorePoint& p = *seen[i].point;
     if (i == 0 || seen[i - 1].point->landmark != p.landmark) ++*series;
@@ -190,7 +191,7 @@ std::vector<SeenPoint> seen_points(const CoreKept& kept) {
   return out;
 }
 
-std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, double pixel_sigma, const std::vector<ImuData>& imu) {
+std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, const CoreModel& model, const std::vector<ImuData>& imu) {
   std::vector<ResidualList> out;
   for (const char* axis : {"u", "v", "radial"}) out.push_back({"camera", axis, {}, {}, {}});
   for (const char* sensor : {"gyro", "accel"}) {
@@ -203,7 +204,7 @@ std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, doub
   for (const CoreKept& k : kept) zero_ns = std::min(zero_ns, k.segment.start_ns);
   int series = 0, segment = 0;
   for (const CoreKept& k : kept) {
-    add_camera(k, pixel_sigma, motion, middle, zero_ns, &series, &out[0], &out[1], &out[2]);
+    add_camera(k, model, motion, middle, zero_ns, &series, &out[0], &out[1], &out[2]);
     add_imu(k, motion, zero_ns, segment++, &out[3], &out[6]);
   }
   return out;

@@ -29,8 +29,8 @@ struct SeenPoint {
 };
 std::vector<SeenPoint> seen_points(const CoreKept& kept);
 
-/// `pixel_sigma`: px, by which the points' residuals were divided.
-std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, double pixel_sigma, const std::vector<ImuData>& imu);
+/// `model`: the noise by which the points' residuals were whitened.
+std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, const CoreModel& model, const std::vector<ImuData>& imu);
 
 /// Sums of squares by sensor.
 struct SensorSquares {

@@ -34,4 +34,13 @@ std::vector<Eigen::Vector2d> residuals_px(const std::vector<TrackResidual>& trac
   return out;
 }
 
+std::vector<Eigen::Vector2d> residuals_px(const CoreKept& kept, const CoreModel& model) {
+  std::vector<Eigen::Vector2d> out(kept.points.size(), Eigen::Vector2d::Zero());
+  for (const auto& [key, track] : tracks_of_segment(kept)) {
+    const std::vector<Eigen::Vector2d> r_px = residuals_px(track, model);
+    for (std::size_t i = 0; i < track.size(); ++i) out[static_cast<std::size_t>(track[i].residual - kept.points.data())] = r_px[i];
+  }
+  return out;
+}
+
 }  // namespace host

@@ -2,7 +2,7 @@
 // when the rules of diagnosis stood, and no rule was made from them.
 #pragma once
 
-#include "effect.h"
+#include "effects_imu.h"
 
 namespace host::sim {
 
@@ -40,7 +40,7 @@ class WanderingStamps : public Effect {
 };
 
 /// A tone on all axes of the gyroscope within the band of motion: k sin(2 pi 1.3 Hz t).
-class GyroHum : public Effect {
+class GyroHum : public ImuEffect {
  public:
   explicit GyroHum(double k) : k_(k) {}
   EffectTruth truth() const override { return {"outside:gyro_hum", {{"k", k_, "rad/s"}}}; }
