@@ -108,6 +108,7 @@ Vector2d middle_of(const std::vector<CoreKept>& kept) {
 std::vector<Vector2d> predicted_points(const CoreKept& kept, const std::vector<SeenPoint>& seen, const CoreModel& model) {
   const std::vector<Vector2d> r_px = residuals_px(kept, model);
   std::vector<Vector2d> out;
+  out.reserve(seen.size());
   for (const SeenPoint& s : seen) out.push_back(Vector2d(s.point->u, s.point->v) + r_px[static_cast<std::size_t>(s.residual - kept.points.data())]);
   return out;
 }
