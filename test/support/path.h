@@ -2,6 +2,8 @@
 // angles from sines.
 #pragma once
 
+#include <algorithm>
+
 #include "random.h"
 #include "sensors/imu_link.h"
 
@@ -22,13 +24,10 @@ struct Wave {
 struct Path {
   Wave move[3], turn[3];
   Vec3<double> g{0, 0, -9.80665};
+  double rest_s = 0;   ///< it stands still for so long, then sets off within two seconds
 
-  Vec3<double> position(double t, int derivative) const {
-    return {move[0].at(t, derivative), move[1].at(t, derivative), move[2].at(t, derivative)};
-  }
-  Vec3<double> angles(double t, int derivative) const {
-    return {turn[0].at(t, derivative), turn[1].at(t, derivative), turn[2].at(t, derivative)};
-  }
+  Vec3<double> position(double t, int derivative) const { return along(move, t, derivative); }
+  Vec3<double> angles(double t, int derivative) const { return along(turn, t, derivative); }
   Mat3<double> attitude(double t) const {
     const Vec3<double> a = angles(t, 0);
     return so3_exp<double>({0, 0, a.z()}) * so3_exp<double>({0, a.y(), 0}) * so3_exp<double>({a.x(), 0, 0});
@@ -47,6 +46,19 @@ struct Path {
     x.p_GI = position(t, 0);
     x.v_GI = position(t, 1);
     return x;
+  }
+
+ private:
+  /// Derivative 0, 1 or 2 by time of the waves at s(t), the path's own time: ds/dt goes from 0 to 1 as 3 u^2 - 2 u^3.
+  Vec3<double> along(const Wave* wave, double t, int derivative) const {
+    constexpr double kRamp = 2;   // s
+    const double u = std::min(std::max((t - rest_s) / kRamp, 0.0), 1.0);
+    const bool moves = rest_s <= 0 || u == 1;
+    const double late = rest_s > 0 ? rest_s + kRamp / 2 : 0;
+    const double s = moves ? t - late : kRamp * u * u * u * (1 - u / 2), s1 = moves ? 1 : u * u * (3 - 2 * u), s2 = moves ? 0 : 6 * u * (1 - u) / kRamp;
+    const auto at = [&](int n) { return Vec3<double>(wave[0].at(s, n), wave[1].at(s, n), wave[2].at(s, n)); };
+    if (derivative == 0) return at(0);
+    return derivative == 1 ? Vec3<double>(s1 * at(1)) : Vec3<double>(s1 * s1 * at(2) + s2 * at(1));
   }
 };
 

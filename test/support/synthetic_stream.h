@@ -20,8 +20,10 @@ class SyntheticStream {
   std::vector<segcal_imu_t> imu;
   std::vector<Frame> frames;   ///< frame i has the stamp of IMU sample 20 i
 
-  SyntheticStream(std::uint32_t seed, double seconds) : random_(seed) {
+  /// `rest_s`: it stands still for so long.
+  SyntheticStream(std::uint32_t seed, double seconds, double rest_s = 0) : random_(seed) {
     path_ = random_path(&random_, 1, 1);
+    path_.rest_s = rest_s;
     camera_.model = Distortion::fov;
     camera_.intrinsics << 256, 256, 320, 240;
     camera_.distortion << 0.92, 0, 0, 0;
