@@ -9,14 +9,15 @@ namespace {
 
 using namespace test;
 
-// A score takes up to 1180 slices (profile mobile; 320 in mcu): a segment lasts so many samples. A calibration from four segments takes up to
-// 52,000 (9000 in mcu), 260 s: so many segments its window has. The start in motion has no such setting but SEGCAL_START_DELAY_MS in
-// profile mcu: it starts at rest.
+// A score takes up to 1180 slices (320 in profile mcu): a segment lasts so many samples. A calibration takes up to 52,000 from three and four
+// segments in profile mobile, 28,000 from eight in mcu: so many segments its window has. Where it starts in motion, profile mcu does that
+// in slices that have half a second (SEGCAL_START_DELAY_MS): it starts at rest.
 constexpr bool kMcu = SEGCAL_PROFILE == SEGCAL_PROFILE_MCU;
 constexpr double kSegmentSeconds = 6, kRestSeconds = 2;
-constexpr int kWindow = kMcu ? 9 : 46;
-constexpr int kSeconds = kMcu ? 170 : 640;
-constexpr std::size_t kRequest = (kMcu ? 90 : 320) * 200;   ///< the first one, from 25 s on, has taken effect by then
+constexpr int kSegments = kMcu ? 8 : 3;
+constexpr int kWindow = kMcu ? 26 : 46;
+constexpr int kSeconds = kMcu ? 450 : 640;
+constexpr std::size_t kRequest = (kMcu ? 240 : 320) * 200;   ///< the first one, from 25 or 55 s on, has taken effect by then
 
 const SyntheticStream& stream() {
   static const SyntheticStream instance(7, kSeconds, kRestSeconds);
@@ -35,7 +36,7 @@ struct Run {
 Run run(const Schedule& schedule) {
   Storage storage(0xFF);
   segcal_config_t config = SyntheticStream::config();
-  config.keep_segments = 3;
+  config.keep_segments = kSegments;
   config.segment_s = kSegmentSeconds;
   config.calibration_window = kWindow;
   segcal_t* device = create(&storage, config);

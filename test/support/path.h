@@ -54,8 +54,10 @@ struct Path {
     constexpr double kRamp = 2;   // s
     const double u = std::min(std::max((t - rest_s) / kRamp, 0.0), 1.0);
     const bool moves = rest_s <= 0 || u == 1;
-    const double late = rest_s > 0 ? rest_s + kRamp / 2 : 0;
-    const double s = moves ? t - late : kRamp * u * u * u * (1 - u / 2), s1 = moves ? 1 : u * u * (3 - 2 * u), s2 = moves ? 0 : 6 * u * (1 - u) / kRamp;
+    const double behind = rest_s > 0 ? rest_s + kRamp / 2 : 0;
+    const double s = moves ? t - behind : kRamp * u * u * u * (1 - u / 2);
+    const double s1 = moves ? 1 : u * u * (3 - 2 * u);
+    const double s2 = moves ? 0 : 6 * u * (1 - u) / kRamp;
     const auto at = [&](int n) { return Vec3<double>(wave[0].at(s, n), wave[1].at(s, n), wave[2].at(s, n)); };
     if (derivative == 0) return at(0);
     return derivative == 1 ? Vec3<double>(s1 * at(1)) : Vec3<double>(s1 * s1 * at(2) + s2 * at(1));

@@ -128,9 +128,12 @@
 #endif
 /* The filter's start in motion is background work, which takes effect this long (ms) after the frames that it was made from, so
    that it does not matter when it was done. 0: it is done at once, in one long frame. The IMU history must hold those frames
-   and this time. */
+   and this time. At most 1500: the filter begins anew after 2 s without a feature. */
 #ifndef SEGCAL_START_DELAY_MS
 #define SEGCAL_START_DELAY_MS SEGCAL_DEFAULT_START_DELAY_MS
+#endif
+#if SEGCAL_START_DELAY_MS > 1500
+#error "SEGCAL_START_DELAY_MS: 0 to 1500; the filter begins anew after 2 s without a feature, and a start that takes effect later never stays"
 #endif
 
 /* Frames that may wait for the IMU samples of their time, which come late from sensors with a FIFO: a block may last this many

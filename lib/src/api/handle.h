@@ -5,6 +5,8 @@
 
 #if defined(__FAST_MATH__)
 #error "segcal must not be compiled with -ffast-math: it reorders sums and drops checks for NaN, and no replay gives the same bits"
+#elif defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
+#error "segcal must not be compiled with -ffinite-math-only: it drops checks for NaN"
 #endif
 
 namespace SEGCAL_NS {
