@@ -27,5 +27,10 @@ set(SEGCAL_STORE_SOURCES
 # exceptions, RTTI or guards of statics.
 set(SEGCAL_CORE_C_OPTIONS -ffp-contract=off -fno-math-errno -fvisibility=hidden)
 set(SEGCAL_CORE_CXX_OPTIONS -fno-exceptions -fno-rtti -fno-threadsafe-statics)
+# GCC may let inlining make a unit 40 % larger, and here it does. With 25 % the code is 4 % smaller on a Cortex-M, and a frame takes 1 %
+# more instructions, a score 4 %. Other compilers do not know the parameter.
+if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+  list(APPEND SEGCAL_CORE_CXX_OPTIONS --param=inline-unit-growth=25)
+endif()
 # Eigen's checks call assert(), which a library without libc's must not; with SEGCAL_ASSERT=1 they call the port's instead.
 set(SEGCAL_CORE_DEFINITIONS EIGEN_DONT_VECTORIZE EIGEN_NO_MALLOC EIGEN_NO_IO EIGEN_DONT_PARALLELIZE EIGEN_NO_DEBUG)

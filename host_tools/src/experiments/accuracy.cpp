@@ -59,6 +59,19 @@ Json accuracy_run(const Json& parameters) {
   return {{"after_session", after}};
 }
 
+namespace {
+
+void add_limits(const std::string& dataset, const std::map<std::string, double>& ratio, Findings* out) {
+  for (const char* name : {"A", "D", "E", "set_d"}) {
+    if (ratio.count(name)) out->limits.push_back({std::string(name) + " against all, " + dataset, ratio.at(name), most_ratio, "-", false});
+  }
+  if (!ratio.count("set_d")) return;
+  const double best = std::min({ratio.at("A"), ratio.at("D"), ratio.at("E")});
+  out->limits.push_back({"set_d against the best of A, D, E, " + dataset, ratio.at("set_d") / best, most_set_d_ratio, "-", false});
+}
+
+}  // namespace
+
 Findings accuracy_gather(const std::vector<CellResult>& cells) {
   std::map<std::string, std::map<std::string, Row>> rows;
   for (const CellResult& c : cells) {
@@ -91,13 +104,7 @@ Findings accuracy_gather(const std::vector<CellResult>& cells) {
         boxes[m.name].y.push_back(v);
       }
     }
-    for (const char* name : {"A", "D", "E", "set_d"}) {
-      if (ratio.count(name)) out.limits.push_back({std::string(name) + " against all, " + d.name, ratio[name], most_ratio, "-", false});
-    }
-    if (ratio.count("set_d")) {
-      const double best = std::min({ratio["A"], ratio["D"], ratio["E"]});
-      out.limits.push_back({std::string("set_d against the best of A, D, E, ") + d.name, ratio["set_d"] / best, most_set_d_ratio, "-", false});
-    }
+    add_limits(d.name, ratio, &out);
   }
   for (const Method& m : methods()) {
     boxes[m.name].name = m.name;

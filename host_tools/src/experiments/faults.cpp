@@ -175,6 +175,33 @@ Json faults_run(const Json& parameters) {
           {"segments", r.result.segments}, {"said", said(r)}, {"seconds", seconds}};
 }
 
+namespace {
+
+/// Adds a run to its kind's row, and to `wrong` if it is. `clean`: counters of the recording without a fault.
+void add_run(const CellResult& c, const Json& clean, Row* row, Table* wrong) {
+  const FaultKind& kind = fault_kind(c.parameters.at("kind"));
+  const std::set<std::string> names = named(c.result, clean);
+  const std::string cause = c.result.at("said").at("cause");
+  const double sigmas = c.result.at("largest").is_null() ? INFINITY : c.result.at("largest").get<double>();
+  ++row->n;
+  row->reported += reported(kind, names, cause) ? 1 : 0;
+  for (const std::string& name : names) ++row->names[name];
+  row->seconds = std::max(row->seconds, c.result.at("seconds").get<double>());
+  if (c.result.at("status") != "calibrated") {
+    if (row->cause.empty()) row->cause = cause;
+    return;
+  }
+  ++row->calibrated;
+  if (sigmas > row->largest.sigmas) row->largest = {sigmas, c.result.at("largest_of")};
+  if (sigmas <= wrong_sigmas) return;
+  ++row->wrong;
+  std::map<std::string, int> once;
+  for (const std::string& name : names) once[name] = 1;
+  wrong->rows.push_back({kind.name, c.parameters.at("seed"), sigmas, c.result.at("largest_of"), c.result.at("chi2_per_dof"), joined(once, 1)});
+}
+
+}  // namespace
+
 Findings faults_gather(const std::vector<CellResult>& cells) {
   std::map<std::string, Json> clean;  // counters, by seed
   for (const CellResult& c : cells)
@@ -182,28 +209,7 @@ Findings faults_gather(const std::vector<CellResult>& cells) {
   std::map<std::string, Row> rows;
   Table wrong{"Called calibrated, and wrong", "Beyond five sigma.",
               {{"fault", ""}, {"seed", "-"}, {"largest error", "sigma"}, {"of", ""}, {"chi2/dof", "-"}, {"named", ""}}, {}};
-  for (const CellResult& c : cells) {
-    const FaultKind& kind = fault_kind(c.parameters.at("kind"));
-    Row& row = rows[kind.name];
-    const std::set<std::string> names = named(c.result, clean[c.parameters.at("seed").dump()]);
-    const std::string cause = c.result.at("said").at("cause");
-    const double sigmas = c.result.at("largest").is_null() ? INFINITY : c.result.at("largest").get<double>();
-    ++row.n;
-    row.reported += reported(kind, names, cause) ? 1 : 0;
-    for (const std::string& name : names) ++row.names[name];
-    row.seconds = std::max(row.seconds, c.result.at("seconds").get<double>());
-    if (c.result.at("status") != "calibrated") {
-      if (row.cause.empty()) row.cause = cause;
-      continue;
-    }
-    ++row.calibrated;
-    if (sigmas > row.largest.sigmas) row.largest = {sigmas, c.result.at("largest_of")};
-    if (sigmas <= wrong_sigmas) continue;
-    ++row.wrong;
-    std::map<std::string, int> once;
-    for (const std::string& name : names) once[name] = 1;
-    wrong.rows.push_back({kind.name, c.parameters.at("seed"), sigmas, c.result.at("largest_of"), c.result.at("chi2_per_dof"), joined(once, 1)});
-  }
+  for (const CellResult& c : cells) add_run(c, clean[c.parameters.at("seed").dump()], &rows[c.parameters.at("kind")], &wrong);
   Table table{"Faults", "Named: fault counters above those of the clean recording, suspects of the review, the clock's offset; in brackets the runs, where "
               "it was not all. Errors are of released entries of calibrated runs, in their sigmas.",
               {{"fault", ""}, {"what", ""}, {"runs", "-"}, {"reported by name", "-"}, {"calibrated", "-"}, {"beyond 5 sigma", "-"}, {"largest error", "sigma"},

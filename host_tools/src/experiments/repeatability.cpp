@@ -35,25 +35,65 @@ Json repeatability_run(const Json& parameters) {
   return {{"status", result.status}, {"parameters", parameters_json(result, sessions.front().truth)}};
 }
 
-Findings repeatability_gather(const std::vector<CellResult>& cells) {
-  struct Record {
-    std::string unit;
-    double truth = 0;
-    std::vector<double> value, sigma;
-  };
+namespace {
+
+struct Record {
+  std::string unit;
+  double truth = 0;
+  std::vector<double> value, sigma;
+};
+
+/// Of all sessions, in the order of the calibration vector.
+struct Records {
   std::vector<std::string> names;
-  std::map<std::pair<std::string, std::string>, Record> records;
+  std::map<std::pair<std::string, std::string>, Record> of;   ///< by parameter and method
+};
+
+Records records_of(const std::vector<CellResult>& cells) {
+  Records out;
   for (const CellResult& c : cells) {
     for (const Json& p : c.result.at("parameters")) {
       const std::string name = p.at("name");
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-      Record& r = records[{name, c.parameters.at("method")}];
+      if (std::find(out.names.begin(), out.names.end(), name) == out.names.end()) out.names.push_back(name);
+      Record& r = out.of[{name, c.parameters.at("method")}];
       r.unit = p.at("unit");
       r.truth = p.at("truth");
       r.value.push_back(p.at("value"));
       r.sigma.push_back(p.at("sigma"));
     }
   }
+  return out;
+}
+
+/// What one method's answers scatter by.
+struct Scatter {
+  std::vector<double> against_all, against_sigma, squares;
+  Series bars;
+};
+
+/// Adds the method's rows to `table`.
+Scatter scatter_of(const Records& records, const std::string& method, Table* table) {
+  Scatter out;
+  out.bars.name = method;
+  for (const std::string& name : records.names) {
+    const auto it = records.of.find({name, method});
+    if (it == records.of.end()) continue;
+    const Record& r = it->second;
+    const double scatter = deviation(r.value), ratio = scatter / deviation(records.of.at({name, "all"}).value);
+    table->rows.push_back({name, r.unit, method, r.truth, mean(r.value), scatter, mean(r.sigma), mean(r.value) - r.truth, ratio, r.value.size()});
+    for (std::size_t i = 0; i < r.value.size(); ++i) out.squares.push_back(std::pow((r.value[i] - r.truth) / r.sigma[i], 2));
+    out.against_all.push_back(ratio);
+    out.against_sigma.push_back(scatter / mean(r.sigma));
+    out.bars.x.push_back(name);
+    out.bars.y.push_back(ratio);
+  }
+  return out;
+}
+
+}  // namespace
+
+Findings repeatability_gather(const std::vector<CellResult>& cells) {
+  const Records records = records_of(cells);
   Findings out;
   Table table{"Parameters over sessions", "One device, each session calibrated by itself from the data sheet's values.",
               {{"parameter", ""}, {"unit", ""}, {"method", ""}, {"truth", "unit"}, {"mean", "unit"}, {"scatter", "unit"},
@@ -63,24 +103,10 @@ Findings repeatability_gather(const std::vector<CellResult>& cells) {
                 {{"method", ""}, {"scatter against all", "-"}, {"scatter against stated sigma", "-"}, {"mean (error/sigma)^2", "-"}}, {}};
   Figure figure{"Scatter against that of all segments", "bars", "parameter", "ratio [-]", true, {}};
   for (const Method& m : methods()) {
-    std::vector<double> against_all, against_sigma, squares;
-    Series bars{m.name, {}, {}};
-    for (const std::string& name : names) {
-      const auto it = records.find({name, m.name});
-      if (it == records.end()) continue;
-      const Record& r = it->second;
-      const double scatter = deviation(r.value), ratio = scatter / deviation(records.at({name, "all"}).value);
-      table.rows.push_back({name, r.unit, m.name, r.truth, mean(r.value), scatter, mean(r.sigma), mean(r.value) - r.truth, ratio,
-                            r.value.size()});
-      for (std::size_t i = 0; i < r.value.size(); ++i) squares.push_back(std::pow((r.value[i] - r.truth) / r.sigma[i], 2));
-      against_all.push_back(ratio);
-      against_sigma.push_back(scatter / mean(r.sigma));
-      bars.x.push_back(name);
-      bars.y.push_back(ratio);
-    }
-    if (bars.x.empty()) continue;
-    summary.rows.push_back({m.name, geometric_mean(against_all), geometric_mean(against_sigma), mean(squares)});
-    figure.series.push_back(bars);
+    const Scatter of = scatter_of(records, m.name, &table);
+    if (of.bars.x.empty()) continue;
+    summary.rows.push_back({m.name, geometric_mean(of.against_all), geometric_mean(of.against_sigma), mean(of.squares)});
+    figure.series.push_back(of.bars);
   }
   out.tables = {table, summary};
   out.figures = {figure};

@@ -8,8 +8,6 @@ namespace {
 
 using Matrix15 = Eigen::Matrix<double, kLinkRows, kLinkRows>;
 using Jet21 = ceres::Jet<double, kIntegralInputs>;
-constexpr int kAll = 2 * (kPoseSize + kMotionSize) + kImuSize;
-using Jet45 = ceres::Jet<double, kAll>;
 
 double seconds(std::int64_t from_ns, std::int64_t to_ns) { return static_cast<double>(to_ns - from_ns) * 1e-9; }
 
@@ -163,21 +161,8 @@ void LinkResidual::residual(const Integral<T>& integral, const T* pose0, const T
   for (int i = 0; i < 6; ++i) r(9 + i) = motion1[3 + i] - motion0[3 + i];
 }
 
-bool LinkResidual::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
-  double inputs[kIntegralInputs];
-  std::copy_n(parameters[1] + 3, 6, inputs);
-  std::copy_n(parameters[4], kImuSize, inputs + 6);
-  using Vector15 = Eigen::Matrix<double, kLinkRows, 1>;
-  if (!jacobians) {
-    const Sensor<double> sensor(inputs, R_AI0_);
-    Integral<double> x;
-    for (const Step& step : steps_) integrate(step, sensor, &x);
-    Vector15 r;
-    residual(x, parameters[0], parameters[1], parameters[2], parameters[3], r.data());
-    Eigen::Map<Vector15>{residuals} = weight_ * r;
-    return true;
-  }
-  // The integral by its 21 inputs first; these are then put where the link's 45 unknowns have them.
+/// The integral by its 21 inputs, and these put where the link's 45 unknowns have them.
+Integral<Jet45> LinkResidual::integral_by_unknowns(const double* inputs) const {
   Jet21 jet_inputs[kIntegralInputs];
   for (int i = 0; i < kIntegralInputs; ++i) jet_inputs[i] = Jet21(inputs[i], i);
   const Sensor<Jet21> sensor(jet_inputs, R_AI0_);
@@ -195,20 +180,41 @@ bool LinkResidual::Evaluate(double const* const* parameters, double* residuals, 
     y.v(i) = widened(x.v(i));
     y.p(i) = widened(x.p(i));
   }
+  return y;
+}
+
+void LinkResidual::evaluate_alone(double const* const* parameters, const double* inputs, double* residuals) const {
+  using Vector15 = Eigen::Matrix<double, kLinkRows, 1>;
+  const Sensor<double> sensor(inputs, R_AI0_);
+  Integral<double> x;
+  for (const Step& step : steps_) integrate(step, sensor, &x);
+  Vector15 r;
+  residual(x, parameters[0], parameters[1], parameters[2], parameters[3], r.data());
+  Eigen::Map<Vector15>{residuals} = weight_ * r;
+}
+
+bool LinkResidual::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
+  double inputs[kIntegralInputs];
+  std::copy_n(parameters[1] + 3, 6, inputs);
+  std::copy_n(parameters[4], kImuSize, inputs + 6);
+  if (!jacobians) {
+    evaluate_alone(parameters, inputs, residuals);
+    return true;
+  }
   static constexpr int kSize[4] = {kPoseSize, kMotionSize, kPoseSize, kMotionSize};
   Jet45 unknowns[kAll];
   for (int b = 0, at = 0; b < 4; at += kSize[b++]) {
     for (int i = 0; i < kSize[b]; ++i) unknowns[at + i] = Jet45(parameters[b][i], at + i);
   }
   Jet45 r[kLinkRows];
-  residual(y, unknowns, unknowns + 6, unknowns + 15, unknowns + 21, r);
-  Vector15 value;
+  residual(integral_by_unknowns(inputs), unknowns, unknowns + 6, unknowns + 15, unknowns + 21, r);
+  Eigen::Matrix<double, kLinkRows, 1> value;
   Eigen::Matrix<double, kLinkRows, kAll> J;
   for (int i = 0; i < kLinkRows; ++i) {
     value(i) = r[i].a;
     J.row(i) = r[i].v.transpose();
   }
-  Eigen::Map<Vector15>{residuals} = weight_ * value;
+  Eigen::Map<Eigen::Matrix<double, kLinkRows, 1>>{residuals} = weight_ * value;
   const Eigen::Matrix<double, kLinkRows, kAll> whitened = weight_ * J;
   const auto put = [&](int block, int at, auto width) {
     constexpr int n = decltype(width)::value;

@@ -85,6 +85,10 @@ void integrate(const Step& step, const Sensor<T>& sensor, Integral<T>* x) {
   x->q.normalize();
 }
 
+/// By all unknowns of a link.
+constexpr int kAll = 2 * (kPoseSize + kMotionSize) + kImuSize;
+using Jet45 = ceres::Jet<double, kAll>;
+
 /// One IMU link, with fixed weights: [rotation | velocity | position | b_a | b_g], whitened.
 class LinkResidual final : public ceres::SizedCostFunction<kLinkRows, kPoseSize, kMotionSize, kPoseSize, kMotionSize, kImuSize> {
  public:
@@ -93,6 +97,8 @@ class LinkResidual final : public ceres::SizedCostFunction<kLinkRows, kPoseSize,
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
  private:
+  Integral<Jet45> integral_by_unknowns(const double* inputs) const;
+  void evaluate_alone(double const* const* parameters, const double* inputs, double* residuals) const;
   template <class T>
   void residual(const Integral<T>& integral, const T* pose0, const T* motion0, const T* pose1, const T* motion1, T* out) const;
   void weigh(const CoreModel& model, const LinkNoise& white, const double* inputs);

@@ -3,16 +3,24 @@
 namespace host {
 
 // One per profile, from profile/core_of_profile.cpp.
-std::unique_ptr<Core> make_core_segcal_mcu(const CoreOptions& options);
-std::unique_ptr<Core> make_core_segcal_mobile(const CoreOptions& options);
-std::unique_ptr<Core> make_core_segcal_host(const CoreOptions& options);
-std::unique_ptr<Core> make_core_segcal_mobile_double(const CoreOptions& options);
+namespace segcal_mcu_core {
+std::unique_ptr<Core> make_core(const CoreOptions& options);
+}
+namespace segcal_mobile_core {
+std::unique_ptr<Core> make_core(const CoreOptions& options);
+}
+namespace segcal_host_core {
+std::unique_ptr<Core> make_core(const CoreOptions& options);
+}
+namespace segcal_mobile_double_core {
+std::unique_ptr<Core> make_core(const CoreOptions& options);
+}
 
 std::unique_ptr<Core> make_core(const std::string& profile, const CoreOptions& options) {
-  if (profile == "mcu") return make_core_segcal_mcu(options);
-  if (profile == "mobile") return make_core_segcal_mobile(options);
-  if (profile == "host") return make_core_segcal_host(options);
-  if (profile == "mobile_double") return make_core_segcal_mobile_double(options);
+  if (profile == "mcu") return segcal_mcu_core::make_core(options);
+  if (profile == "mobile") return segcal_mobile_core::make_core(options);
+  if (profile == "host") return segcal_host_core::make_core(options);
+  if (profile == "mobile_double") return segcal_mobile_double_core::make_core(options);
   throw InputError("--profile: expected mcu, mobile, host or mobile_double, found '" + profile + "'");
 }
 

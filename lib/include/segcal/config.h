@@ -75,9 +75,15 @@
 #error "SEGCAL_PROFILE: 1 (mcu), 2 (mobile) or 3 (host)"
 #endif
 
-/* The C++ namespace of this build. */
+/* The C++ namespace of this build. It follows the prefix, so that two builds in one program never share a type or a function,
+   whatever their capacities. */
 #ifndef SEGCAL_NS
+#ifdef SEGCAL_RENAME
+#include "segcal/symbol_names.h"
+#define SEGCAL_NS SEGCAL_NAME(core)
+#else
 #define SEGCAL_NS SEGCAL_DEFAULT_NS
+#endif
 #endif
 /* Cameras per device. Each adds 14 entries to the calibration vector. */
 #ifndef SEGCAL_MAX_CAMERAS

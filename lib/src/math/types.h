@@ -42,4 +42,37 @@ Vec3<S> cross(const Vec3<S>& a, const Vec3<S>& b) {
   return Vec3<S>(a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x());
 }
 
+
+/// Products of 3 x 3 matrices, one copy in the code for all who multiply: as Eigen's expressions they are unrolled anew in each place
+/// (27 products; or nine calls, where the inliner's budget is spent). Sums run from left to right.
+template <class S, class A, class B>
+Mat3<S> product3(const A& a, const B& b) {
+  Mat3<S> out;
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) out(i, j) = a(i, 0) * b(0, j) + a(i, 1) * b(1, j) + a(i, 2) * b(2, j);
+  return out;
+}
+template <class S>
+[[gnu::noinline]] Mat3<S> operator*(const Mat3<S>& a, const Mat3<S>& b) {
+  return product3<S>(a, b);
+}
+template <class S>
+[[gnu::noinline]] Mat3<S> operator*(const Mat3<S>& a, const Eigen::Transpose<const Mat3<S>>& b) {
+  return product3<S>(a, b);
+}
+template <class S>
+[[gnu::noinline]] Mat3<S> operator*(const Eigen::Transpose<const Mat3<S>>& a, const Mat3<S>& b) {
+  return product3<S>(a, b);
+}
+template <class S>
+Mat3<S> operator*(const Mat3<S>& a, const Eigen::Transpose<Mat3<S>>& b) {
+  const Mat3<S>& whole = b.nestedExpression();
+  return a * whole.transpose();
+}
+template <class S>
+Mat3<S> operator*(const Eigen::Transpose<Mat3<S>>& a, const Mat3<S>& b) {
+  const Mat3<S>& whole = a.nestedExpression();
+  return whole.transpose() * b;
+}
+
 }  // namespace SEGCAL_NS

@@ -70,7 +70,7 @@ Exposure<S> exposure_of(const Segment<S>& segment, const Observation& z, const C
 }
 
 template <class S>
-ImageTerms<S> image_terms_at(const Observation& z, const Calibration<S>& theta) {
+[[gnu::always_inline]] inline ImageTerms<S> image_terms_at(const Observation& z, const Calibration<S>& theta) {
   const S middle = theta.camera[z.camera].middle_row;
   return {theta.effects.any_of_image() ? &theta.effects : nullptr, (S(z.v) - middle) / middle};
 }

@@ -80,17 +80,24 @@ bool reprojection_jacobians(const CameraCalibration<S>& camera, const Mat3<S>& R
   Mat<S, 2, 3> J_h;
   Mat<S, 2, kIntrinsicColumns> J_i;
   if (!project(camera, h, predicted, &J_h, &J_i, terms, &rows->d)) return false;
-  const Mat<S, 2, 3> J_I = J_h * camera.R_CI;              // by h_I
-  const Mat<S, 2, 3> J_G = J_I * R_GI.transpose();         // by the bracket in G
   Vec3<S> e1, e2;
   tangent_basis(l.m, &e1, &e2);
-  rows->J_l.col(0) = J_G * e1;
-  rows->J_l.col(1) = J_G * e2;
-  rows->J_l.col(2) = J_G * from_I + J_h * camera.p_CI;
-  rows->J_pose.template leftCols<3>() = J_I * skew(h_I);   // R <- R Exp(d): h_I moves by [h_I]x d
-  rows->J_pose.template rightCols<3>() = -l.rho * J_G;
-  rows->J_camera.template leftCols<3>() = -J_h * skew(rotated);  // R_CI <- Exp(d) R_CI
-  rows->J_camera.template middleCols<3>(3) = l.rho * J_h;
+  for (int i = 0; i < 2; ++i) {
+    const Vec3<S> by_h(J_h(i, 0), J_h(i, 1), J_h(i, 2));
+    const Vec3<S> by_I = camera.R_CI.transpose() * by_h;  // by h_I
+    const Vec3<S> by_G = R_GI * by_I;                     // by the bracket in G
+    const Vec3<S> by_turn = cross<S>(by_I, h_I);          // R <- R Exp(d): h_I moves by [h_I]x d
+    const Vec3<S> by_camera_turn = cross<S>(rotated, by_h);  // R_CI <- Exp(d) R_CI: h moves by -[rotated]x d
+    rows->J_l(i, 0) = by_G.dot(e1);
+    rows->J_l(i, 1) = by_G.dot(e2);
+    rows->J_l(i, 2) = by_G.dot(from_I) + by_h.dot(camera.p_CI);
+    for (int c = 0; c < 3; ++c) {
+      rows->J_pose(i, c) = by_turn(c);
+      rows->J_pose(i, 3 + c) = -l.rho * by_G(c);
+      rows->J_camera(i, c) = by_camera_turn(c);
+      rows->J_camera(i, 3 + c) = l.rho * by_h(c);
+    }
+  }
   rows->J_camera.template rightCols<kIntrinsicColumns>() = J_i;
   return true;
 }

@@ -4,37 +4,26 @@
 
 #include "math/small_solvers.h"
 #include "segments/exposure.h"
+#include "segments/landmark_guess.h"
 #include "segments/track_noise.h"
 
 namespace SEGCAL_NS {
 
-/// First guess: the ray of the first image point, and the inverse distance that brings the others' rays together in the
-/// least-squares sense: u x (A m + rho b) = 0 for each of them.
+/// First guess of landmark j, from the rays of its image points.
 template <class S>
 bool start_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta, const Vec3<S>& g, Landmark<S>* l) {
-  const Observation& first = segment.observation[segment.first_observation[j]];
-  const CameraCalibration<S>& c0 = theta.camera[first.camera];
-  const Exposure<S> x0 = exposure_of(segment, first, theta, g, false);
-  Vec2<S> xy;
-  if (!unproject(c0, Vec2<S>(S(first.u), S(first.v)), &xy)) return false;
-  const Vec3<S> ray = c0.R_CI.transpose() * Vec3<S>(xy.x(), xy.y(), S(1));
-  l->m = x0.R_GI * (ray / square_root(ray.squaredNorm()));
-  l->o = x0.p_GI - x0.R_GI * (c0.R_CI.transpose() * c0.p_CI);
-  S numerator = S(0), denominator = S(0);
-  for (int o = segment.first_observation[j] + 1; o < segment.first_observation[j + 1]; ++o) {
+  const auto ray = [&](int o, Vec3<S>* from, Vec3<S>* m) {
     const Observation& z = segment.observation[o];
-    const CameraCalibration<S>& c = theta.camera[z.camera];
     const Exposure<S> x = exposure_of(segment, z, theta, g, false);
-    if (!unproject(c, Vec2<S>(S(z.u), S(z.v)), &xy)) continue;
-    const Vec3<S> u(xy.x(), xy.y(), S(1));
-    const Vec3<S> a = cross<S>(u, c.R_CI * (x.R_GI.transpose() * l->m));
-    const Vec3<S> b = cross<S>(u, c.R_CI * (x.R_GI.transpose() * (l->o - x.p_GI)) + c.p_CI);
-    numerator -= a.dot(b);
-    denominator += b.squaredNorm();
+    return ray_in_world(theta.camera[z.camera], x.R_GI, x.p_GI, Vec2<S>(S(z.u), S(z.v)), from, m);
+  };
+  if (!ray(segment.first_observation[j], &l->o, &l->m)) return false;
+  LandmarkGuess<S> guess(l);
+  for (int o = segment.first_observation[j] + 1; o < segment.first_observation[j + 1]; ++o) {
+    Vec3<S> from, m;
+    if (ray(o, &from, &m)) guess.add(from, m);
   }
-  l->rho = denominator > S(1e-8) ? numerator / denominator : S(0);
-  if (!(l->rho > S(0))) l->rho = S(0);
-  if (l->rho > S(5)) l->rho = S(5);
+  guess.finish();
   return true;
 }
 

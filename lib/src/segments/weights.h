@@ -1,6 +1,7 @@
 // Measurement model of a segment: noise, priors on nuisance states, robust weights.
 #pragma once
 
+#include "segments/landmark_guess.h"
 #include "sensors/imu_link.h"
 
 namespace SEGCAL_NS {
@@ -15,12 +16,8 @@ struct MeasurementModel {
   S bias_a_sigma = S(1);           ///< m/s^2, accelerometer bias at the start of a partition
   S bias_g_sigma = S(0.5);         ///< rad/s, gyroscope bias at the start of a partition
   S velocity_sigma = S(30);        ///< m/s
-  /// 1/m, about zero: a landmark is hardly nearer than 0.3 m. Much wider, and tracks with hardly any parallax would fit the
-  /// noise along a flat valley.
-  S inverse_depth_sigma = S(2);
-  /// The same in a segment whose images show no translation: a hundred landmarks pulled towards zero together would tell the
-  /// scale of the map there, and so p_CI (at 2 1/m to a tenth, at 20 1/m not at all).
-  S turned_inverse_depth_sigma = S(20);
+  S inverse_depth_sigma = kSegmentDepthSigma<S>;        ///< 1/m, about zero
+  S turned_inverse_depth_sigma = kTurnedDepthSigma<S>;  ///< 1/m, in a segment whose images show no translation
   S depth_sigma(bool wide) const { return wide ? turned_inverse_depth_sigma : inverse_depth_sigma; }
   S huber = S(3);                  ///< whitened length of an image residual above which its weight falls
 };
@@ -32,7 +29,7 @@ struct RobustTerm {
 };
 
 template <class S>
-RobustTerm<S> robust_term(const MeasurementModel<S>& model, S e2) {
+[[gnu::always_inline]] inline RobustTerm<S> robust_term(const MeasurementModel<S>& model, S e2) {
   const S k = model.huber;
   if (e2 <= k * k) return {S(1), e2};
   const S e = square_root(e2);

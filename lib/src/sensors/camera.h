@@ -157,11 +157,12 @@ bool project(const CameraCalibration<S>& camera, const Vec3<S>& h, Vec2<S>* uv, 
   const S fx = camera.intrinsics(0), fy = camera.intrinsics(1);
   *uv = Vec2<S>(fx * d.x() + camera.intrinsics(2), fy * d.y() + camera.intrinsics(3));
   if (J_h) {
-    Mat<S, 2, 3> J_n;
-    J_n << iz, S(0), -xy.x() * iz, S(0), iz, -xy.y() * iz;
-    *J_h = J_xy * J_n;
-    J_h->row(0) *= fx;
-    J_h->row(1) *= fy;
+    const S focal[2] = {fx * iz, fy * iz};
+    for (int i = 0; i < 2; ++i) {
+      (*J_h)(i, 0) = focal[i] * J_xy(i, 0);
+      (*J_h)(i, 1) = focal[i] * J_xy(i, 1);
+      (*J_h)(i, 2) = -focal[i] * (J_xy(i, 0) * xy.x() + J_xy(i, 1) * xy.y());
+    }
   }
   if (J_intrinsics) {
     J_intrinsics->setZero();

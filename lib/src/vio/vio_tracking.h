@@ -34,7 +34,7 @@ template <class S>
 void Vio<S>::move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuIntegral<S>& I, int place, int spent) {
   const int slot = propagate(&window_, options_, I, t_ns);
   const bool held = place >= 0 && hold_place(&window_, place, options_.still_metres);
-  monitor_.rho_sigma = held ? kHeldDistanceSigma<S> : kInverseDistanceSigma<S>;
+  monitor_.rho_sigma = held ? kHeldDepthSigma<S> : kFilterDepthSigma<S>;
   place_kept_ = held ? window_.n_poses - 3 - place : 0;
   statistics_.dropped_points += tracks_.observe(slot, points, n);
   const bool full = window_.n_poses == kWindow;

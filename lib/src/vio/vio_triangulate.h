@@ -1,7 +1,8 @@
-// A landmark from one track and the window's poses: two bearings for a first guess, Gauss-Newton on the pixels after.
+// A landmark from one track and the window's poses: a first guess from the rays, Gauss-Newton on the pixels after.
 #pragma once
 
 #include "math/small_solvers.h"
+#include "segments/landmark_guess.h"
 #include "vio/vio_tracks.h"
 
 namespace SEGCAL_NS {
@@ -27,48 +28,24 @@ TrackView<S> view_of(const Window<S>& w, const VioTrack<S>& track) {
   return view;
 }
 
-/// Place of the camera in G and the unit direction of an image point in G.
+/// The ray of the track's point i.
 template <class S>
 bool ray_in_world(const Window<S>& w, const TrackView<S>& view, int i, Vec3<S>* o, Vec3<S>* m) {
-  const CameraCalibration<S>& camera = w.theta.camera[view.track->camera];
   const WindowPose<S>& pose = w.pose[view.pose[i]];
-  Vec2<S> xy;
-  if (!unproject(camera, view.uv(w, i), &xy)) return false;
-  const Vec3<S> h_C(xy.x(), xy.y(), S(1));
-  const Mat3<S> R_GC = pose.R_GI * camera.R_CI.transpose();
-  *o = pose.p_GI - R_GC * camera.p_CI;
-  *m = R_GC * (h_C / square_root(h_C.squaredNorm()));
-  return true;
+  return ray_in_world(w.theta.camera[view.track->camera], pose.R_GI, pose.p_GI, view.uv(w, i), o, m);
 }
 
-/// First guess: direction of the first ray, inverse distance from all others by least squares.
-/// A ray m from o' sees l = o + m0 / rho: m x (m0 + rho (o - o')) = 0, linear in rho.
 template <class S>
 bool guess_landmark(const Window<S>& w, const TrackView<S>& view, Landmark<S>* l) {
   if (!ray_in_world(w, view, 0, &l->o, &l->m)) return false;
-  S above = S(0), below = S(0);
+  LandmarkGuess<S> guess(l);
   for (int i = 1; i < view.n; ++i) {
     Vec3<S> o, m;
-    if (!ray_in_world(w, view, i, &o, &m)) continue;
-    const Vec3<S> a = cross<S>(m, l->m), b = cross<S>(m, Vec3<S>(l->o - o));
-    above -= a.dot(b);
-    below += b.dot(b);
+    if (ray_in_world(w, view, i, &o, &m)) guess.add(o, m);
   }
-  l->rho = below > S(1e-10) ? above / below : S(0);
-  if (l->rho < S(0)) l->rho = S(0);
-  if (l->rho > S(5)) l->rho = S(5);
+  guess.finish();
   return true;
 }
-
-/// Landmarks are taken to be some metres away, or anywhere beyond: inverse distance 0 with this sigma, 1/m. It hardly
-/// touches a landmark with parallax; without parallax it keeps the noise of the points from becoming a near landmark,
-/// which would then seem to tell about the camera's translation. But hundreds of near landmarks that all want to be
-/// farther away stretch the path, by millimetres at half a metre: where the place is known anyway (standstill.h), the
-/// second sigma is taken.
-template <class S>
-constexpr S kInverseDistanceSigma = S(5);
-template <class S>
-constexpr S kHeldDistanceSigma = S(50);
 
 /// One normal step of the landmark alone: rows [J_l 3 | -r] reduced by reflections in `rows` (2 n + 1 x 4).
 /// `cost` is the sum of squares before the step.
@@ -106,7 +83,7 @@ bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<
 /// Gauss-Newton from *l. Optional: the inverse distance's sigma, and `points`, to which those that were linearised are added.
 template <class S>
 bool refine_landmark(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l,
-                     S rho_sigma = kInverseDistanceSigma<S>, S* sigma_rho = nullptr, std::int32_t* points = nullptr) {
+                     S rho_sigma = kFilterDepthSigma<S>, S* sigma_rho = nullptr, std::int32_t* points = nullptr) {
   S step[3], pivot, cost = S(0), last = S(-1);
   for (int iteration = 0; iteration < 6; ++iteration) {
     if (points) *points += view.n;
@@ -127,7 +104,7 @@ bool refine_landmark(const Window<S>& w, const TrackView<S>& view, S pixel_sigma
 /// False: no convergence, behind a camera, closer than 5 cm. Optional: the inverse distance's sigma, poses exact; 1/m.
 template <class S>
 bool triangulate(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l,
-                 S rho_sigma = kInverseDistanceSigma<S>, S* sigma_rho = nullptr) {
+                 S rho_sigma = kFilterDepthSigma<S>, S* sigma_rho = nullptr) {
   return guess_landmark(w, view, l) && refine_landmark(w, view, pixel_sigma, scratch, l, rho_sigma, sigma_rho);
 }
 
@@ -140,7 +117,7 @@ bool triangulate_again(const Window<S>& w, const TrackView<S>& view, S pixel_sig
   *rho = S(-1);
   if (!(guess < S(0)) ? !ray_in_world(w, view, 0, &l->o, &l->m) : !guess_landmark(w, view, l)) return false;
   if (!(guess < S(0))) l->rho = guess;
-  if (!refine_landmark<S>(w, view, pixel_sigma, scratch, l, kInverseDistanceSigma<S>, nullptr, points)) return false;
+  if (!refine_landmark<S>(w, view, pixel_sigma, scratch, l, kFilterDepthSigma<S>, nullptr, points)) return false;
   *rho = l->rho > S(0) ? l->rho : S(0);
   return true;
 }

@@ -22,7 +22,7 @@ constexpr S kLargestScale = S(3);
 template <class S>
 struct ResidualMonitor {
   S scale = S(1);       ///< factor on pixel_sigma, 1..4
-  S rho_sigma = kInverseDistanceSigma<S>;  ///< 1/m; prior of the inverse distances
+  S rho_sigma = kFilterDepthSigma<S>;  ///< 1/m; prior of the inverse distances
   S nearness = S(0.3);  ///< 1/m; running mean of the features' inverse distance
   S refused_share = S(0);  ///< running share of features that the gate refused or that no point in space explains
 

@@ -75,6 +75,55 @@ inline void configure_effects(const CoreOptions& options, segcal_config_t* c) {
   c->watch_effects = options.watched_effects;
 }
 
+/// What the sensors are: calibration, priors, noise.
+inline void configure_sensors(const CoreOptions& options, segcal_config_t* c) {
+  c->n_cameras = static_cast<int>(options.calibration.cameras.size());
+  if (c->n_cameras > SEGCAL_MAX_CAMERAS) {
+    throw InputError("--cameras: this profile holds " + std::to_string(SEGCAL_MAX_CAMERAS) + ", found " + std::to_string(c->n_cameras));
+  }
+  for (int i = 0; i < c->n_cameras; ++i) c->camera[i] = camera_to_c(options.calibration.cameras[i]);
+  put_triangle(options.calibration.imu.T_g, c->imu.gyro_scale, c->imu.gyro_misalignment);
+  put_triangle(options.calibration.imu.T_a, c->imu.accel_scale, c->imu.accel_misalignment);
+  put_rotation(options.calibration.imu.R_AI, c->imu.q_AI);
+  const std::vector<double> sigmas = prior_sigmas(options.prior_sigma, options.calibration);
+  std::copy_n(sigmas.begin(), std::min<std::size_t>(sigmas.size(), SEGCAL_MAX_PARAMETERS), c->prior_sigma);
+  c->gravity = options.gravity;
+  c->imu_rate_hz = options.noise.rate_hz;
+  c->gyro_noise_density = options.noise.gyro_noise_density;
+  c->gyro_random_walk = options.noise.gyro_random_walk;
+  c->accel_noise_density = options.noise.accel_noise_density;
+  c->accel_random_walk = options.noise.accel_random_walk;
+  c->pixel_sigma = options.pixel_sigma;
+  if (options.track_walk > 0 && SEGCAL_TRACK_WALK == 0) {
+    throw InputError("--track-walk: this profile is built without (SEGCAL_TRACK_WALK)");
+  }
+  c->track_walk = options.track_walk;
+}
+
+/// How segments are cut, kept and used.
+inline void configure_database(const CoreOptions& options, segcal_config_t* c) {
+  c->segment_s = options.segment_s;
+  if (options.adaptive_segments) {
+    c->least_segment_s = 0.5 * options.segment_s;
+    c->most_segment_s = 2 * options.segment_s;
+  }
+  if (options.segments > SEGCAL_MAX_SEGMENTS) {
+    throw InputError("--segments: this profile keeps at most " + std::to_string(SEGCAL_MAX_SEGMENTS) + ", found " +
+                     std::to_string(options.segments));
+  }
+  c->keep_segments = options.segments;
+  c->metric = metric_code(options.metric);
+  c->strategy = options.multi_session ? SEGCAL_MULTI_SESSION : SEGCAL_SINGLE_SESSION;
+  c->seed = options.seed;
+  c->outdated_level = options.outdated_level;
+  c->trigger_fraction = options.trigger_fraction > 0 ? options.trigger_fraction : options.condense ? 0 : -1;
+  c->filter_share = options.hold_calibration ? 1e-3 : 1;
+  for (std::size_t i = 0; i < options.sigma_ref.size() && i < SEGCAL_MAX_PARAMETERS; ++i) c->sigma_ref[i] = options.sigma_ref[i];
+  c->condense = options.condense ? 1 : 0;
+  if (options.condense) c->calibration_window = 1;   // a host is done at once: no segment is missed meanwhile but one
+  c->joint_filter = options.joint_ekf ? 1 : 0;
+}
+
 inline segcal_config_t config_of(const CoreOptions& options) {
   segcal_config_t c{};
   if (!options.device_config.empty()) {
@@ -82,48 +131,8 @@ inline segcal_config_t config_of(const CoreOptions& options) {
     throw InputError("--profile: expected one with the device's number of cameras (" +
                      std::to_string(options.calibration.cameras.size()) + "), found " + std::to_string(SEGCAL_MAX_CAMERAS));
   }
-  c.n_cameras = static_cast<int>(options.calibration.cameras.size());
-  if (c.n_cameras > SEGCAL_MAX_CAMERAS) {
-    throw InputError("--cameras: this profile holds " + std::to_string(SEGCAL_MAX_CAMERAS) + ", found " +
-                     std::to_string(c.n_cameras));
-  }
-  for (int i = 0; i < c.n_cameras; ++i) c.camera[i] = camera_to_c(options.calibration.cameras[i]);
-  put_triangle(options.calibration.imu.T_g, c.imu.gyro_scale, c.imu.gyro_misalignment);
-  put_triangle(options.calibration.imu.T_a, c.imu.accel_scale, c.imu.accel_misalignment);
-  put_rotation(options.calibration.imu.R_AI, c.imu.q_AI);
-  const std::vector<double> sigmas = prior_sigmas(options.prior_sigma, options.calibration);
-  std::copy_n(sigmas.begin(), std::min<std::size_t>(sigmas.size(), SEGCAL_MAX_PARAMETERS), c.prior_sigma);
-  c.gravity = options.gravity;
-  c.imu_rate_hz = options.noise.rate_hz;
-  c.gyro_noise_density = options.noise.gyro_noise_density;
-  c.gyro_random_walk = options.noise.gyro_random_walk;
-  c.accel_noise_density = options.noise.accel_noise_density;
-  c.accel_random_walk = options.noise.accel_random_walk;
-  c.pixel_sigma = options.pixel_sigma;
-  if (options.track_walk > 0 && SEGCAL_TRACK_WALK == 0) {
-    throw InputError("--track-walk: this profile is built without (SEGCAL_TRACK_WALK)");
-  }
-  c.track_walk = options.track_walk;
-  c.segment_s = options.segment_s;
-  if (options.adaptive_segments) {
-    c.least_segment_s = 0.5 * options.segment_s;
-    c.most_segment_s = 2 * options.segment_s;
-  }
-  if (options.segments > SEGCAL_MAX_SEGMENTS) {
-    throw InputError("--segments: this profile keeps at most " + std::to_string(SEGCAL_MAX_SEGMENTS) + ", found " +
-                     std::to_string(options.segments));
-  }
-  c.keep_segments = options.segments;
-  c.metric = metric_code(options.metric);
-  c.strategy = options.multi_session ? SEGCAL_MULTI_SESSION : SEGCAL_SINGLE_SESSION;
-  c.seed = options.seed;
-  c.outdated_level = options.outdated_level;
-  c.trigger_fraction = options.trigger_fraction > 0 ? options.trigger_fraction : options.condense ? 0 : -1;
-  c.filter_share = options.hold_calibration ? 1e-3 : 1;
-  for (std::size_t i = 0; i < options.sigma_ref.size() && i < SEGCAL_MAX_PARAMETERS; ++i) c.sigma_ref[i] = options.sigma_ref[i];
-  c.condense = options.condense ? 1 : 0;
-  if (options.condense) c.calibration_window = 1;   // a host is done at once: no segment is missed meanwhile but one
-  c.joint_filter = options.joint_ekf ? 1 : 0;
+  configure_sensors(options, &c);
+  configure_database(options, &c);
   configure_effects(options, &c);
   return c;
 }

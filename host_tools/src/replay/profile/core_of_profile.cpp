@@ -9,10 +9,6 @@
 #include "replay/profile/read_device.h"
 #include "replay/profile/store_of_profile.h"
 
-#define SEGCAL_FACTORY_2(profile) make_core_##profile
-#define SEGCAL_FACTORY_1(profile) SEGCAL_FACTORY_2(profile)
-#define SEGCAL_FACTORY SEGCAL_FACTORY_1(SEGCAL_NS)
-
 namespace host {
 namespace SEGCAL_NS {
 
@@ -225,10 +221,7 @@ class ProfileCore final : public Core {
   std::uint32_t last_serial_ = 0, seen_calibrations_ = 0;
 };
 
+std::unique_ptr<Core> make_core(const CoreOptions& options) { return std::make_unique<ProfileCore>(options); }
+
 }  // namespace SEGCAL_NS
-
-std::unique_ptr<Core> SEGCAL_FACTORY(const CoreOptions& options) {
-  return std::make_unique<SEGCAL_NS::ProfileCore>(options);
-}
-
 }  // namespace host

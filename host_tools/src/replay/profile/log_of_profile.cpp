@@ -3,10 +3,6 @@
 #include "replay/replay.h"
 #include "segcal/log.h"
 
-#define SEGCAL_FACTORY_2(profile) log_of_##profile
-#define SEGCAL_FACTORY_1(profile) SEGCAL_FACTORY_2(profile)
-#define SEGCAL_FACTORY SEGCAL_FACTORY_1(SEGCAL_NS)
-
 namespace host {
 namespace SEGCAL_NS {
 
@@ -62,9 +58,5 @@ std::vector<std::uint8_t> log_of(const std::vector<Recording>& sessions, const C
 }
 
 }  // namespace SEGCAL_NS
-
-std::vector<std::uint8_t> SEGCAL_FACTORY(const std::vector<Recording>& sessions, const CoreOptions& options) {
-  return SEGCAL_NS::log_of(sessions, options);
-}
 
 }  // namespace host
