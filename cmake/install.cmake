@@ -4,7 +4,7 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 target_include_directories(segcal INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-install(TARGETS segcal segcal_store EXPORT segcal_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS segcal segcal_store segcal_clock EXPORT segcal_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY lib/include/segcal port/include/segcal DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 
 set(segcal_package ${CMAKE_INSTALL_LIBDIR}/cmake/segcal)

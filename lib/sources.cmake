@@ -23,6 +23,10 @@ set(SEGCAL_STORE_SOURCES
   src/store/ring_save.cpp
   src/store/store.cpp)
 
+# The offset of the camera's clock, before a device is started (clock.h): a library of its own too.
+set(SEGCAL_CLOCK_SOURCES
+  src/clock/clock.cpp)
+
 # What the core is compiled with everywhere. Outside a shared library only the C API is seen (segcal.h makes it visible). Bits: no contraction, no reassociation, no vector kernels of Eigen's. No heap,
 # exceptions, RTTI or guards of statics.
 set(SEGCAL_CORE_C_OPTIONS -ffp-contract=off -fno-math-errno -fvisibility=hidden)

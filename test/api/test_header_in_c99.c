@@ -1,5 +1,6 @@
 /* The public header in plain C99 with -pedantic: it must compile, link, and need nothing before it. */
 #include <segcal/segcal.h>
+#include <segcal/clock.h>
 #include <segcal/store.h>
 
 #include <unity.h>

@@ -37,7 +37,7 @@ function(has_options name text)
 endfunction()
 
 include(${ROOT}/lib/sources.cmake)
-compare(lib/sources.cmake ${SEGCAL_CORE_SOURCES} ${SEGCAL_STORE_SOURCES})
+compare(lib/sources.cmake ${SEGCAL_CORE_SOURCES} ${SEGCAL_STORE_SOURCES} ${SEGCAL_CLOCK_SOURCES})
 
 # What a port's build says, whichever function it says it by.
 set(said_sources "")

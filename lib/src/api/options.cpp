@@ -1,28 +1,13 @@
 // Checks of a configuration that comes through the C API, and the device's options from it.
-#include "api/accept_vectors.h"
+#include "api/camera_from_c.h"
 #include "api/convert.h"
 
 namespace SEGCAL_NS {
 namespace {
 
 // Ranges of what the C API takes; segcal.h states them.
-constexpr double kMostMetres = 100, kMostPixel = 1e5, kMostDistortion = 100, kMostMisalignment = 10;
+constexpr double kMostMisalignment = 10;
 constexpr double kLeastSigma = 1e-9, kMostSigma = 1e6;    // their squares and the squares' inverses stay far inside float
-constexpr double kMostFocal = 1e5;
-
-bool camera_from_c(const segcal_camera_t& in, CameraCalibration<Real>* out) {
-  if (in.model < SEGCAL_FOV || in.model > SEGCAL_EQUIDISTANT) return false;
-  out->model = static_cast<Distortion>(in.model);
-  if (!accept_vector<3>(in.p_CI, -kMostMetres, kMostMetres, &out->p_CI)) return false;
-  if (!accept(in.intrinsics, 2, 1, kMostFocal, &out->intrinsics(0))) return false;
-  if (!accept(in.intrinsics + 2, 2, -kMostPixel, kMostPixel, &out->intrinsics(2))) return false;
-  if (!accept_vector<4>(in.distortion, -kMostDistortion, kMostDistortion, &out->distortion)) return false;
-  if (in.model == SEGCAL_FOV && !(in.distortion[0] >= 0 && in.distortion[0] <= 2.5)) return false;
-  if (in.height < 0 || in.height > 100000) return false;
-  out->middle_row = in.height > 0 ? Real(0.5 * in.height) : out->intrinsics(3);
-  if (!(out->middle_row > Real(0))) out->middle_row = Real(1);
-  return accept_rotation(in.q_CI, &out->R_CI);
-}
 
 bool imu_from_c(const segcal_imu_calibration_t& in, ImuCalibration<Real>* out) {
   const auto scale = [](const double* s, Vec3<Real>* v) {
