@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "clock/criteria.h"
 #include "diagnose/clock.h"
 #include "diagnose/gyro_path.h"
 #include "diagnose/image_rotation.h"
@@ -11,14 +12,8 @@
 namespace host {
 namespace {
 
-constexpr double reach_s = 0.5, step_s = 0.005;  // a step that rotation up to 20 Hz does not hide in
-constexpr std::size_t least_pairs = 30;
-constexpr double least_turning = 0.1;    // rad/s rms: below it parallax looks the same
-// Parallax and a start that is a few degrees and per cent off leave 0.85 and more (simulated arvr, nav, rich; a phone carried
-// through a flat 0.9; euroc_mh01 0.97).
-constexpr double least_correlation = 0.75;
-constexpr double lobe_s = 0.1;           // other peaks are looked for beyond this
-constexpr double peak_stands_out = 0.85; // what the peak leaves unexplained, over the same of the best one elsewhere
+using namespace SEGCAL_NS::clock_criteria;
+
 // What rotation alone is systematically wrong by (parallax, lenses, rolling shutter): offsets below are left to the effect
 // time_offset, which the filter stands. By motion, not by chance: three sigmas of the search do not make it smaller.
 constexpr double systematic_s = 0.004;
@@ -52,7 +47,7 @@ double correlation_at(const Rates& rates, const GyroPath& gyro, const Eigen::Mat
 Rates rates_within(const std::vector<FramePair>& pairs, const GyroPath& gyro, double start_s) {
   Rates out;
   for (const FramePair& pair : pairs) {
-    if (!gyro.covers(pair.t1 + start_s - reach_s, pair.t2 + start_s + reach_s)) continue;
+    if (!gyro.covers(pair.t1 + start_s - kReach_s, pair.t2 + start_s + kReach_s)) continue;
     out.pair.push_back(&pair);
     out.image.push_back(rate_by_rotation_alone(pair));
   }
@@ -73,11 +68,11 @@ Peak find_peak(const std::vector<double>& offsets, const std::vector<double>& co
   const auto best = static_cast<std::size_t>(std::max_element(correlation.begin(), correlation.end()) - correlation.begin());
   Peak out{offsets[best], correlation[best], -1};
   for (std::size_t i = 0; i < offsets.size(); ++i) {
-    if (std::abs(offsets[i] - offsets[best]) > lobe_s) out.elsewhere = std::max(out.elsewhere, correlation[i]);
+    if (std::abs(offsets[i] - offsets[best]) > kLobe_s) out.elsewhere = std::max(out.elsewhere, correlation[i]);
   }
   if (best > 0 && best + 1 < offsets.size()) {
     const double l = correlation[best - 1], m = correlation[best], r = correlation[best + 1];
-    if (l - 2 * m + r < 0) out.offset += 0.5 * step_s * (l - r) / (l - 2 * m + r);
+    if (l - 2 * m + r < 0) out.offset += 0.5 * kStep_s * (l - r) / (l - 2 * m + r);
   }
   return out;
 }
@@ -117,30 +112,31 @@ ClockSearch search_clock(const Recording& recording, const CameraCalibration& ca
   const GyroPath gyro(recording);
   const std::vector<FramePair> pairs = frame_pairs(recording, camera);
   const Rates rates = rates_within(pairs, gyro, start_s);
-  if (rates.pair.size() < least_pairs || turning(rates) < least_turning) {
-    out.words = rates.pair.size() < least_pairs ? "too few images with common corners to compare clocks" : "the device turns too little to compare clocks";
+  const bool too_few = rates.pair.size() < static_cast<std::size_t>(kLeastPairs);
+  if (too_few || turning(rates) < kLeastTurning) {
+    out.words = too_few ? "too few images with common corners to compare clocks" : "the device turns too little to compare clocks";
     return out;
   }
   std::vector<double> offsets, correlation;
-  for (int i = -static_cast<int>(reach_s / step_s); i * step_s <= reach_s + 1e-9; ++i) {
-    offsets.push_back(start_s + i * step_s);
+  for (int i = -kStepsEitherWay; i <= kStepsEitherWay; ++i) {
+    offsets.push_back(start_s + i * kStep_s);
     correlation.push_back(correlation_at(rates, gyro, camera.R_CI, offsets.back()));
   }
   const Peak peak = find_peak(offsets, correlation);
   out.correlation = peak.correlation;
   out.correlation_at_start = correlation[offsets.size() / 2];
-  if (peak.correlation < least_correlation) {
+  if (peak.correlation < kLeastCorrelation) {
     out.words = in_words("rotation of the images and of the gyroscope do not agree at any offset within 0.5 s (correlation %.2f at best): "
                          "check R_CI, the axes and the units", peak.correlation);
     return out;
   }
-  if (1 - peak.correlation > peak_stands_out * (1 - peak.elsewhere)) {
+  if (1 - peak.correlation > kPeakStandsOut * (1 - peak.elsewhere)) {
     out.words = in_words("the motion repeats itself: offsets of the clocks are not told apart (correlation %.2f, elsewhere %.2f)", peak.correlation, peak.elsewhere);
     return out;
   }
   out.judged = true;
   out.offset_s = peak.offset;
-  out.sigma_s = step_s;
+  out.sigma_s = kStep_s;
   refine(pairs, gyro, camera.R_CI, &out);
   out.words = in_words("image rotation and gyroscope are shifted by %.1f ms (t_imu = t_cam %+.4f s, sigma %.1f ms)",
                        1e3 * std::abs(out.offset_s), out.offset_s, 1e3 * out.sigma_s);

@@ -5,13 +5,12 @@
 #include <unordered_map>
 
 #include "camera_geometry.h"
+#include "clock/criteria.h"
 
 namespace host {
 namespace {
 
-constexpr double shortest_s = 0.04, longest_s = 0.25;
-constexpr std::size_t least_rays = 12;
-constexpr double tolerated = 0.01;  // rad, above this a ray counts less: parallax and wrong matches
+using namespace SEGCAL_NS::clock_criteria;
 
 using Rays = std::unordered_map<std::uint32_t, Eigen::Vector3d>;
 
@@ -43,7 +42,7 @@ std::vector<FramePair> frame_pairs(const Recording& recording, const CameraCalib
   std::int64_t before_ns = 0;
   for (const Frame& frame : recording.cameras[0].frames) {
     const double dt = static_cast<double>(frame.t_ns - before_ns) * 1e-9;
-    if (!before.empty() && dt > 0 && dt < shortest_s) continue;
+    if (!before.empty() && dt > 0 && dt < kShortest_s) continue;
     const Rays now = rays_of(frame, camera);
     FramePair pair{static_cast<double>(before_ns - zero_ns) * 1e-9, static_cast<double>(frame.t_ns - zero_ns) * 1e-9, {}, {}};
     for (const auto& [id, ray] : now) {
@@ -52,7 +51,7 @@ std::vector<FramePair> frame_pairs(const Recording& recording, const CameraCalib
       pair.rays1.push_back(match->second);
       pair.rays2.push_back(ray);
     }
-    if (dt >= shortest_s && dt <= longest_s && pair.rays1.size() >= least_rays) out.push_back(std::move(pair));
+    if (dt >= kShortest_s && dt <= kLongest_s && pair.rays1.size() >= static_cast<std::size_t>(kLeastRays)) out.push_back(std::move(pair));
     before = now;
     before_ns = frame.t_ns;
   }
@@ -64,7 +63,7 @@ Eigen::Vector3d rate_by_rotation_alone(const FramePair& pair) {
   Eigen::Matrix3d R = wahba(pair, weights);
   for (int round = 0; round < 4; ++round) {
     for (std::size_t i = 0; i < weights.size(); ++i) {
-      const double off = (pair.rays1[i] - R * pair.rays2[i]).norm() / tolerated;
+      const double off = (pair.rays1[i] - R * pair.rays2[i]).norm() / kTolerated;
       weights[i] = 1 / (1 + off * off);
     }
     R = wahba(pair, weights);
