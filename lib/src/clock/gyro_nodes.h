@@ -12,6 +12,7 @@
 namespace SEGCAL_NS {
 
 constexpr std::int64_t kNodeNs = 5000000;   ///< clock_criteria::kStep_s
+static_assert(1e-9 * kNodeNs > 0.999 * clock_criteria::kStep_s && 1e-9 * kNodeNs < 1.001 * clock_criteria::kStep_s, "offsets are tried in steps of the nodes");
 
 /// A moment: the node at or before it, and the share of a step beyond.
 template <class S>
