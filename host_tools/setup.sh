@@ -1,5 +1,5 @@
 #!/bin/bash
-# Prepares a bare Debian 12 for building, testing and running segcal. As root or with sudo; asks nothing; a second run finds
+# Prepares a bare Debian 12 for building, testing and running segcal. As root or with sudo; needs no input; a second run finds
 # everything done and takes about a second. Changes nothing outside the source tree except the packages it installs.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -27,7 +27,7 @@ EPILOG = """examples:
   segcal fleet logs/ --out tables -- --segments 12 --enable time_offset     options of `segcal replay`, behind --
 
 Logs of a device are told by device_id in REC/device.yaml (docs/formats.md), or by --devices 'fleet/(?P<model>\\w+)/(?P<device>\\w+)/'.
-A log is done once per library version and configuration; the same command again goes on where it was stopped. The tables and
+A log is replayed once per library version and configuration; after an interruption the same command continues where it stopped. The tables and
 queries for them: docs/fleet.md.
 
 Exit code 1: some logs gave no result, or --again found other bits; 2: bad usage or input."""
@@ -75,8 +75,8 @@ def parsed(arguments):
     p.add_argument("--jobs", type=positive, help="replays at a time on this machine (default: its cores)")
     p.add_argument("--scheduler", metavar="ADDRESS", help="of Dask distributed: its workers do the work; they see the same paths")
     p.add_argument("--shard", type=shard, metavar="i/n", help="only every n-th log, from the i-th; writes no tables")
-    p.add_argument("--batch", type=positive, help="logs a task (default: by the number of workers, at most 100)")
-    p.add_argument("--again", action="store_true", help="replay what is done already, and compare the result hashes")
+    p.add_argument("--batch", type=positive, help="logs per task (default: by the number of workers, at most 100)")
+    p.add_argument("--again", action="store_true", help="replay finished logs again, and compare the result hashes")
     p.add_argument("--program", default=os.environ.get("SEGCAL_PROGRAM"), help="the segcal program on the workers (default: this one)")
     p.add_argument("--version", default=os.environ.get("SEGCAL_PROGRAM_VERSION", ""), help=argparse.SUPPRESS)
     a = p.parse_args(arguments)

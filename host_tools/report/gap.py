@@ -1,6 +1,7 @@
 """The gap page: what `segcal diagnose` found, and how the disagreement of model and measurements shrinks."""
 
 import figures
+import numpy as np
 import plotly.graph_objects as go
 import words
 from page import attempt, document, drawn, heading, joined, note, section, table
@@ -19,7 +20,9 @@ def headline(diagnosis):
     if not diagnosis.get("judged", True):
         css, title = "insufficient", "Cannot tell"
     found = [f"{f['words']} ({f['sensor']}, {words.plain(f['count'])})." for f in diagnosis.get("faults") or []]
-    return box(css, f'{title}: {diagnosis.get("sentence", "")}.', *found)
+    sentence = diagnosis.get("sentence", "").replace("->", "→")
+    told = sentence[:1].upper() + sentence[1:] if sentence.lower().startswith(title.lower()) else f"{title}: {sentence}"
+    return box(css, f"{told}.", *found)
 
 
 def effects(diagnosis):
@@ -27,7 +30,7 @@ def effects(diagnosis):
     for e in diagnosis.get("effects") or []:
         for k, p in enumerate(e.get("parameters") or []):
             value = f'{words.with_digits_of(p["value"], p["sigma"])} ± {words.with_digits_of(p["sigma"], p["sigma"])}'
-            last = (words.plain(e["statistic"]), f'{e["log10_p"]:.1f}', f'{100 * e["gap_closed"]:.1f} %') if k == 0 else ("", "", "")
+            last = (words.plain(e["statistic"]), f'{e["log10_p"]:.1f}', "-" if e["gap_closed"] is None else f'{100 * e["gap_closed"]:.1f} %') if k == 0 else ("", "", "")
             rows.append((p["name"], value, p["unit"], *last))
         for other in e.get("or") or []:
             rows.append((f"or {other}", "told apart by " + e.get("separated_by", ""), "", "", "", ""))
@@ -38,38 +41,53 @@ def effects(diagnosis):
                         note("Statistic: what chi² falls by, over its dispersion. Gap closed: on segments that the value was not fitted to."))
 
 
+SENSORS = ("total", "camera", "gyro", "accel")
+
+
 def gap_figure(diagnosis):
+    """How often its own noise each sensor leaves, which is 1 where the model is right."""
     gap = figures.member(diagnosis, "gap")
     if not (gap.get("noise_floor") or {}).get("total"):
         raise figures.Missing("nothing was fitted")
-    sensors = ["total", "camera", "gyro", "accel"]
+    sigmas = gap.get("sigma") or {}
+    spread = [2 * sigmas.get(s, gap.get("after_sigma") or 0) for s in SENSORS]
     figure = go.Figure()
-    for name, color, label in (("before", BEFORE, "before"), ("after", AFTER, "after")):
-        values = [gap[name][s] for s in sensors]
-        figure.add_bar(x=sensors, y=values, name=label, marker_color=color, text=[f"{v:.2g}" for v in values], textposition="outside")
-    sigma = gap.get("after_sigma") or 0
-    if sigma > 0:
-        figure.add_hrect(y0=0, y1=2 * sigma, fillcolor=FLOOR, opacity=0.5, line_width=0)
-    figure.update_yaxes(title="excess of chi² / dof over the noise [-]", rangemode="tozero")
+    for name, color in (("before", BEFORE), ("after", AFTER)):
+        values = [1 + gap[name][s] for s in SENSORS]
+        figure.add_bar(x=SENSORS, y=values, name=name, marker_color=color, text=[f"{v:.3g}" for v in values], textposition="inside", insidetextanchor="start",
+                       error_y=dict(type="data", array=spread, thickness=1.2, color="#495057"))
+    floor = dict(color="#212529", width=1, dash="dash")
+    figure.add_hline(y=1, line=floor)
+    figure.add_scatter(x=[SENSORS[0]], y=[None], mode="lines", line=floor, name="noise floor")   # in the legend: bars leave no room at the line
+    all_values = [1 + gap[name][s] for name in ("before", "after") for s in SENSORS]
+    smallest, largest = max(min(all_values), 0.01), max(all_values)
+    scale = dict(type="log", dtick="D2", range=[np.log10(smallest) - 0.3, np.log10(largest) + 0.15]) if largest > 4 * smallest else dict(rangemode="tozero")
+    figure.update_yaxes(title="chi² / dof, noise = 1", **scale)
     return figures.styled(figure, 340)
 
 
 def gap_table(diagnosis):
     gap = diagnosis.get("gap") or {}
     floor = gap.get("noise_floor") or {}
+    sigmas, dof = gap.get("sigma") or {}, gap.get("dof") or {}
     rows = []
-    for s in ("total", "camera", "gyro", "accel"):
+    for s in SENSORS:
         base = floor.get(s) or 1
         cells = [gap.get(k, {}).get(s, 0) for k in ("before", "after")]
-        rows.append((s, *(f"{base * (1 + v):.4f}" for v in cells), f"{base:.4f}", *(f"{v:.2g}" for v in cells)))
-    header = ("sensor", "chi²/dof before", "after", "noise floor", "excess before", "after")
+        spread = f"{sigmas[s]:.2g}" if s in sigmas else ""
+        rows.append((s, *(f"{base * (1 + v):.4f}" for v in cells), f"{base:.4f}", *(f"{v:.2g}" for v in cells), spread, f"{dof[s]:.0f}" if s in dof else ""))
+    header = ("sensor", "chi²/dof before", "after", "noise floor", "excess before", "after", "sigma", "dof")
     closed = f'{100 * gap.get("closed", 0):.1f} % of the excess is gone; what lies within ± {2 * (gap.get("after_sigma") or 0):.2g} counts as none.'
+    if not gap.get("before", {}).get("total"):
+        closed = "Nothing is open in total."
     noise = diagnosis.get("noise")
     tracks = noise.get("tracks") if isinstance(noise, dict) else None
     if isinstance(tracks, dict):
         closed += (f' Corner tracks drift: points were weighed by {tracks.get("white_px", 0):.2f} px of white noise and a walk of '
                    f'{tracks.get("walk_px_per_sqrt_s", 0):.2f} px/sqrt(s) along each track, not by the stated noise.')
-    return joined(table(header, rows), note(closed))
+    sensors = note("On segments that were used neither to choose the effects nor to fit them. Camera: images against each other. Gyro: rates against the turns in "
+                   "the images. Accel: forces against the motion that both see. Bars of error: two sigmas of chance.") if sigmas else ""
+    return joined(table(header, rows), note(closed), sensors)
 
 
 def worst_windows(data):

@@ -34,6 +34,8 @@ def fit_sentence(result):
     size = "as large as" if 0.8 <= ratio <= 1.25 else "larger than" if ratio > 1.25 else "smaller than"
     scale = (result.get("fit") or {}).get("noise_scale")
     more = f"; all sigmas are scaled by {scale:.2f}" if words.is_number(scale) and scale > 1.1 else ""
+    if more and scale**2 > 1.1 * ratio:
+        more += ", since segments disagree by more"
     return f"Residuals are {size} their stated noise: chi²/dof {ratio:.2f}{more}."
 
 

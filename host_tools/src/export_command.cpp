@@ -28,8 +28,8 @@ constexpr const char* export_footer = R"(DIR is what `segcal replay --out DIR` w
   segcal export out --to openvins --out openvins_config
   segcal export out --to mcap --rec REC --out view         then open view/session.mcap
 
-Frames are carried over exactly: where another tool's IMU frame is the accelerometer's, the camera's pose is turned with it.
-A lens that the other tool lacks is replaced by the nearest it has, and how near that is on stderr. Biases are states of the
+Frames are converted exactly: where another tool's IMU frame is the accelerometer's, the camera's pose is converted too.
+A lens that the other tool lacks is replaced by its nearest one; the distance is printed on stderr. Biases are states of the
 device, not calibration; they are written as zero. Exit code 2: DIR has no calibration, or it cannot be read.)";
 
 struct ExportOptions {

@@ -23,7 +23,7 @@ fs::path temporary_name(const fs::path& file) {
   return file.parent_path() / ("." + file.filename().string() + "." + std::to_string(::getpid()) + ".part");
 }
 
-[[noreturn]] void refuse(const fs::path& file, const std::string& why) {
+[[noreturn]] void refuse_write(const fs::path& file, const std::string& why) {
   throw InputError(file.string() + ": cannot be written: " + why);
 }
 
@@ -32,7 +32,7 @@ void make_folder_of(const fs::path& file) {
   if (folder.empty()) return;
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) refuse(file, error.message());
+  if (error) refuse_write(file, error.message());
 }
 
 /// Waits until the disk has a file or a folder.
@@ -55,13 +55,13 @@ void write(const fs::path& file, std::string_view text, bool synced) {
   std::error_code error;
   if (!stream || (synced && !sync(part))) {
     fs::remove(part, error);
-    refuse(file, "the folder is read-only or the disk is full");
+    refuse_write(file, "the folder is read-only or the disk is full");
   }
   fs::rename(part, file, error);
   if (error) {
     std::error_code ignored;
     fs::remove(part, ignored);
-    refuse(file, error.message());
+    refuse_write(file, error.message());
   }
   if (synced) sync(file.has_parent_path() ? file.parent_path() : fs::path("."));
   if (listener) listener->after_write(file, text);

@@ -34,18 +34,18 @@ Examples:
   segcal import phone_folder --out rec --mount phone-back --focal 480
   segcal track rec && segcal replay rec --out out        and on to the calibration
 
-What is done on the way, each noted in REC/import.json:
-  streams   a gyroscope and an accelerometer that come apart are merged: values of the accelerometer are interpolated at
-            the gyroscope's stamps; whatever one of the two does not cover is dropped
+Steps of the conversion, each noted in REC/import.json:
+  streams   a separate gyroscope and accelerometer are merged: values of the accelerometer are interpolated at
+            the gyroscope's stamps; times that one of the two does not cover are dropped
   stamps    the sensors' own; the time of logging where they are missing or run backwards. IMU stamps that scatter like
             those of callbacks are made regular
-  units     rad/s and m/s^2; others as the format says, else by the size of gravity and how it turns
-  axes      gyroscope and accelerometer must agree about how gravity turns; a warning names the axes that would
+  units     rad/s and m/s^2; others as the format states, otherwise from the size of gravity and its rotation
+  axes      gyroscope and accelerometer must agree on the rotation of gravity; a warning names the axes that would
   copies    a compressed copy of a raw stream and depth images are left out, unless --camera names them
   images    kept as they are where the log has files, else written without loss as PNG; Bayer mosaics become grey
-  cameras   lenses with more coefficients than segcal has are replaced by the nearest one, and how near it is
+  cameras   lenses with more coefficients than segcal has are replaced by the nearest one; its distance is noted
 REC appears whole or not at all. Tracks of your own: REC/mav0/camN/tracks.csv, see docs/formats.md.
-Exit code 2: unknown or damaged file, no IMU, a choice that is yours to make; one line says which.)";
+Exit code 2: unknown or damaged file, no IMU, or a choice that you must make; one line says which.)";
 
 struct ImportOptions {
   std::vector<std::string> sources, cameras;
@@ -75,9 +75,9 @@ std::vector<std::string> arguments_of(const ImportOptions& options) {
 
 void add_streams(CLI::App& sub, ImportOptions& options) {
   sub.add_option("--imu", options.imu, "stream with rotation rates and accelerations (default: the only one)");
-  sub.add_option("--gyro", options.gyro, "stream of the gyroscope, where it comes apart from the accelerometer's");
+  sub.add_option("--gyro", options.gyro, "stream of the gyroscope, if separate from the accelerometer's");
   sub.add_option("--accel", options.accel, "stream of the accelerometer");
-  sub.add_option("--camera", options.cameras, "stream of images; twice for two, cam0 first (default: all, if they are two at most)")
+  sub.add_option("--camera", options.cameras, "stream of images; twice for two cameras, cam0 first (default: all, if there are at most two)")
       ->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   sub.add_option("--stamps", options.stamps, "sensor: stamps of the messages' headers; log: the time of logging (default: sensor, if set)")
       ->check(CLI::IsMember({"sensor", "log"}));
@@ -86,7 +86,7 @@ void add_streams(CLI::App& sub, ImportOptions& options) {
 }
 
 void add_units(CLI::App& sub, ImportOptions& options) {
-  sub.add_option("--gyro-unit", options.gyro_unit, "where the log does not say it, or is wrong")
+  sub.add_option("--gyro-unit", options.gyro_unit, "if the log does not state it, or states it wrongly")
       ->check(CLI::IsMember({"rad/s", "deg/s", "mdeg/s"}));
   sub.add_option("--accel-unit", options.accel_unit, "the same")->check(CLI::IsMember({"m/s^2", "g", "mg"}));
   sub.add_option("--gyro-axes", options.gyro_axes, "new axes by the old ones, such as --gyro-axes=y,-x,z");
@@ -94,9 +94,9 @@ void add_units(CLI::App& sub, ImportOptions& options) {
 }
 
 void add_calibration(CLI::App& sub, ImportOptions& options) {
-  sub.add_option("--calib", options.calib, "starting calibration, Kalibr's camchain-imucam.yaml (default: what the log says)");
+  sub.add_option("--calib", options.calib, "starting calibration, Kalibr's camchain-imucam.yaml (default: the log's own)");
   sub.add_option("--imu-noise", options.imu_noise, "noise of the IMU, Kalibr's imu.yaml or `segcal allan`'s (default: a consumer IMU's)");
-  sub.add_option("--focal", options.focal, "focal length of a rough start, px, where the log has no calibration")->check(CLI::Range(10.0, 20000.0));
+  sub.add_option("--focal", options.focal, "focal length of a rough start, px, if the log has no calibration")->check(CLI::Range(10.0, 20000.0));
   sub.add_option("--mount", options.mount,
                  "how the camera sits on the IMU, roughly: phone-back (sensor axes of Android and iOS, back camera), forward (IMU x "
                  "forward, y left, z up), same-axes (IMU x right, y down, z forward)")
@@ -111,7 +111,7 @@ void add_import_command(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<ImportOptions>();
   sub->add_option("SRC", options->sources, "log file or folder")->required();
   sub->add_option("--out", options->out, "folder of the recording, new or empty");
-  sub->add_flag("--list", options->list, "show what is inside, write nothing");
+  sub->add_flag("--list", options->list, "list the contents, write nothing");
   add_streams(*sub, *options);
   add_calibration(*sub, *options);
   add_units(*sub, *options);

@@ -1,4 +1,4 @@
-// A recording on disk: EuRoC's ASL folder layout (DESIGN, section 6), read and written.
+// A recording on disk: EuRoC's ASL folder layout (docs/formats.md, "A recording"), read and written.
 // Readers check everything and throw InputError with file, line and what was expected; writers write to a
 // temporary name first and rename, so that nothing half-written is ever left.
 #pragma once

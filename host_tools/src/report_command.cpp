@@ -23,7 +23,7 @@ constexpr const char* report_explanation =
 constexpr const char* report_footer = R"(Example:
   segcal report out && xdg-open out/report.html
 
-A figure whose data are missing is left out, and the page says so. Python with plotly and numpy draws the page:
+Figures without data are left out, with a note on the page. Python with plotly and numpy draws the page:
 $SEGCAL_PYTHON, else the virtual environment that host_tools/setup.sh made, else python3.
 Exit code 2: DIR or a file of it is missing or malformed; one line says which and where.)";
 

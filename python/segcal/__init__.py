@@ -11,4 +11,4 @@ from ._recording import Frame, Recording, read
 from ._device import Device
 
 __all__ = ["MAX_TRACKS", "STORAGE_BYTES", "Camera", "Config", "Device", "Frame", "ImuCalibration", "Recording", "read"]
-__version__ = "0.1.0"
+__version__ = "1.0.0"

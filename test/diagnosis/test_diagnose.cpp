@@ -14,7 +14,8 @@ namespace {
 
 using host::Diagnosis;
 
-Diagnosis diagnosed(const std::string& scenario, double seconds, std::uint64_t seed, const std::string& effect, double pixel_noise_px = 0.5) {
+Diagnosis diagnosed(const std::string& scenario, double seconds, std::uint64_t seed, const std::string& effect, double pixel_noise_px = 0.5,
+                   double stated_offset_s = 0) {
   host::SimulationOptions options;
   options.scenario = scenario;
   options.seconds = seconds;
@@ -24,6 +25,7 @@ Diagnosis diagnosed(const std::string& scenario, double seconds, std::uint64_t s
   const host::SimulationResult session = host::simulate(options);
   host::DiagnoseOptions diagnose;
   diagnose.core.calibration = session.nominal;
+  diagnose.core.calibration.cameras[0].timeshift_cam_imu = stated_offset_s;
   diagnose.core.noise = session.recording.imu.noise;
   return host::diagnose({session.recording}, diagnose);
 }
@@ -61,6 +63,29 @@ void test_nothing_missing() {
 }
 
 void test_time_offset() { expect_named("time_offset=0.003", "time_offset", "time_offset.t_d", 0.003, 0); }
+
+/// Odometry is lost with 60 ms. Rotation tells them, and the value counts from the recording's own stamps.
+void test_clocks_far_apart() {
+  const Diagnosis d = diagnosed("rich", 40, 5, "time_offset=0.06");
+  TEST_ASSERT_EQUAL_STRING_MESSAGE("explained", d.verdict.c_str(), d.sentence.c_str());
+  TEST_ASSERT_EQUAL_INT_MESSAGE(1, static_cast<int>(d.effects.size()), d.sentence.c_str());
+  double sigma = 0;
+  const double value = value_of(d, "time_offset.t_d", &sigma);
+  TEST_ASSERT_DOUBLE_WITHIN(3 * sigma, 0.06, value);
+  TEST_ASSERT_EQUAL_INT(1, static_cast<int>(d.model.size()));
+  TEST_ASSERT_EQUAL_DOUBLE(value, d.model[0].parameter.value);
+  TEST_ASSERT_TRUE_MESSAGE(d.sentence.find("rotation told") != std::string::npos, d.sentence.c_str());
+}
+
+/// 50 of 53 ms are stated in the camera chain.
+void test_stated_offset_counts() {
+  const Diagnosis d = diagnosed("rich", 40, 1, "time_offset=0.053", 0.5, 0.05);
+  TEST_ASSERT_EQUAL_STRING_MESSAGE("explained", d.verdict.c_str(), d.sentence.c_str());
+  double sigma = 0;
+  const double value = value_of(d, "time_offset.t_d", &sigma);
+  TEST_ASSERT_DOUBLE_WITHIN(3 * sigma, 0.053, value);
+  TEST_ASSERT_TRUE(sigma < 0.0005);  // of the 3 ms that are left, not of a search
+}
 
 /// 1 %: the core takes the pose along its velocity, over half a frame's 3.6 ms the velocity changes.
 void test_rolling_shutter() {
@@ -165,6 +190,8 @@ int main() {
   UNITY_BEGIN();
   RUN_TEST(test_nothing_missing);
   RUN_TEST(test_time_offset);
+  RUN_TEST(test_clocks_far_apart);
+  RUN_TEST(test_stated_offset_counts);
   RUN_TEST(test_rolling_shutter);
   RUN_TEST(test_g_sensitivity);
   RUN_TEST(test_gyro_lag);

@@ -54,6 +54,26 @@ void test_structure_of_everything_leaves_the_gap_open() {
   TEST_ASSERT_EQUAL_DOUBLE(0, d.gap_closed);
 }
 
+/// Twice the logarithm of the odds, 11.5 and 23, against a hundredth of the lag's statistic, 20.
+void test_structure_weighs_against_the_effect() {
+  for (const double log10_p : {-2.5, -5.0}) {
+    Diagnosis d = explained();
+    d.effects[0].statistic = 2000;
+    refuse_where_structure_is_left({structure("rate x", log10_p)}, &d);
+    TEST_ASSERT_EQUAL_INT(log10_p > -4 ? 2 : 1, static_cast<int>(d.effects.size()));
+  }
+}
+
+/// A turn does not zoom the image, whatever the radial part follows.
+void test_what_is_radial_is_the_lens() {
+  Diagnosis d = explained();
+  Structure zoom = structure("change of rate x", -50);
+  zoom.axis = "radial";
+  refuse_where_structure_is_left({zoom}, &d);
+  TEST_ASSERT_EQUAL_INT(1, static_cast<int>(d.effects.size()));
+  TEST_ASSERT_EQUAL_STRING("gyro_lag", d.effects[0].name.c_str());
+}
+
 }  // namespace
 
 int main() {
@@ -61,5 +81,7 @@ int main() {
   RUN_TEST(test_no_structure_takes_nothing);
   RUN_TEST(test_structure_takes_the_effect_of_its_cause);
   RUN_TEST(test_structure_of_everything_leaves_the_gap_open);
+  RUN_TEST(test_structure_weighs_against_the_effect);
+  RUN_TEST(test_what_is_radial_is_the_lens);
   return UNITY_END();
 }

@@ -116,7 +116,7 @@ def check_readers():
     """`segcal` refuses what Python wrote and somebody changed; and what `compare` wrote."""
     segcal("import", FOLDER / "rec", "--out", FOLDER / "imported")
     run = json.loads((FOLDER / "imported" / "manifest.json").read_text())["runs"][0]
-    assert run["command"] == "import" and run["arguments"][0] == "import" and run["program"].startswith("segcal 0."), run
+    assert run["command"] == "import" and run["arguments"][0] == "import" and run["program"].startswith("segcal 1."), run
     assert {"import.json", "mav0/imu0/data.csv"} <= {f["name"] for f in run["files"]}, run
     segcal("import", FOLDER / "imported", "--list")
     imu = FOLDER / "imported" / "mav0/imu0/data.csv"

@@ -36,7 +36,7 @@ string(REPLACE "zephyr_library_sources(\${SEGCAL_CORE_SOURCES})" "" shorter "${t
 file(WRITE ${WORK}/port/zephyr/CMakeLists.txt "${shorter}")
 expect(red "port/zephyr lists")
 copy()
-foreach(change "version: \"0.|version: \"1." "license: BSD-3|license: BSD3")
+foreach(change "version: \"1.|version: \"2." "license: BSD-3|license: BSD3")
   string(REPLACE "|" ";" change "${change}")
   list(GET change 0 is)
   list(GET change 1 becomes)

@@ -127,7 +127,7 @@ def check_scale():
     result = json.loads((folder / "result.json").read_text())
     result["fit"]["noise_scale"] = 3.21
     (folder / "result.json").write_text(json.dumps(result))
-    assert "all sigmas are scaled by 3.21" in report.rendered(folder)
+    assert "all sigmas are scaled by 3.21, since segments disagree by more" in report.rendered(folder)
 
 
 def check_refusals():

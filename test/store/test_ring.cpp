@@ -290,22 +290,31 @@ void test_newer_format_is_refused() {
   TEST_ASSERT_TRUE(cells == flash.cells);
 }
 
-/// A store that format 1.0 wrote, with three states in it: read for ever, and written the same until the format changes.
-void test_format_1_0_is_read() {
-  std::ifstream in(SEGCAL_FIXTURES "/store/format_1_0.bin", std::ios::binary);
-  const std::vector<char> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  FakeFlash flash({16, 512, 16});
-  TEST_ASSERT_EQUAL_UINT64(flash.cells.size(), bytes.size());
-  std::copy(bytes.begin(), bytes.end(), flash.cells.begin());
-  check_stored(&flash, 3, Id().add("check", "format_1_0"), 900);
-  // (1.1 differs by its number alone.)
-  if (SEGCAL_STORE_MAJOR != 1 || SEGCAL_STORE_MINOR != 0 || SEGCAL_VERSION != 0x00010000u) return;
+std::vector<std::uint8_t> stored_cells(const char* file) {
+  std::ifstream in(std::string(SEGCAL_FIXTURES "/store/") + file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// Stores that earlier formats wrote, with three states in them, are read for ever. (1.1 differs from 1.0 by its number alone.)
+void test_earlier_formats_are_read() {
+  for (const char* file : {"format_1_0.bin", "format_1_2.bin"}) {
+    FakeFlash flash({16, 512, 16});
+    const std::vector<std::uint8_t> cells = stored_cells(file);
+    TEST_ASSERT_EQUAL_UINT64_MESSAGE(flash.cells.size(), cells.size(), file);
+    flash.cells = cells;
+    check_stored(&flash, 3, Id().add("check", file), 900);
+  }
+}
+
+/// Today's format is written as it was: other bytes are another format, with a number and a fixture of its own.
+void test_the_format_stays() {
+  TEST_ASSERT_TRUE_MESSAGE(SEGCAL_STORE_MAJOR == 1 && SEGCAL_STORE_MINOR == 2, "a new format: add its fixture and compare with that one");
   FakeFlash now({16, 512, 16});
   std::fill(now.cells.begin(), now.cells.end(), 0xFF);
   Ring ring;
   open(&ring, &now);
   for (std::uint32_t seed = 1; seed <= 3; ++seed) save(&ring, seed, 900);
-  TEST_ASSERT_TRUE(now.cells == flash.cells);
+  TEST_ASSERT_TRUE(now.cells == stored_cells("format_1_2.bin"));
 }
 
 /// Who saves changes it meanwhile: that save ends, the state before stays, the next one is taken.
@@ -344,7 +353,8 @@ int main(int argc, char** argv) {
   RUN_TEST(test_blocks_of_another_state_do_not_count);
   RUN_TEST(test_a_stretch_that_is_too_short);
   RUN_TEST(test_newer_format_is_refused);
-  RUN_TEST(test_format_1_0_is_read);
+  RUN_TEST(test_earlier_formats_are_read);
+  RUN_TEST(test_the_format_stays);
   RUN_TEST(test_a_source_that_changes);
   return UNITY_END();
 }

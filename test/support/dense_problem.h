@@ -80,9 +80,9 @@ class DenseProblem {
     const State<double>& x = segments_[s]->states.x[0];
     const Vec3<double> up = x.R_GI.transpose() * -model_.g.normalized();
     Eigen::VectorXd row = Eigen::VectorXd::Zero(columns());
-    row.segment<3>(state_column(s, 0)) = 1e3 * up;
+    row.segment<3>(state_column(s, 0)) = 1e5 * up;
     add_row(row, 0);
-    for (int i = 0; i < 3; ++i) add_single(state_column(s, 0) + 3 + i, 1e3, 0);
+    for (int i = 0; i < 3; ++i) add_single(state_column(s, 0) + 3 + i, 1e5, 0);
   }
 
   void add_bias_prior(int s) {
@@ -110,6 +110,15 @@ class DenseProblem {
     return right.bottomRows(right.rows() - nuisance_);
   }
 
+  /// [every unknown | rhs], and the sensor that each row is a measurement of.
+  Eigen::MatrixXd rows() const {
+    Eigen::MatrixXd out(rows_.size(), columns() + 1);
+    for (std::size_t i = 0; i < rows_.size(); ++i) out.row(static_cast<Eigen::Index>(i)) << rows_[i].transpose(), rhs_[i];
+    return out;
+  }
+  enum Sensor { kPrior, kCamera, kGyro, kAccel };
+  const std::vector<Sensor>& sensors() const { return sensors_; }
+
   /// The step of every unknown.
   Eigen::VectorXd solution() const {
     Eigen::MatrixXd A(rows_.size(), columns());
@@ -122,9 +131,10 @@ class DenseProblem {
   }
 
  private:
-  void add_row(const Eigen::VectorXd& row, double rhs) {
+  void add_row(const Eigen::VectorXd& row, double rhs, Sensor sensor = kPrior) {
     rows_.push_back(row);
     rhs_.push_back(rhs);
+    sensors_.push_back(sensor);
   }
   /// weight (x + step - 0): one variable with its present value.
   void add_single(int column, double weight, double value) {
@@ -231,7 +241,7 @@ class DenseProblem {
         if (terms_[t].of_imu()) continue;
         row(term_column(t)) = scale * camera_term_column(terms_[t], z, theta_, at, false, rows)(i);
       }
-      add_row(row, -scale * rows.r(i));
+      add_row(row, -scale * rows.r(i), kCamera);
     }
   }
 
@@ -252,12 +262,15 @@ class DenseProblem {
     link_term_columns(rows, &terms);
     Eigen::MatrixXd J_terms(15, terms.n);
     for (int t = 0; t < terms.n; ++t) J_terms.col(t) = Eigen::Map<const Eigen::VectorXd>(terms.link[t], 15);
-    Mat<double, 15, 15> Q;
-    link_covariance(I, model_.imu, &Q);
+    Mat<double, 15, 15> covariance;
+    link_covariance(I, model_.imu, &covariance);
+    // The gyroscope's rows first, rotation and walk: then they hold nothing of the accelerometer.
+    const std::vector<int> order{0, 1, 2, 12, 13, 14, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+    const Eigen::MatrixXd Q = covariance(order, order);
     const Eigen::LLT<Eigen::MatrixXd> llt(Q);
-    const Eigen::MatrixXd J = llt.matrixL().solve(Eigen::MatrixXd(rows.J));
-    const Eigen::VectorXd r = llt.matrixL().solve(Eigen::VectorXd(rows.r));
-    if (terms.n > 0) J_terms = llt.matrixL().solve(J_terms).eval();
+    const Eigen::MatrixXd J = llt.matrixL().solve(Eigen::MatrixXd(rows.J(order, Eigen::all)));
+    const Eigen::VectorXd r = llt.matrixL().solve(Eigen::VectorXd(rows.r(order)));
+    if (terms.n > 0) J_terms = llt.matrixL().solve(Eigen::MatrixXd(J_terms(order, Eigen::all))).eval();
     for (int i = 0; i < 15; ++i) {
       Eigen::VectorXd row = Eigen::VectorXd::Zero(columns());
       row.segment<15>(column0) = J.row(i).head<15>().transpose();
@@ -266,7 +279,7 @@ class DenseProblem {
       for (std::size_t t = 0, of_imu = 0; t < terms_.size(); ++t) {
         if (terms_[t].of_imu()) row(term_column(t)) = J_terms(i, static_cast<int>(of_imu++));
       }
-      add_row(row, -r(i));
+      add_row(row, -r(i), i < 6 ? kGyro : kAccel);
     }
   }
 
@@ -281,6 +294,7 @@ class DenseProblem {
   std::vector<std::vector<int>> landmark_;  ///< first column of each
   std::vector<Eigen::VectorXd> rows_;
   std::vector<double> rhs_;
+  std::vector<Sensor> sensors_;
 };
 
 }  // namespace test

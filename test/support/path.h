@@ -64,7 +64,7 @@ struct Path {
   }
 };
 
-/// What a device measures on the path (DESIGN, section 3, without noise).
+/// What a device measures on the path (docs/design.md, section 2, without noise).
 inline InertialReading<double> measure(const Path& path, const ImuCalibration<double>& imu, const Vec3<double>& b_a,
                                        const Vec3<double>& b_g, double t) {
   return {scale_misalignment(imu.gyro_scale, imu.gyro_misalignment) * path.rate(t) + b_g,

@@ -1,5 +1,5 @@
 // Segments with known truth: a device shaken along a known path, its raw IMU samples, image points of random landmarks,
-// and disturbed states to start from. Noise and devices as DESIGN, section 4.
+// and disturbed states to start from. Noise and devices are those of the functions below.
 #pragma once
 
 #include <memory>
@@ -20,6 +20,7 @@ struct SyntheticOptions {
   double drift = 0;             ///< rad and 3 m: how far each segment's states but the first's are off as a whole
   double gap = 0;               ///< 0: each segment's IMU samples begin at the last keyframe of the one before
   double move = 1, turn = 1;    ///< how much of the path's translation and rotation is used
+  double nearest = 0.8, farthest = 5.8;   ///< m, landmarks along the optical axis when they are drawn
   double device = 1;            ///< the device's true values: this times the usual deviation from nominal
   double track_walk = 0;        ///< px/sqrt(s), drift of the image points along their tracks
   double start_error = 1;       ///< of the states that the segments begin with
@@ -39,7 +40,7 @@ inline Calibration<double> nominal_calibration(Distortion model) {
   return theta;
 }
 
-/// Deviations of real devices from nominal (DESIGN, section 4).
+/// Deviations of real devices from nominal, one standard deviation.
 inline std::vector<double> device_sigmas(const Calibration<double>& theta) {
   std::vector<double> s;
   const auto put = [&s](int n, double value) { s.insert(s.end(), n, value); };
@@ -170,7 +171,7 @@ class SyntheticSession {
   /// A landmark drawn in the image seen at t.
   bool draw_landmark(double t, Vec3<double>* in_G) {
     const Vec2<double> uv(random_.uniform(30, 610), random_.uniform(30, 450));
-    const double depth = random_.uniform(0.8, 5.8);
+    const double depth = random_.uniform(options_.nearest, options_.farthest);
     Vec2<double> xy;
     const CameraCalibration<double>& camera = truth.camera[0];
     if (!unproject(camera, uv, &xy)) return false;

@@ -59,7 +59,7 @@ Eigen::Vector3d squares_fit(const Eigen::MatrixXd& A, const Eigen::VectorXd& y) 
     if ((x.array() < 0).any() || cost >= best_cost) continue;
     best_cost = cost;
     best.setZero();
-    best(used) = x;
+    for (std::size_t i = 0; i < used.size(); ++i) best[used[i]] = x[static_cast<Eigen::Index>(i)];
   }
   return best;
 }

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr const char* allan_explanation =
     "Measures noise densities and bias walks of an IMU from a recording at rest (overlapping Allan deviation).";
 
-constexpr const char* allan_footer = R"(Put the device on a table that nobody touches and record its IMU: a minute gives the noise densities to 5 %, an hour the
+constexpr const char* allan_footer = R"(Put the device on an undisturbed table and record its IMU: a minute gives the noise densities to 5 %, an hour the
 bias walks. REC needs no images. The longest rest in it is used.
 
   segcal import rest.mcap --out rest       any log; without images too
@@ -27,11 +27,11 @@ bias walks. REC needs no images. The longest rest in it is used.
   segcal import run.mcap --out rec --imu-noise noise/imu.yaml
 
 Each axis is fitted by deviation^2 = N^2 / tau + B^2 2 ln2 / pi + K^2 tau / 3: white noise N, bias instability B, bias walk K.
-imu.yaml holds the largest of the three axes. A walk that the rest is too short for is written as the most that it may be
-(two sigmas above what was fitted), and said so.
+imu.yaml holds the largest of the three axes. If the rest is too short for a walk, its upper bound is written
+(two sigmas above the fit), with a message.
 
-In motion an IMU is noisier than on a table (vibration, scale errors in fast turns, the clock). Do not inflate by feel:
-`segcal diagnose` on a recording of the motion says by what factor (imu_noise).
+In motion an IMU is noisier than on a table (vibration, scale errors in fast turns, the clock). Do not guess a factor:
+`segcal diagnose` on a recording of the motion measures it (imu_noise).
 
 Exit code 1: not at rest, too short, or samples missing; one line says which. 2: REC cannot be read.)";
 
@@ -105,7 +105,7 @@ void add_allan_command(CLI::App& app, int& exit_code) {
   sub->footer(allan_footer);
   const auto root = std::make_shared<fs::path>(), out = std::make_shared<fs::path>();
   const auto as_json = std::make_shared<bool>(false);
-  sub->add_option("REC", *root, "recording with a rest of a minute at least")->required();
+  sub->add_option("REC", *root, "recording with at least one minute at rest")->required();
   sub->add_option("--out", *out, "folder for imu.yaml, allan.json and report.html")->required();
   sub->add_flag("--json", *as_json, "print allan.json");
   sub->callback([root, out, as_json, &exit_code] { exit_code = run(*root, *out, *as_json); });

@@ -14,9 +14,6 @@ namespace {
 
 using namespace SEGCAL_NS::clock_criteria;
 
-// What rotation alone is systematically wrong by (parallax, lenses, rolling shutter): offsets below are left to the effect
-// time_offset, which the filter stands. By motion, not by chance: three sigmas of the search do not make it smaller.
-constexpr double systematic_s = 0.004;
 constexpr double significant = 5;
 
 struct Rates {
@@ -103,7 +100,7 @@ std::string in_words(const char* format, double a = 0, double b = 0, double c = 
 }  // namespace
 
 bool ClockSearch::differs_from(double start_s) const {
-  return judged && std::abs(offset_s - start_s) > std::max(systematic_s, significant * sigma_s);
+  return judged && std::abs(offset_s - start_s) > std::max(clock_systematic_s, significant * sigma_s);
 }
 
 ClockSearch search_clock(const Recording& recording, const CameraCalibration& camera, double start_s) {

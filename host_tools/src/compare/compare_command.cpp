@@ -23,10 +23,10 @@ constexpr const char* compare_footer = R"(Examples:
   segcal compare out1 out2 --truth rec/truth/truth.json --truth rec/mav0/state_groundtruth_estimate0/data.csv --relative 1 5 10
 
 A folder without result.json (Kalibr's own output) is read from camchain-imucam.yaml and imu.yaml, without sigmas.
-Position and attitude: errors at each time after alignment. --relative: errors of the motion over pieces of path of that
+Position and attitude: errors at each time after alignment. --relative: errors of the motion over stretches of path of that
 length, from each pose, as evo's RPE over all pairs. Exit code 1: above a tolerance; 2: bad usage or input.)";
 
-struct Arguments {
+struct CompareArguments {
   CompareOptions options;
   std::string align = "yaw", sigma_of = "difference";
   std::filesystem::path out;
@@ -68,7 +68,7 @@ void print(const TrajectoryComparison& c) {
   }
 }
 
-int run(Arguments a) {
+int run(CompareArguments a) {
   a.options.trajectory.alignment = alignment_from_name(a.align);
   a.options.sigma_of = sigma_of_from_name(a.sigma_of);
   if (a.position_m >= 0) a.options.position_m = a.position_m;
@@ -96,7 +96,7 @@ int run(Arguments a) {
 }  // namespace
 
 void add_compare_command(CLI::App& app, int& exit_code) {
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<CompareArguments>();
   CompareOptions& o = a->options;
   CLI::App* sub = app.add_subcommand("compare", "two results against each other and the truth: parameters in units of sigma, trajectories");
   sub->add_option("DIR_A", o.a, "folder that segcal wrote: result.json, trajectory.tum")->required();
@@ -111,7 +111,7 @@ void add_compare_command(CLI::App& app, int& exit_code) {
   sub->add_option("--sigma-ratio", a->sigma_ratio, "tolerance of sigma_A / sigma_B - 1")->check(CLI::NonNegativeNumber);
   sub->add_option("--position-rmse", a->position_m, "tolerance, m")->check(CLI::NonNegativeNumber);
   sub->add_option("--attitude-rmse", a->attitude_deg, "tolerance, deg")->check(CLI::NonNegativeNumber);
-  sub->add_option("--align", a->align, "what the trajectories' worlds may differ by: none, yaw (and position), se3")
+  sub->add_option("--align", a->align, "transformation allowed between the trajectories: none, yaw (and position), se3")
       ->capture_default_str()->check(CLI::IsMember({"none", "yaw", "se3"}));
   sub->add_option("--time-shift", o.trajectory.largest_shift_s, "estimate a shift of the clocks within +- this, s; 0: none")
       ->capture_default_str()->check(CLI::Range(0.0, 10.0));

@@ -13,16 +13,16 @@ constexpr std::int64_t most_seconds = 4600000000;  // as of CsvReader::stamp
 constexpr const char* asl_columns = "timestamp [ns], p_x, p_y, p_z [m], q_w, q_x, q_y, q_z (, more)";
 constexpr const char* tum_columns = "timestamp [s] x y z [m] qx qy qz qw";
 
-[[noreturn]] void fail(const std::filesystem::path& file, std::size_t line, const std::string& expected) {
+[[noreturn]] void fail_line(const std::filesystem::path& file, std::size_t line, const std::string& expected) {
   throw InputError(file.string() + ":" + std::to_string(line) + ": expected " + expected);
 }
 
 /// Appends a pose after checks; the quaternion is brought to unit length.
 void append(Poses& poses, Pose pose, const std::filesystem::path& file, std::size_t line) {
   const double norm = pose.q_GI.norm();
-  if (!(std::abs(norm - 1) < 0.01)) fail(file, line, "a quaternion of unit length");
-  if (!pose.p_GI.allFinite()) fail(file, line, "a finite position");
-  if (!poses.empty() && pose.t_ns <= poses.back().t_ns) fail(file, line, "a stamp after the one before");
+  if (!(std::abs(norm - 1) < 0.01)) fail_line(file, line, "a quaternion of unit length");
+  if (!pose.p_GI.allFinite()) fail_line(file, line, "a finite position");
+  if (!poses.empty() && pose.t_ns <= poses.back().t_ns) fail_line(file, line, "a stamp after the one before");
   pose.q_GI.normalize();
   poses.push_back(pose);
 }
@@ -100,10 +100,10 @@ Poses read_tum(const std::filesystem::path& file) {
     const std::vector<std::string_view> words = words_of(row);
     if (words.empty() || words[0].front() == '#') continue;
     Pose pose;
-    if (!parse_tum_row(words, &pose)) fail(file, line, tum_columns);
+    if (!parse_tum_row(words, &pose)) fail_line(file, line, tum_columns);
     append(poses, pose, file, line);
   }
-  if (poses.empty()) fail(file, line, std::string("at least one row of ") + tum_columns);
+  if (poses.empty()) fail_line(file, line, std::string("at least one row of ") + tum_columns);
   return poses;
 }
 

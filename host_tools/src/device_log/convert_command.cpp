@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct ConvertArguments {
   std::vector<std::string> recordings;
   std::string calibration, out, profile = "mobile";
   int cameras = 1;
@@ -21,7 +21,7 @@ struct Arguments {
 };
 
 /// One session into the folder itself, several into folders 0, 1, ... in it.
-int to_folders(const Arguments& a) {
+int to_folders(const ConvertArguments& a) {
   if (a.recordings.size() > 1) throw InputError("expected one device log at a time, found " + std::to_string(a.recordings.size()));
   DeviceLog log = read_device_log(a.recordings.front(), a.salvage ? Damaged::leave_out : Damaged::refuse);
   for (const std::string& note : log.notes) std::cerr << "segcal: " << note << std::endl;
@@ -40,7 +40,7 @@ int to_folders(const Arguments& a) {
   return 0;
 }
 
-int to_log(const Arguments& a) {
+int to_log(const ConvertArguments& a) {
   const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras);
   CoreOptions options;
   options.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
@@ -55,25 +55,25 @@ int to_log(const Arguments& a) {
 }  // namespace
 
 void add_convert_command(CLI::App& app, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ConvertArguments>();
   CLI::App* sub = app.add_subcommand("convert", "device log to recording folder, or recording folders to a device log");
   sub->add_option("recordings", a->recordings, "a device log (*.segcal), or recordings in ASL layout with tracks, sessions in order")->required();
   sub->add_option("--out", a->out, "the folder, or the file NAME.segcal, to write")->required();
-  sub->add_option("--calib", a->calibration, "starting calibration that goes into the log (default: the recording's own)");
+  sub->add_option("--calib", a->calibration, "starting calibration to store in the log (default: the recording's own)");
   sub->add_option("--cameras", a->cameras, "cameras that go into the log, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
   sub->add_option("--pixel-sigma", a->pixel_sigma, "stated noise of a tracked corner per axis that goes into the log, px")
       ->capture_default_str()->check(CLI::PositiveNumber);
   sub->add_option("--profile", a->profile, "capacities that the log is for: mcu, mobile, host, mobile_double")->capture_default_str();
-  sub->add_flag("--salvage", a->salvage, "of a damaged log: leave out the blocks that are not as the device wrote them, a line for each");
+  sub->add_flag("--salvage", a->salvage, "skip damaged blocks of a log, with a line for each");
   sub->footer(R"(Examples:
   segcal convert flight.segcal --out rec
   segcal convert rec --profile mcu --out rec.segcal && segcal replay rec.segcal --out out
 
-Samples and pixels keep all bits either way: a device has them in single precision, and the folder's texts read back to the
-same. What a folder has no place for is lost: the device's further configuration, frames without a corner, result hashes.
+Samples and pixels keep all bits in both directions: a device has them in single precision, and the folder's texts read back to the
+same. A folder cannot hold everything; lost are the device's further configuration, frames without a corner, result hashes.
 
-A log that was cut off is read up to there. One with damage in the middle is refused, because a hole in the data gives another
-result than the device's; with --salvage the rest is converted.)");
+A truncated log is read up to its end. A log with damage in the middle is refused, because a hole in the data gives a result
+that differs from the device's; with --salvage the rest is converted.)");
   sub->callback([a, &exit_code] { exit_code = is_device_log(a->recordings.front()) ? to_folders(*a) : to_log(*a); });
 }
 

@@ -57,6 +57,7 @@ std::string sentence_of(const DiagnosedEffect& e) {
 }
 
 std::string gap_words(const Diagnosis& d) {
+  if (d.effects.size() == 1 && std::isnan(d.effects[0].gap_closed)) return formatted("Without it nothing can be fitted; with it an excess of %.2g is left", d.after.total);
   return "Held-out excess " + formatted("%.2g", d.before.total) + " -> " + formatted("%.2g", d.after.total) + ", " +
          formatted("%.1f", 100 * d.gap_closed) + " % of the gap";
 }

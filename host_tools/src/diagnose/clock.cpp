@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "eigenvalues.h"
 #include "quantile.h"
 
 namespace host {
@@ -18,7 +19,7 @@ constexpr int rounds = 5;
 using Vector7 = Eigen::Matrix<double, 7, 1>;  // gyroscope bias, rad/s; rotation of the camera, rad; offset, s
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
-// Wide: a bias of 0.2 rad/s, a camera 0.05 rad askew (DESIGN's prior), an offset of 0.1 s.
+// Wide: a bias of 0.2 rad/s, a camera 0.05 rad askew (the default prior), an offset of 0.1 s.
 const Vector7 prior_sigma = (Vector7() << 0.2, 0.2, 0.2, 0.05, 0.05, 0.05, 0.1).finished();
 // Steps of the differences: a tenth of a pixel or so in each.
 const Vector7 step = (Vector7() << 2e-3, 2e-3, 2e-3, 2e-3, 2e-3, 2e-3, 1e-3).finished();
@@ -92,9 +93,8 @@ bool minimise(Window& window, Vector7* x, double* offset_sigma) {
   for (int round = 0; round < rounds; ++round) {
     window.set_noise(*x);
     differentiate(window, *x, &gradient, &hessian);
-    Eigen::SelfAdjointEigenSolver<Matrix7> eigen(hessian);
     const Matrix7 prior = prior_sigma.cwiseAbs2().cwiseInverse().asDiagonal();
-    const double lift = std::max(0.0, -1.1 * eigen.eigenvalues()[0]);
+    const double lift = std::max(0.0, -1.1 * eigenvalues_of(hessian)[0]);
     Vector7 move = -(hessian + lift * Matrix7::Identity() + prior).ldlt().solve(gradient);
     const double before = window.cost(*x);
     for (int half = 0; half < 6 && !(window.cost(*x + move) < before); ++half) move *= 0.5;
@@ -102,9 +102,9 @@ bool minimise(Window& window, Vector7* x, double* offset_sigma) {
     if (std::abs(move[6]) < 1e-5 && round > 0) break;
   }
   differentiate(window, *x, &gradient, &hessian);
-  const Matrix7 covariance = 2 * hessian.inverse();
+  const Eigen::MatrixXd covariance = 2 * Eigen::MatrixXd(hessian).inverse();  // any size, as elsewhere: 7 x 7 would be compiled anew
   *offset_sigma = std::sqrt(covariance(6, 6));
-  return covariance(6, 6) > 0 && Eigen::SelfAdjointEigenSolver<Matrix7>(hessian).eigenvalues()[0] > 0;
+  return covariance(6, 6) > 0 && eigenvalues_of(hessian)[0] > 0;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "diagnose/answer.h"
 #include "diagnose/beyond.h"
 #include "diagnose/catalogue.h"
+#include "diagnose/clock_offset.h"
 #include "diagnose/evidence.h"
 #include "diagnose/held_out_report.h"
 #include "diagnose/judgeable.h"
@@ -185,12 +186,6 @@ class Diagnoser {
     beyond.run([this](const std::vector<bool>& estimated) { return fit(estimated); });
   }
 
-  /// Not below the stated noise: what stays within it is no disagreement.
-  Floor noise_floor() const {
-    const double factor = std::max(std::sqrt(selection_.problem.noise), pixels_.factor);
-    return {factor * factor, 2 * factor * pixels_.sigma};
-  }
-
   void collect() {
     for (const Rejected& r : selection_.rejected) out_.rejected.push_back({selection_.candidates[r.candidate].name, r.why});
     for (int c : selection_.cannot_tell) {
@@ -206,8 +201,9 @@ class Diagnoser {
   }
 
   void measure_gap() {
-    const HeldOut held_out{selection_, model_.terms, noise_floor()};
-    report_gap(held_out, evidence_.result(), &out_);
+    if (selection_.accepted.empty() && !evidence_.taken().empty()) fit_plain();   // what was fitted last was dropped
+    const CoreModel& weights = evidence_.result().model;
+    report_gap({selection_, model_.terms, evidence_.sensors(), noise_floors(selection_.problem.noise, pixels_, out_.raw_noise, weights, out_.noise)}, &out_);
     begin("structure of the residuals");
     report_structure(sessions_, evidence_.result(), &out_);
     if (noisy_pixels_ && !lens_has_no_name() && out_.open_excess <= (1 - decision::kNamesFrom) * out_.before.total) name_pixel_noise();
@@ -241,7 +237,7 @@ class Diagnoser {
 
 Diagnosis diagnose(const std::vector<Recording>& sessions, const DiagnoseOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  Diagnosis out = Diagnoser(sessions, options).run();
+  Diagnosis out = with_clocks_aligned(sessions, options.core, [&options](const std::vector<Recording>& aligned) { return Diagnoser(aligned, options).run(); });
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return out;
 }

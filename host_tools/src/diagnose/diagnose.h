@@ -29,7 +29,7 @@ struct DiagnosedParameter {
 
 /// An effect with a name, or an unlisted one in words.
 struct DiagnosedEffect {
-  std::string name;                  ///< as in DESIGN, section 3; "unlisted" for a term that the catalogue has not
+  std::string name;                  ///< as in docs/diagnosis.md, section 4; "unlisted" for a term that the catalogue has not
   std::vector<DiagnosedParameter> parameters;
   double statistic = 0;              ///< with the other effects free; over the dispersion
   int dof = 0;
@@ -40,7 +40,7 @@ struct DiagnosedEffect {
   std::string separates;             ///< the motion that would
 };
 
-/// chi2 per degree of freedom, shared among the sensors.
+/// A figure of all sensors together, and of each by itself.
 struct SensorShares {
   double total = 0, camera = 0, gyro = 0, accel = 0;
 };
@@ -71,8 +71,9 @@ struct Diagnosis {
   std::string sentence;              ///< the answer, to read aloud
   bool cut_short = false;            ///< the number of fits was used up: something may be left that more would have found
   std::vector<DiagnosedEffect> effects;
-  SensorShares before, after, noise_floor;  ///< excess over the noise floor without and with the effects; chi2/dof of noise
+  SensorShares before, after, noise_floor;  ///< excess over the own noise floor without and with the effects; chi2/dof of noise
   double after_sigma = 0;            ///< of after.total
+  SensorShares gap_sigma, gap_dof;   ///< of each sensor's `before` and `after` by chance; degrees of freedom. No total of the sigmas
   double gap_closed = 0;             ///< share of before.total: by nested folds where there are eight segments, named or not
   double open_excess = 0;            ///< part of before.total that the verdict counts as open: without a name, or refused one
   std::vector<diagnosis::Structure> where;

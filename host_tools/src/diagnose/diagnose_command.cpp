@@ -1,6 +1,7 @@
 // segcal diagnose: what is missing in the model?
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -11,12 +12,13 @@
 #include "formatted.h"
 #include "imu_temperature.h"
 #include "replay/model_file.h"
+#include "replay/replay_clocks.h"
 #include "replay/sessions.h"
 
 namespace host {
 namespace {
 
-struct Arguments {
+struct DiagnoseArguments {
   std::vector<std::string> recordings;
   std::string calibration, model, out;
   int cameras = 1;
@@ -42,7 +44,7 @@ void print_effects(const Diagnosis& d) {
     bool first = true;
     for (const DiagnosedParameter& p : e.parameters) {
       std::printf("%-34s %14.6g %12.2g %-12s", p.name.c_str(), p.value, p.sigma, p.unit.c_str());
-      if (first) std::printf(" %10.1f %8.1f %6.1f %%", e.statistic, e.log10_p, 100 * e.gap_closed);
+      if (first) std::printf(" %10.1f %8.1f %s", e.statistic, e.log10_p, std::isnan(e.gap_closed) ? "      -" : formatted("%6.1f %%", 100 * e.gap_closed).c_str());
       std::printf("\n");
       first = false;
     }
@@ -68,12 +70,13 @@ void print_table(const Diagnosis& d) {
 }
 
 /// What to do with the answer: the commands that use it.
-void print_next(const Arguments& a, const Diagnosis& d) {
+void print_next(const DiagnoseArguments& a, const Diagnosis& d) {
   if (!d.judged || d.model.empty()) return;
   const std::string model = (std::filesystem::path(a.out) / "model.yaml").string();
   std::string replay = "segcal replay";
   for (const std::string& r : a.recordings) replay += " " + r;
   if (!a.calibration.empty()) replay += " --calib " + a.calibration;
+  if (a.smooth_stamps) replay += " --smooth-stamps";
   if (a.cameras != 1) replay += " --cameras " + std::to_string(a.cameras);
   if (d.tracks.points > 0) replay += formatted(" --pixel-sigma %.3g --track-walk %.3g", d.tracks.white_px, d.tracks.walk_px_per_sqrt_s);
   std::printf("\nnext: %s --model %s --out %s   calibrates with what was found\n", replay.c_str(), model.c_str(),
@@ -91,14 +94,16 @@ void expect_temperature(const EffectChoice& model, const std::vector<Recording>&
   }
 }
 
-int run(Arguments a) {
+int run(DiagnoseArguments a) {
   expect_output_folder(a.out, "diagnose");
   const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras, a.smooth_stamps);
   a.diagnose.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
   a.diagnose.core.noise = sessions.front().imu.noise;
   if (!a.model.empty()) {
-    const EffectChoice model = read_model(a.model);
+    EffectChoice model = read_model(a.model);
     expect_temperature(model, sessions);
+    a.diagnose.core.calibration.cameras.front().timeshift_cam_imu = stated_offset(a.diagnose.core.calibration, model);  // once, not in both
+    if (model.enabled("time_offset")) model.set("time_offset.t_d", 0);
     model.apply(&a.diagnose.core);
   }
   a.diagnose.progress = show_progress;
@@ -117,19 +122,19 @@ int run(Arguments a) {
 }  // namespace
 
 void add_diagnose_command(CLI::App& app, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
-  CLI::App* sub = app.add_subcommand("diagnose", "residuals are large: find what the model lacks, and show the gap it closes");
+  auto a = std::make_shared<DiagnoseArguments>();
+  CLI::App* sub = app.add_subcommand("diagnose", "residuals are large: find the effect that the model lacks, and measure the gap that it closes");
   sub->add_option("recordings", a->recordings, "recordings in ASL layout (REC/mav0/...); several are sessions of one device")->required();
   sub->add_option("--calib", a->calibration, "calibration to start from, Kalibr's camchain-imucam.yaml (default: the recording's own)");
-  sub->add_option("--model", a->model, "model.yaml with effects that are known already");
+  sub->add_option("--model", a->model, "model.yaml with effects that are already known");
   sub->add_option("--out", a->out, "folder for diagnosis.json, model.yaml, segcal_effects.h and what `segcal report` draws")->required();
   sub->add_option("--profile", a->diagnose.profile, "capacities of the core; host keeps 64 segments, four minutes")->capture_default_str();
   sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
   sub->add_option("--pixel-sigma", a->diagnose.core.pixel_sigma, "stated noise of a tracked corner per axis, px")
       ->capture_default_str()->check(CLI::PositiveNumber);
-  sub->add_flag("--smooth-stamps", a->smooth_stamps, "stamps were taken in callbacks: smooth them first, as segcal replay does");
+  sub->add_flag("--smooth-stamps", a->smooth_stamps, "for stamps taken in callbacks: smooth them first, as segcal replay does");
   sub->add_flag("--accept-faults", a->diagnose.accept_faults,
-                "go on where the samples themselves are at fault (bad_data); what is wrong with them is said all the same");
+                "continue when the samples themselves are faulty (bad_data); the faults are still reported");
   sub->add_flag("--json", a->json, "print diagnosis.json on standard output");
   sub->footer(R"(Example:
   segcal simulate --out late --scenario rich --seconds 60 --seed 1 --effect time_offset=0.003
@@ -137,10 +142,10 @@ void add_diagnose_command(CLI::App& app, int& exit_code) {
 
 Verdicts: consistent, nothing is missing; explained, the named effects close the gap; partly_explained, some of it stays
 open; unexplained, something is missing that has no name here: `where` says in which sensor and what it follows; bad_data,
-the samples themselves are at fault (segcal replay goes on with such data, and names the faults among its suspects).
+the samples themselves are faulty (segcal replay continues with such data, and lists the faults among its suspects).
 
-A name is given where the effect is significant after correction for the number of candidates, both halves of the recording
-tell the same value, and the value from one half removes the excess of the other. Exit code 1: too short or too still to
+An effect is named if it is significant after correction for the number of candidates, both halves of the recording
+give the same value, and the value from one half removes the excess of the other. Exit code 1: too short or too still to
 judge, or unexplained.)");
   sub->callback([a, &exit_code] { exit_code = run(*a); });
 }

@@ -26,6 +26,8 @@ Json shares_json(const SensorShares& s) {
   return {{"total", s.total}, {"camera", s.camera}, {"gyro", s.gyro}, {"accel", s.accel}};
 }
 
+Json sensors_json(const SensorShares& s) { return {{"camera", s.camera}, {"gyro", s.gyro}, {"accel", s.accel}}; }
+
 Json list_json(const std::vector<NotNamed>& list) {
   Json out = Json::array();
   for (const NotNamed& n : list) out.push_back({{"name", n.name}, {"why", n.why}});
@@ -83,7 +85,7 @@ std::string diagnosis_json(const Diagnosis& d) {
   json["effects"] = Json::array();
   for (const DiagnosedEffect& e : d.effects) json["effects"].push_back(effect_json(e));
   json["gap"] = {{"before", shares_json(d.before)}, {"after", shares_json(d.after)}, {"noise_floor", shares_json(d.noise_floor)},
-                 {"after_sigma", d.after_sigma}, {"closed", d.gap_closed}};
+                 {"after_sigma", d.after_sigma}, {"sigma", sensors_json(d.gap_sigma)}, {"dof", shares_json(d.gap_dof)}, {"closed", d.gap_closed}};
   json["where"] = where_json(d);
   json["rejected"] = list_json(d.rejected);
   json["cannot_tell"] = list_json(d.cannot_tell);

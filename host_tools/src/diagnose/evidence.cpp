@@ -112,9 +112,10 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
   replay_options.profile = profile_;
   replay_options.progress = progress_;
   replay_options.keep_core = &core_;
-  std::vector<TermInfo> taken, asked;
+  taken_.clear();
+  asked_.clear();
   for (std::size_t i = 0; i < terms.size(); ++i) {
-    (estimated[i] ? taken : asked).push_back(terms[i]);
+    (estimated[i] ? taken_ : asked_).push_back(terms[i]);
     if (!estimated[i]) continue;
     if (terms[i].bit >= 0) {
       replay_options.core.effects |= 1u << terms[i].bit;
@@ -128,12 +129,11 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
     replay_options.core = inflated(stated, inflations_);
     if (try_fit(replay_options) || inflations_ + 1 == kMostInflations) break;
   }
-  taken_ = taken;
-  Problem mixed = gather(asked, true);
-  std::vector<int> place(terms.size());  // of each term among [taken | asked]
-  int next_taken = 0, next_asked = static_cast<int>(taken.size());
-  for (std::size_t i = 0; i < terms.size(); ++i) place[i] = estimated[i] ? next_taken++ : next_asked++;
-  reorder(place, &mixed);
+  Problem mixed = gather(asked_, true);
+  place_.resize(terms.size());
+  int next_taken = 0, next_asked = static_cast<int>(taken_.size());
+  for (std::size_t i = 0; i < terms.size(); ++i) place_[i] = estimated[i] ? next_taken++ : next_asked++;
+  reorder(place_, &mixed);
   return mixed;
 }
 
@@ -157,10 +157,36 @@ Rows Evidence::rows_of(const std::vector<std::uint32_t>& serials, const std::vec
   for (const TermInfo& t : candidates) terms.push_back(t.term);
   const CoreRows core = core_->linearise(serials, terms);
   Rows out{unpacked(core), core.dof};
-  VectorXd at = VectorXd::Zero(out.columns() - n_theta_);
-  at.head(static_cast<Eigen::Index>(taken_.size())) = taken_values_;
-  count_terms_from_zero(n_theta_, at, &out);
+  count_from_zero(&out);
   out.R = triangle_of(out.R);
+  return out;
+}
+
+/// Of columns [theta | taken | candidates].
+void Evidence::count_from_zero(Rows* rows) const {
+  VectorXd at = VectorXd::Zero(rows->columns() - n_theta_);
+  at.head(static_cast<Eigen::Index>(taken_.size())) = taken_values_;
+  count_terms_from_zero(n_theta_, at, rows);
+}
+
+double Evidence::seconds_after_start(std::int64_t t_ns) const {
+  return 1e-9 * static_cast<double>(t_ns - sessions_.front().cameras.front().frames.front().t_ns);
+}
+
+SensorPieces Evidence::sensors() {
+  std::vector<CoreTerm> terms;
+  for (const TermInfo& t : asked_) terms.push_back(t.term);
+  SensorPieces out;
+  for (const CoreKept& k : segments()) {
+    const CoreSensorRows core = core_->sensor_rows(k.segment.serial, terms);
+    for (std::size_t s = 0; s < out.of.size(); ++s) {
+      Rows rows{core.root[s], core.shared.row(static_cast<int>(s)).sum()};
+      count_from_zero(&rows);
+      reorder(place_, &rows, n_theta_);
+      out.of[s].push_back({rows, seconds_after_start(k.segment.start_ns), seconds_after_start(k.segment.end_ns), false});
+    }
+    out.shared.push_back(core.shared);
+  }
   return out;
 }
 
@@ -175,14 +201,12 @@ Problem Evidence::gather(const std::vector<TermInfo>& candidates, bool in_parts)
   out.noise = std::pow(options_.pixel_sigma / result_.model.pixel_sigma, 2);
   std::vector<std::uint32_t> all, half[2];
   const std::vector<CoreKept> kept = segments();
-  const std::int64_t zero_ns = sessions_.front().cameras.front().frames.front().t_ns;
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const CoreSegment& s = kept[i].segment;
     all.push_back(s.serial);
     half[is_held_out(i) ? 1 : 0].push_back(s.serial);
     if (!in_parts) continue;
-    out.pieces.push_back({rows_of({s.serial}, candidates), 1e-9 * static_cast<double>(s.start_ns - zero_ns),
-                          1e-9 * static_cast<double>(s.end_ns - zero_ns), is_held_out(i)});
+    out.pieces.push_back({rows_of({s.serial}, candidates), seconds_after_start(s.start_ns), seconds_after_start(s.end_ns), is_held_out(i)});
   }
   if (in_parts) out.blocks = blocks_of(result_.calibration);
   if (half[1].empty()) return out;

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "diagnose/model_terms.h"
+#include "diagnose/sensor_gap.h"
 #include "replay/replay.h"
 
 namespace host::diagnosis {
@@ -22,6 +23,8 @@ class Evidence {
   /// and pieces only `in_parts`: many candidates are asked about without.
   Problem at_last_fit(const std::vector<TermInfo>& candidates, bool in_parts);
   const std::vector<TermInfo>& taken() const { return taken_; }
+  /// The pieces of the last fit, sensor by sensor, over the same columns.
+  SensorPieces sensors();
   /// Kept segments in the order of time.
   std::vector<CoreKept> segments() const;
   CoreOptions& options() { return options_; }
@@ -30,6 +33,8 @@ class Evidence {
   bool try_fit(const ReplayOptions& options);
   Problem gather(const std::vector<TermInfo>& candidates, bool in_parts);
   Rows rows_of(const std::vector<std::uint32_t>& serials, const std::vector<TermInfo>& candidates);
+  void count_from_zero(Rows* rows) const;
+  double seconds_after_start(std::int64_t t_ns) const;
 
   const std::vector<Recording>& sessions_;
   CoreOptions options_;
@@ -37,7 +42,8 @@ class Evidence {
   std::function<void(double)> progress_;
   std::unique_ptr<Core> core_;
   ReplayResult result_;
-  std::vector<TermInfo> taken_;
+  std::vector<TermInfo> taken_, asked_;
+  std::vector<int> place_;         ///< of each of the caller's terms among [taken | asked]
   Eigen::VectorXd taken_values_;
   int n_theta_ = 0;
   int inflations_ = 0;             ///< that the last fit needed

@@ -15,7 +15,7 @@
 namespace host {
 namespace {
 
-constexpr std::size_t least_pairs = 30;
+constexpr std::size_t least_frame_pairs = 30;
 constexpr double least_turning = 0.1;        // rad/s rms of the image: below it parallax looks the same
 constexpr double other_order_fits = 0.9;     // correlation of another order of axes
 // A start that is 0.05 rad askew and parallax leave 0.97; an axis that is turned about and holds a fortieth of the power, 0.95.
@@ -177,7 +177,7 @@ double coarse_offset(const Recording& recording, const std::vector<FramePair>& p
   const double as_is = highest;
   for (double offset = -farthest_offset_s; offset <= farthest_offset_s; offset += offset_step_s) {
     const Rates rates = rates_at(pairs, image, gyro, offset);
-    if (rates.t1.size() < least_pairs || 2 * rates.t1.size() < pairs.size()) continue;
+    if (rates.t1.size() < least_frame_pairs || 2 * rates.t1.size() < pairs.size()) continue;
     const double c = correlation(rates, R);
     if (c <= highest) continue;
     highest = c;
@@ -228,11 +228,11 @@ std::vector<Fault> rotation_faults(const Recording& recording, const Calibration
   if (start.cameras.empty()) return out;
   const GyroPath gyro(recording);
   const std::vector<FramePair> pairs = frame_pairs(recording, start.cameras[0]);
-  if (pairs.size() < least_pairs) return out;
+  if (pairs.size() < least_frame_pairs) return out;
   std::vector<Eigen::Vector3d> image;
   for (const FramePair& pair : pairs) image.push_back(rate_by_rotation_alone(pair));
   Rates rates = rates_at(pairs, image, gyro, 0);
-  if (rates.t1.size() < least_pairs || rms(rates.image_C) < least_turning) return out;
+  if (rates.t1.size() < least_frame_pairs || rms(rates.image_C) < least_turning) return out;
   const Eigen::Matrix3d R_CI = start.cameras[0].R_CI;
   const AxisOrder order = check_gyro_axes(recording, rates, R_CI, out);
   const Eigen::Matrix3d R = R_CI * order.P;

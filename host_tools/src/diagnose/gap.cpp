@@ -42,19 +42,28 @@ Marginal marginal(const Problem& problem, const Rows& rows, const Asked& asked) 
   return m;
 }
 
-/// One half against the other's effects.
-void add_half(const Marginal& trained, const Marginal& held_out, double noise, Gap* out) {
+/// In units of the plausible sizes. A wide prior (ten sizes) keeps directions finite that these rows do not show.
+struct Estimate {
+  VectorXd value;
+  MatrixXd covariance;
+};
+Estimate estimate(const Marginal& trained, double noise) {
   const Eigen::Index m = trained.R.cols();
-  // A wide prior (ten plausible sizes) keeps directions finite that this half does not show.
   const MatrixXd information = trained.R.transpose() * trained.R / noise + 0.01 * MatrixXd::Identity(m, m);
   const MatrixXd covariance = information.inverse();
-  const VectorXd v = held_out.R * (covariance * (trained.R.transpose() * trained.d)) / noise;
+  return {covariance * (trained.R.transpose() * trained.d) / noise, covariance};
+}
+
+/// One half against the other's effects.
+void add_half(const Marginal& trained, const Marginal& held_out, double noise, Gap* out) {
+  const Estimate effects = estimate(trained, noise);
+  const VectorXd v = held_out.R * effects.value;
   const double length = v.norm();
   if (!(length > 0)) return;
   const VectorXd along = v / length;
   const VectorXd seen = held_out.R.transpose() * along;
   const double before = along.dot(held_out.d), after = before - length;
-  const double expected = noise + seen.dot(covariance * seen);
+  const double expected = noise + seen.dot(effects.covariance * seen);
   out->before += before * before - noise;
   out->after_measured += after * after - expected;
   out->after_sigma += std::sqrt(2.0) * expected;  // the halves' differences are one and the same number: sigmas add up
@@ -103,6 +112,13 @@ Gap held_out_gap(const Problem& problem, const std::vector<Candidate>& candidate
   out.before += out.rest;
   out.after += out.rest;
   return out;
+}
+
+Trained trained_on(const Problem& training, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted) {
+  const Asked asked = asked_of(candidates, accepted, -1);
+  if (asked.columns == 0) return {};
+  const Estimate effects = estimate(marginal(training, training.all, asked), dispersion(training, asked.groups));
+  return {asked.groups, asked.size.cwiseProduct(effects.value), asked.size.asDiagonal() * effects.covariance * asked.size.asDiagonal()};
 }
 
 Gap fold_gap(const Problem& training, const Problem& held_out, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted) {

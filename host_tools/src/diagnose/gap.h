@@ -42,6 +42,14 @@ struct Floor {
 Gap held_out_gap(const Problem& problem, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted,
                  const Floor& floor, double rest_chi2);
 
+/// Effects as a set of segments tells them, theta free.
+struct Trained {
+  std::vector<TermGroup> groups;  ///< columns of the effects, in the order of their entries
+  Eigen::VectorXd value;
+  Eigen::MatrixXd covariance;     ///< scaled by the dispersion
+};
+Trained trained_on(const Problem& training, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted);
+
 /// Effects that were chosen and fitted on `training` against the rows of `held_out`, segments of the same recording.
 Gap fold_gap(const Problem& training, const Problem& held_out, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted);
 

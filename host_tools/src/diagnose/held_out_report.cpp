@@ -8,26 +8,19 @@
 
 #include "diagnose/answer.h"
 #include "diagnose/catalogue.h"
-#include "diagnose/nested_gap.h"
 
 namespace host::diagnosis {
 namespace {
 
-/// In proportion to what the squares of each sensor's residuals fell by.
-void share_among_sensors(const ReplayResult& last, Diagnosis* out) {
-  const SensorSquares before = sensor_squares(out->fit_before.kept), after = sensor_squares(last.kept);
-  const double ratio = out->fit_before.model.pixel_sigma / last.model.pixel_sigma;
-  double share[3] = {std::max(0.0, before.camera * ratio * ratio - after.camera), std::max(0.0, before.gyro - after.gyro),
-                     std::max(0.0, before.accel - after.accel)};
-  const double sum = share[0] + share[1] + share[2];
-  for (int i = 0; i < 3; ++i) share[i] = sum > 0 ? share[i] / sum : (i == 0 ? 1 : 0);
-  for (SensorShares* s : {&out->before, &out->after}) {
-    s->camera = s->total * share[0];
-    s->gyro = s->total * share[1];
-    s->accel = s->total * share[2];
+void tell_sensors(const std::array<SensorGap, kSensors>& gaps, Diagnosis* out) {
+  for (int s = 0; s < kSensors; ++s) {
+    const auto put = [s](SensorShares* to, double value) { (s == 0 ? to->camera : s == 1 ? to->gyro : to->accel) = value; };
+    put(&out->before, gaps[s].before);
+    put(&out->after, gaps[s].after);
+    put(&out->noise_floor, gaps[s].floor);
+    put(&out->gap_sigma, gaps[s].sigma);
+    put(&out->gap_dof, gaps[s].dof);
   }
-  out->noise_floor.camera = out->noise_floor.total;
-  out->noise_floor.gyro = out->noise_floor.accel = 1;
 }
 
 enum class Family { lens, timing, gyro, accel, none };
@@ -42,8 +35,10 @@ std::set<Family> families_of(const std::string& effect, const CoreTerm& term) {
   return {term.kind < 3 ? Family::gyro : term.kind < 6 ? Family::accel : Family::lens};
 }
 
-/// Whose effects would make residuals follow this.
+/// Whose effects would make residuals follow this. A turn, and a moment other than the stated one, shift an image and do not zoom it: above and
+/// below the middle its radial parts are opposite. What is radial and follows anything is the lens, as one whose focus moves with the force on it.
 std::set<Family> families_behind(const Structure& s) {
+  if (s.axis == "radial") return {Family::lens};
   const auto begins = [&s](const char* words) { return s.against.rfind(words, 0) == 0; };
   if (begins("force")) return {Family::accel};
   if (begins("image motion") || begins("image row") || begins("rate") || begins("change of rate")) return {Family::gyro, Family::timing};
@@ -135,14 +130,15 @@ class Report {
 
 }  // namespace
 
-void report_gap(const HeldOut& held_out, const ReplayResult& last, Diagnosis* out) {
+void report_gap(const HeldOut& held_out, Diagnosis* out) {
   const Selection& s = held_out.selection;
-  const Gap gap = held_out_gap(s.problem, s.candidates, s.accepted, held_out.floor, s.leftover.chi2);
+  const Gap gap = held_out_gap(s.problem, s.candidates, s.accepted, held_out.floors[0], s.leftover.chi2);
   Report report(held_out, out);
   const double unit = gap.dof > 0 ? 1 / (gap.dof * gap.floor) : 0;
   const bool closes = gap.before > 0 && gap.closed() >= decision::kNamesFrom;
   const bool names = closes && (gap.rest <= decision::kMostRest * gap.before || !report.has_catalogue());
-  const Gap nested = nested_gap(s);
+  const std::vector<Fold> folds = folds_of(s);
+  const Gap nested = nested_gap(s, folds);
   const Gap& measured = nested.before > 0 ? nested : gap;
   const double rest = nested.before > 0 ? gap.rest : 0;  // held_out_gap has it in its own
   out->before.total = (measured.before + rest) * unit;
@@ -150,8 +146,9 @@ void report_gap(const HeldOut& held_out, const ReplayResult& last, Diagnosis* ou
   out->after_sigma = measured.after_sigma * unit;
   out->open_excess = gap.before > 0 ? (names ? 1 - gap.closed() : 1) * out->before.total : 0;
   out->noise_floor.total = gap.floor;
+  out->gap_dof.total = gap.dof;
   for (std::size_t i = 0; i < s.accepted.size(); ++i) report.add(i, names ? "" : why_no_name(gap, s.leftover, closes));
-  share_among_sensors(last, out);
+  tell_sensors(gap_by_sensor(s, folds, held_out.sensors, held_out.floors), out);
   out->gap_closed = out->before.total > 0 ? std::clamp(1 - out->after.total / out->before.total, 0.0, 1.0) : 0;
 }
 
@@ -161,7 +158,9 @@ void refuse_where_structure_is_left(const std::vector<Structure>& left, Diagnosi
   for (const Structure& s : left) {
     if (s.log10_p >= decision::kLog10StructureLeft) continue;
     const std::set<Family> behind = families_behind(s);
-    const auto refused = [&behind, out](const DiagnosedEffect& e) {
+    const double says = -2 * std::log(10.0) * s.log10_p;  // twice the logarithm of its odds, as a statistic is
+    const auto refused = [&behind, says, out](const DiagnosedEffect& e) {
+      if (says <= decision::kMostRest * e.statistic) return false;
       const auto term = std::find_if(out->model.begin(), out->model.end(), [&e](const ModelTerm& t) { return t.effect == e.name; });
       if (term == out->model.end()) return false;
       for (Family f : families_of(e.name, term->term)) {

@@ -3,18 +3,19 @@
 
 #include "diagnose/diagnose.h"
 #include "diagnose/evidence.h"
-#include "diagnose/gap.h"
+#include "diagnose/sensor_gap.h"
 
 namespace host::diagnosis {
 
 struct HeldOut {
   const Selection& selection;
   const std::vector<TermInfo>& terms;
-  Floor floor;
+  SensorPieces sensors;
+  std::array<Floor, kSensors> floors;  ///< of the sensors' noise; the first is the whole's, too
 };
 
-/// Excess before and after, and effects with a name. `last`: the fit with everything that was accepted.
-void report_gap(const HeldOut& held_out, const ReplayResult& last, Diagnosis* out);
+/// Excess before and after, and effects with a name.
+void report_gap(const HeldOut& held_out, Diagnosis* out);
 
 /// An effect whose own cause the residuals still follow when it is in the model has not explained them: it loses its name.
 /// `left`: structure of the residuals of the last fit.

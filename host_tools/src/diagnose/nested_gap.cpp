@@ -41,37 +41,56 @@ std::vector<Candidate> open_candidates(const Selection& selection) {
   return out;
 }
 
-Gap gap_of_fold(const Selection& selection, const std::vector<Candidate>& candidates, const Problem& training, const Problem& own) {
-  const Selection chosen = select_effects(candidates, {}, [&training](const std::vector<int>&) { return training; });
-  if (chosen.accepted.empty()) {
-    Gap missed = fold_gap(training, own, selection.candidates, selection.accepted);
-    missed.after_measured = missed.before;
-    missed.after_sigma = 0;
-    return missed;
+/// The segments at `places` against what the others choose.
+Fold fold_of(const Selection& selection, const std::vector<Candidate>& candidates, const std::vector<std::size_t>& places) {
+  const Problem& whole = selection.problem;
+  std::vector<Piece> others, own;
+  for (std::size_t i = 0; i < whole.pieces.size(); ++i) {
+    (std::count(places.begin(), places.end(), i) > 0 ? own : others).push_back(whole.pieces[i]);
   }
-  if (!chosen.shifted) return fold_gap(training, own, chosen.candidates, chosen.accepted);
-  Shift shift = chosen.shift;
-  shift.straddling = -1;  // counted among the training's pieces
-  return fold_gap(chosen.problem, with_shift(own, shift), chosen.candidates, chosen.accepted);
+  Fold out{part(whole, std::move(others)), part(whole, std::move(own)), places, selection.candidates, selection.accepted, false, {}};
+  if (whole.pieces.size() < 2 * kFolds) return out;
+  const Selection chosen = select_effects(candidates, {}, [&out](const std::vector<int>&) { return out.training; });
+  out.missed = chosen.accepted.empty();
+  if (out.missed) return out;
+  out.candidates = chosen.candidates;
+  out.accepted = chosen.accepted;
+  if (!chosen.shifted) return out;
+  out.shift = chosen.shift;
+  out.shift->straddling = -1;  // counted among the training's pieces
+  out.training = chosen.problem;
+  out.own = with_shift(out.own, *out.shift);
+  return out;
 }
 
 }  // namespace
 
-Gap nested_gap(const Selection& selection) {
+std::vector<Fold> folds_of(const Selection& selection) {
+  const std::size_t n = selection.problem.pieces.size(), folds = n < 2 * kFolds ? 2 : kFolds;
+  std::vector<Fold> out;
+  if (n < 2) return out;
+  const std::vector<Candidate> candidates = open_candidates(selection);
+  for (std::size_t fold = 0; fold < folds; ++fold) {
+    std::vector<std::size_t> places;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i % folds == fold) places.push_back(i);
+    }
+    out.push_back(fold_of(selection, candidates, places));
+  }
+  return out;
+}
+
+Gap nested_gap(const Selection& selection, const std::vector<Fold>& folds) {
   const Problem& whole = selection.problem;
   Gap out;
   out.floor = whole.noise;
   out.dof = whole.all.dof;
-  const std::size_t n = whole.pieces.size();
-  if (n < 2 * kFolds) return out;
-  const std::vector<Candidate> candidates = open_candidates(selection);
-  for (std::size_t fold = 0; fold < kFolds; ++fold) {
-    std::vector<Piece> others, own;
-    for (std::size_t i = 0; i < n; ++i) (i % kFolds == fold ? own : others).push_back(whole.pieces[i]);
-    const Gap one = gap_of_fold(selection, candidates, part(whole, std::move(others)), part(whole, std::move(own)));
+  if (whole.pieces.size() < 2 * kFolds) return out;
+  for (const Fold& fold : folds) {
+    const Gap one = fold_gap(fold.training, fold.own, fold.candidates, fold.accepted);
     out.before += one.before;
-    out.after_measured += one.after_measured;
-    out.after_sigma += one.after_sigma;
+    out.after_measured += fold.missed ? one.before : one.after_measured;
+    out.after_sigma += fold.missed ? 0 : one.after_sigma;
   }
   out.before = std::max(0.0, out.before);
   out.after = std::clamp(out.after_measured - decision::kCountsAsNone * out.after_sigma, 0.0, out.before);

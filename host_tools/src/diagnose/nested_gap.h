@@ -9,11 +9,26 @@
 // What all folds share is the point of linearisation (with its outliers) and the instant of a step.
 #pragma once
 
+#include <optional>
+
 #include "diagnose/gap.h"
 
 namespace host::diagnosis {
 
-/// `rest` is left at zero: it is of the whole recording (held_out_gap).
-Gap nested_gap(const Selection& selection);
+/// Segments that were held out, and what the others say.
+struct Fold {
+  Problem training, own;               ///< over the same columns
+  std::vector<std::size_t> places;     ///< of its own segments among the selection's pieces
+  std::vector<Candidate> candidates;
+  std::vector<Accepted> accepted;      ///< chosen by the training
+  bool missed = false;                 ///< nothing was: `accepted` is what the whole recording says
+  std::optional<Shift> shift;          ///< whose columns stand behind those of the selection's pieces
+};
+
+/// Four; with fewer than eight segments the two halves, with the whole recording's choice.
+std::vector<Fold> folds_of(const Selection& selection);
+
+/// `rest` is left at zero: it is of the whole recording (held_out_gap). Zero with fewer than eight segments.
+Gap nested_gap(const Selection& selection, const std::vector<Fold>& folds);
 
 }  // namespace host::diagnosis

@@ -26,7 +26,19 @@ std::vector<std::array<double, 2>> imu_halves(const Recording& recording, const 
   return out;
 }
 
+Floor floor_of(const SensorNoise& raw, double stated, double weighed) {
+  const bool told = raw.verdict != SensorNoise::Verdict::cannot_tell;
+  const double factor = std::max(stated, told ? raw.factor * raw.stated : 0) / weighed;
+  return {factor * factor, told ? 2 * factor * raw.sigma * raw.stated / weighed : 0};
+}
+
 }  // namespace
+
+std::array<Floor, 3> noise_floors(double known, const PixelNoise& pixels, const RawNoise& raw, const CoreModel& weights, const ImuNoise& stated) {
+  const double factor = std::max(std::sqrt(known), pixels.factor);
+  return {Floor{factor * factor, 2 * factor * pixels.sigma}, floor_of(raw.gyro, stated.gyro_noise_density, weights.gyro_noise_density),
+          floor_of(raw.accel, stated.accel_noise_density, weights.accel_noise_density)};
+}
 
 NoiseEffect noise_effect(const std::string& name, const std::vector<DiagnosedParameter>& factors,
                          const std::vector<std::array<double, 2>>& halves) {

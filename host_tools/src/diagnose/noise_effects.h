@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "diagnose/diagnose.h"
+#include "diagnose/gap.h"
 #include "diagnose/imu_noise.h"
 #include "diagnose/pixel_noise.h"
 
@@ -23,6 +24,11 @@ NoiseEffect noise_effect(const std::string& name, const std::vector<DiagnosedPar
 std::optional<NoiseEffect> imu_noise_effect(const Recording& recording, const RawNoise& raw, ImuNoise* noise);
 /// Of the image points at a fit. `segments`: its kept ones in the order of time; `ratio`: the fit's pixel sigma over the stated one.
 NoiseEffect pixel_noise_effect(const PixelNoise& noise, const std::vector<CoreKept>& segments, double ratio);
+
+/// Variances of camera, gyroscope and accelerometer as measured apart from the fit, over those that the fit's `weights` say. Not below the stated
+/// noise: what stays within it is no disagreement. `known`: of the image points, what a fit with larger weights has of the stated variance;
+/// `stated`: of the IMU, with factors that were found.
+std::array<Floor, 3> noise_floors(double known, const PixelNoise& pixels, const RawNoise& raw, const CoreModel& weights, const ImuNoise& stated);
 
 /// Adds them to the gap and to the named effects.
 void add_noise_gap(const std::vector<NoiseEffect>& noise, Diagnosis* out);

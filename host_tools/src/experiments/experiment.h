@@ -12,6 +12,9 @@ namespace host::experiments {
 
 using Json = nlohmann::ordered_json;
 
+/// A released entry farther from the truth than this is a wrong answer.
+constexpr double wrong_sigmas = 5;
+
 struct StudyOptions {
   std::uint64_t seed = 1;
   int seeds = 0;                                   ///< of each kind of cell; 0: as many as the study has

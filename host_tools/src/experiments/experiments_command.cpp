@@ -16,7 +16,7 @@ using namespace experiments;
 constexpr const char* experiments_footer = R"(Examples:
   segcal experiments --list
   segcal experiments basin --out basin --jobs 2
-      160 starts; stopped and started again it goes on where it was
+      160 starts; after an interruption it continues where it stopped
   segcal experiments accuracy --out accuracy --quick
   segcal experiments hidden --out hidden --jobs 2 --seeds 3
   segcal track euroc_mh01 --out mh01 && segcal experiments hidden_real mh01 --out hidden_real
@@ -26,7 +26,7 @@ constexpr const char* experiments_footer = R"(Examples:
 In DIR: cells/ (one file per cell; those with the same parameters are not run again), NAME.csv, NAME.json, report.html.
 Times apart, the same seed gives the same files. Exit code 1: a limit of the study is missed.)";
 
-struct Arguments {
+struct ExperimentsArguments {
   std::string name;
   std::filesystem::path out;
   int jobs = 1;
@@ -53,7 +53,7 @@ int list() {
   return 0;
 }
 
-int run(const Arguments& a) {
+int run(const ExperimentsArguments& a) {
   if (a.list) return list();
   if (a.name.empty()) throw InputError("experiments: expected a name or --list (see segcal experiments --help)");
   if (a.out.empty()) throw InputError("experiments: expected --out DIR");
@@ -77,7 +77,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 void add_experiments_command(CLI::App& app, int& exit_code) {
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<ExperimentsArguments>();
   CLI::App* sub = app.add_subcommand("experiments", "reproducible studies on simulated devices: tables, pictures, limits");
   sub->add_option("NAME", a->name, "the study; --list explains them");
   sub->add_option("REC", a->options.recordings, "recordings, for sigma_ref (default: simulated ones) and hidden_real (tracked)");
@@ -87,7 +87,7 @@ void add_experiments_command(CLI::App& app, int& exit_code) {
   sub->add_option("--calib", a->options.calibration, "starting calibration of REC, for sigma_ref");
   sub->add_option("--seeds", a->options.seeds, "recordings of each kind, for faults (default: 20, 2 with --quick) and hidden (10, 1)")->check(CLI::Range(1, 1000));
   sub->add_flag("--quick", a->options.quick, "fewer and shorter sessions: minutes instead of an hour");
-  sub->add_flag("--list", a->list, "the studies in a line each");
+  sub->add_flag("--list", a->list, "list the studies, one line each");
   sub->footer(experiments_footer);
   sub->callback([a, &exit_code] { exit_code = run(*a); });
 }

@@ -20,7 +20,6 @@ namespace {
 using sim::FaultKind, sim::fault_kind, sim::fault_kinds;
 
 constexpr double fault_session_s = 40;
-constexpr double wrong_sigmas = 5;
 
 /// Counters that say of a fault; the others count work.
 const std::vector<std::string>& fault_counters() {
@@ -134,7 +133,7 @@ bool reported(const FaultKind& kind, const std::set<std::string>& names, const s
   return false;
 }
 
-struct Row {
+struct KindRow {
   int n = 0, calibrated = 0, wrong = 0, reported = 0;
   Largest largest;
   std::map<std::string, int> names;
@@ -178,7 +177,7 @@ Json faults_run(const Json& parameters) {
 namespace {
 
 /// Adds a run to its kind's row, and to `wrong` if it is. `clean`: counters of the recording without a fault.
-void add_run(const CellResult& c, const Json& clean, Row* row, Table* wrong) {
+void add_run(const CellResult& c, const Json& clean, KindRow* row, Table* wrong) {
   const FaultKind& kind = fault_kind(c.parameters.at("kind"));
   const std::set<std::string> names = named(c.result, clean);
   const std::string cause = c.result.at("said").at("cause");
@@ -206,7 +205,7 @@ Findings faults_gather(const std::vector<CellResult>& cells) {
   std::map<std::string, Json> clean;  // counters, by seed
   for (const CellResult& c : cells)
     if (c.parameters.at("kind") == fault_kinds().front().name) clean[c.parameters.at("seed").dump()] = c.result.at("said").at("counters");
-  std::map<std::string, Row> rows;
+  std::map<std::string, KindRow> rows;
   Table wrong{"Called calibrated, and wrong", "Beyond five sigma.",
               {{"fault", ""}, {"seed", "-"}, {"largest error", "sigma"}, {"of", ""}, {"chi2/dof", "-"}, {"named", ""}}, {}};
   for (const CellResult& c : cells) add_run(c, clean[c.parameters.at("seed").dump()], &rows[c.parameters.at("kind")], &wrong);
@@ -217,7 +216,7 @@ Findings faults_gather(const std::vector<CellResult>& cells) {
   int all_wrong = 0, all_calibrated = 0, unreported = 0;
   for (const FaultKind& kind : fault_kinds()) {
     if (!rows.count(kind.name)) continue;
-    const Row& r = rows[kind.name];
+    const KindRow& r = rows[kind.name];
     table.rows.push_back({kind.name, kind.what, r.n, r.reported, r.calibrated, r.wrong, r.calibrated ? Json(r.largest.sigmas) : Json(), r.largest.of,
                           joined(r.names, r.n), r.cause, r.seconds});
     all_wrong += r.wrong;

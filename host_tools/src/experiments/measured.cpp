@@ -55,7 +55,7 @@ void add_euroc(const StudyOptions& options, const std::string& data, std::vector
                         {"kind", "euroc"}, {"data", data}, {"start", start}, {"factor", factor}}});
 }
 
-struct Group {
+struct Tally {
   std::map<std::string, std::vector<double>> z;  ///< by entry, of calibrated answers
   std::vector<double> all, camera, fit;
   int n = 0, calibrated = 0, wrong = 0;
@@ -72,7 +72,7 @@ double share_within(const std::vector<double>& z, double sigmas) {
   return z.empty() ? std::nan("") : static_cast<double>(n) / static_cast<double>(z.size());
 }
 
-void add(const Json& result, Group& group) {
+void add(const Json& result, Tally& group) {
   ++group.n;
   if (result.at("status") != "calibrated") return;
   ++group.calibrated;
@@ -123,8 +123,8 @@ Json measured_run(const Json& parameters) {
 }
 
 Findings measured_gather(const std::vector<CellResult>& cells) {
-  std::map<std::string, Group> groups;
-  Group rendered, real_imu;
+  std::map<std::string, Tally> groups;
+  Tally rendered, real_imu;
   int wrong = 0, released = 0;
   for (const CellResult& c : cells) {
     const std::string name = c.parameters.at("group");

@@ -8,9 +8,6 @@
 
 namespace host::experiments {
 
-/// A released entry farther from the truth than this is a wrong answer.
-constexpr double wrong_sigmas = 5;
-
 /// Rendered images of a drawn device, the real tracker: {scenario, seconds, rate_hz, seed, line_delay_s}.
 Json calibrate_rendered(const Json& parameters);
 

@@ -37,25 +37,25 @@ Json repeatability_run(const Json& parameters) {
 
 namespace {
 
-struct Record {
+struct MethodRecord {
   std::string unit;
   double truth = 0;
   std::vector<double> value, sigma;
 };
 
 /// Of all sessions, in the order of the calibration vector.
-struct Records {
+struct MethodRecords {
   std::vector<std::string> names;
-  std::map<std::pair<std::string, std::string>, Record> of;   ///< by parameter and method
+  std::map<std::pair<std::string, std::string>, MethodRecord> of;   ///< by parameter and method
 };
 
-Records records_of(const std::vector<CellResult>& cells) {
-  Records out;
+MethodRecords method_records(const std::vector<CellResult>& cells) {
+  MethodRecords out;
   for (const CellResult& c : cells) {
     for (const Json& p : c.result.at("parameters")) {
       const std::string name = p.at("name");
       if (std::find(out.names.begin(), out.names.end(), name) == out.names.end()) out.names.push_back(name);
-      Record& r = out.of[{name, c.parameters.at("method")}];
+      MethodRecord& r = out.of[{name, c.parameters.at("method")}];
       r.unit = p.at("unit");
       r.truth = p.at("truth");
       r.value.push_back(p.at("value"));
@@ -72,13 +72,13 @@ struct Scatter {
 };
 
 /// Adds the method's rows to `table`.
-Scatter scatter_of(const Records& records, const std::string& method, Table* table) {
+Scatter scatter_of(const MethodRecords& records, const std::string& method, Table* table) {
   Scatter out;
   out.bars.name = method;
   for (const std::string& name : records.names) {
     const auto it = records.of.find({name, method});
     if (it == records.of.end()) continue;
-    const Record& r = it->second;
+    const MethodRecord& r = it->second;
     const double scatter = deviation(r.value), ratio = scatter / deviation(records.of.at({name, "all"}).value);
     table->rows.push_back({name, r.unit, method, r.truth, mean(r.value), scatter, mean(r.sigma), mean(r.value) - r.truth, ratio, r.value.size()});
     for (std::size_t i = 0; i < r.value.size(); ++i) out.squares.push_back(std::pow((r.value[i] - r.truth) / r.sigma[i], 2));
@@ -93,7 +93,7 @@ Scatter scatter_of(const Records& records, const std::string& method, Table* tab
 }  // namespace
 
 Findings repeatability_gather(const std::vector<CellResult>& cells) {
-  const Records records = records_of(cells);
+  const MethodRecords records = method_records(cells);
   Findings out;
   Table table{"Parameters over sessions", "One device, each session calibrated by itself from the data sheet's values.",
               {{"parameter", ""}, {"unit", ""}, {"method", ""}, {"truth", "unit"}, {"mean", "unit"}, {"scatter", "unit"},

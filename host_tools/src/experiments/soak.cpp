@@ -3,11 +3,12 @@
 #include <sys/resource.h>
 #include <time.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "eigenvalues.h"
 #include "experiments/datasets.h"
 #include "experiments/registry.h"
 #include "experiments/statistics.h"
@@ -22,7 +23,6 @@ using sim::FaultKind, sim::fault_kinds;
 
 constexpr double pause_s = 1, fault_share = 1.0 / 15;   // s between sessions; of a session
 constexpr int parts = 12;
-constexpr double wrong_sigmas = 5;
 /// Two faults in a session, at these shares of it; the later one first, since stamps before it must be in order.
 constexpr double fault_places[] = {0.65, 0.25};
 
@@ -200,7 +200,7 @@ class Soak {
       for (Eigen::Index j = 0; j < n; ++j)
         C(i, j) = result.covariance[static_cast<std::size_t>(i * n + j)] /
                   (result.parameters[static_cast<std::size_t>(i)].prior_sigma * result.parameters[static_cast<std::size_t>(j)].prior_sigma);
-    const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(C, Eigen::EigenvaluesOnly).eigenvalues();
+    const Eigen::VectorXd eigenvalues = eigenvalues_of(C);
     part->log10_condition.push_back(0.5 * std::log10(eigenvalues(n - 1) / eigenvalues(0)));
   }
 

@@ -18,7 +18,7 @@ struct ManifestFile {
 /// What one run of the program left in the folder.
 struct ManifestRun {
   std::string id;              ///< 16 digits that follow from the files: equal runs have equal ids
-  std::string program;         ///< "segcal 0.1.0"
+  std::string program;         ///< "segcal 1.0.0"
   std::string command;         ///< "replay"
   std::vector<std::string> arguments;
   std::vector<ManifestFile> files;

@@ -21,7 +21,7 @@ CoreModel model_of(const ReferenceOptions& options) {
   m.bias_a_sigma = 1;
   m.bias_g_sigma = 0.5;
   m.velocity_sigma = 30;
-  m.inverse_depth_sigma = 2;
+  m.inverse_depth_sigma = 5;
   return m;
 }
 
@@ -134,7 +134,7 @@ class Builder {
 
 ReferenceResult reference_batch(const std::vector<Recording>& sessions, const ReferenceOptions& options) {
   using namespace reference;
-  Problem problem;
+  reference::Problem problem;   // host::Problem is what segcal diagnose solves
   problem.model = model_of(options);
   problem.prior_mean = problem.theta = options.calibration;
   Builder builder(&problem, options);

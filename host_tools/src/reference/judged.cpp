@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "information/release_rules.h"
 #include "quantile.h"
 #include "reference/theta.h"
 #include "replay/words.h"
@@ -17,7 +18,7 @@ std::vector<CoreDirection> blind_directions(const Eigen::MatrixXd& covariance, c
   std::vector<CoreDirection> out;
   for (Eigen::Index i = prior_sigma.size() - 1; i >= 0; --i) {
     const double sigma = std::sqrt(eigen.eigenvalues()(i));
-    if (sigma < 0.5) break;
+    if (sigma < SEGCAL_NS::ReleaseRules<double>{}.weak) break;
     Eigen::Index largest;
     eigen.eigenvectors().col(i).cwiseAbs().maxCoeff(&largest);
     const Eigen::VectorXd v = eigen.eigenvectors().col(i) / eigen.eigenvectors()(largest, i);
@@ -42,7 +43,7 @@ void hold_fixed(Problem* problem, const std::vector<CoreParameter>& parameters, 
 }  // namespace
 
 CoreResult judged(Problem* problem, const Fit& fit, const SolveOptions& options) {
-  static constexpr double kObserved = 0.3, kWeak = 0.5, kLeastRatio = 0.02, kMostRatio = 6;  // as in lib/src/api/release.h
+  static constexpr SEGCAL_NS::ReleaseRules<double> rules;
   CoreResult out;
   const double ratio = fit.dof > 0 ? fit.chi2 / fit.dof : 0;
   out.noise_scale = std::sqrt(std::max({1.0, ratio, problem->scatter}));
@@ -57,14 +58,14 @@ CoreResult judged(Problem* problem, const Fit& fit, const SolveOptions& options)
     p.name = names[static_cast<std::size_t>(i)];
     p.unit = unit_of(p.name);
     const double share = sigma(i) / prior(i);
-    p.verdict = share < kObserved ? "observed" : share < kWeak ? "weak" : "fixed";
-    observed += share < kObserved ? 1 : 0;
+    p.verdict = share < rules.observed ? "observed" : share < rules.weak ? "weak" : "fixed";
+    observed += share < rules.observed ? 1 : 0;
     p.sigma = p.unit == "rad" ? printed(i) : sigma(i);
     p.prior_sigma = prior(i);
     p.initial = initial(i);
     out.parameters.push_back(p);
   }
-  const bool plausible = ratio > kLeastRatio && ratio < kMostRatio && fit.converged;
+  const bool plausible = ratio > rules.least_chi2_per_dof && ratio < rules.most_chi2_per_dof && fit.converged;
   out.status = fit.image_points == 0 ? "insufficient" : !plausible ? "failed" : 2 * observed >= prior.size() ? "calibrated" : "insufficient";
   out.unobservable = blind_directions(fit.covariance, prior);
   hold_fixed(problem, out.parameters, options);

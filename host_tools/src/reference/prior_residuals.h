@@ -63,12 +63,12 @@ struct ImuPrior {
   }
 };
 
-/// Where the world stands is exactly free, so that any weight holds it.
+/// Where the world stands is free but for the priors on inverse distances from fixed anchors (segments/landmark_guess.h).
 struct Gauge {
   const State& state;
   template <class T>
   bool operator()(const T* pose, T* residual) const {
-    constexpr double weight = 1e3;
+    constexpr double weight = 1e5;
     for (int i = 0; i < 3; ++i) residual[i] = T(weight) * (pose[3 + i] - T(state.p_GI(i)));
     const Vector3<T> turn_G = state.q_GI.cast<T>() * Vector3<T>(pose[0], pose[1], pose[2]);
     residual[3] = T(weight) * turn_G.z();

@@ -27,7 +27,7 @@ constexpr const char* examples = R"(Examples:
 DIR2 receives result.json (fields as replay's), camchain-imucam.yaml, imu.yaml and trajectory.tum. Exit code 1: the result
 is not `calibrated`; 2: bad usage or input.)";
 
-struct Arguments {
+struct ReferenceArguments {
   std::vector<std::string> recordings;
   std::string calibration, out, segments_from;
   int cameras = 1;
@@ -44,7 +44,7 @@ void print_summary(const CoreResult& r) {
   }
 }
 
-ReferenceResult segments(Arguments& a) {
+ReferenceResult segments(ReferenceArguments& a) {
   const KeptSegments kept = read_kept_segments(a.segments_from);
   const std::string recording = a.recordings.empty() ? "" : a.recordings.front();
   if (!a.calibration.empty()) {
@@ -53,7 +53,7 @@ ReferenceResult segments(Arguments& a) {
   return reference_segments(kept, a.options);
 }
 
-ReferenceResult batch(Arguments& a) {
+ReferenceResult batch(ReferenceArguments& a) {
   if (a.recordings.empty()) throw InputError("expected a recording, or --segments-from DIR (see segcal reference --help)");
   const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras);
   a.options.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
@@ -61,7 +61,7 @@ ReferenceResult batch(Arguments& a) {
   return reference_batch(sessions, a.options);
 }
 
-int run(Arguments a) {
+int run(ReferenceArguments a) {
   expect_output_folder(a.out, "reference");
   if (!a.segments_from.empty()) check_folder(a.segments_from);
   a.options.progress = [](const std::string& line) { std::cerr << "reference: " << line << std::endl; };
@@ -74,7 +74,7 @@ int run(Arguments a) {
 }  // namespace
 
 void add_reference_command(CLI::App& app, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ReferenceArguments>();
   CLI::App* sub = app.add_subcommand("reference", reference_explanation);
   sub->footer(examples);
   sub->add_option("recordings", a->recordings, "recordings in ASL layout; several are sessions of one device");

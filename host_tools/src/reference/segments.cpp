@@ -22,12 +22,12 @@ class Sets {
   std::vector<std::size_t> parent_;
 };
 
-struct Builder {
+struct KeptBuilder {
   Problem problem;
   Sets frames;
   std::map<int, std::pair<int, std::size_t>> tie;  ///< number: landmark, first segment
 
-  explicit Builder(const KeptSegments& kept) : frames(kept.segments.size()) {
+  explicit KeptBuilder(const KeptSegments& kept) : frames(kept.segments.size()) {
     problem.model = kept.model;
     for (std::size_t i = 0; i < kept.segments.size(); ++i) add(kept.segments[i], i);
     for (std::size_t i = 0; i < kept.segments.size(); ++i) {
@@ -77,7 +77,7 @@ struct Builder {
 }  // namespace
 
 Problem problem_of(const KeptSegments& kept) {
-  Problem problem = Builder(kept).problem;
+  Problem problem = KeptBuilder(kept).problem;
   problem.prior_mean = kept.start;
   problem.prior_sigma = kept.prior_sigma;
   problem.scatter = kept.scatter;

@@ -44,7 +44,6 @@ constexpr NoiseEntry kNoise[] = {
     {"track_walk_px_per_sqrt_s", &SensorConfig::track_walk, 0, 100, "px/sqrt(s), random walk of its error along the track"},
 };
 
-constexpr double kLeastSigma = 1e-9, kMostSigma = 1e6;
 constexpr double kLeastGravity = 1, kMostGravity = 30;   // from the Moon to Jupiter; 980.665 or 1 g are other units
 
 double number_in(const YamlFile& yaml, const YAML::Node& node, const char* name, double least, double most) {
@@ -167,7 +166,7 @@ SensorConfig read_config_file(const std::filesystem::path& file) {
     if (const YAML::Node priors = root["prior_sigma"]) {
       refuse_unknown(yaml, priors, "prior_sigma", names_of(kPriors));
       for (const PriorEntry& entry : kPriors)
-        if (priors[entry.name].IsDefined()) out.prior_sigma.*entry.sigma = number_in(yaml, priors, entry.name, kLeastSigma, kMostSigma);
+        if (priors[entry.name].IsDefined()) out.prior_sigma.*entry.sigma = number_in(yaml, priors, entry.name, SEGCAL_NS::kLeastSigma, SEGCAL_NS::kMostSigma);
     }
     if (const YAML::Node gravity = root["gravity"]) out.gravity = read_gravity(yaml, gravity);
     if (const YAML::Node noise = root["noise"]) {
@@ -199,9 +198,9 @@ std::string config_help() {
   options.calibration.cameras.resize(1);
   options.calibration.cameras[0].intrinsics << 1, 1, 0, 0;
   options.calibration.cameras[0].model = DistortionModel::radtan;
-  std::string text = R"(--config takes what is believed of the sensors. Every entry is optional; what is missing has the value that stands here, noise
-that of the recording's sensor.yaml. In place of gravity's m_s2: latitude_deg and height_m (WGS 84). OUT/config.yaml holds what
-was used and can be the next run's --config; --pixel-sigma and --track-walk count more than the file.
+  std::string text = R"(--config reads the assumptions about the sensors. Every entry is optional; a missing one has the value shown here, noise the value
+of the recording's sensor.yaml. Instead of gravity's m_s2: latitude_deg and height_m (WGS 84). OUT/config.yaml holds the values
+used and can be the next run's --config; --pixel-sigma and --track-walk override the file.
 )";
   std::string example = config_yaml(options);
   return text + example.substr(example.find('\n') + 1);

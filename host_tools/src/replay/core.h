@@ -1,6 +1,7 @@
 // The core as the host sees it: one interface over the C API, whatever profile it was compiled with.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -164,6 +165,16 @@ struct CoreRows {
   std::vector<double> triangle;      ///< packed, row-major, n_theta + n_candidates + 1 columns
 };
 
+/// What one kept segment says through its camera, then through its gyroscope (rotation, its bias' walk) beside the camera, then through its
+/// accelerometer (velocity, position, its bias' walk) beside both; with the states at their best.
+struct CoreSensorRows {
+  int n_theta = 0, n_candidates = 0;   ///< as CoreRows
+  /// What a sensor adds to the squares at (theta, candidates) = x is |root (x, -1)|^2. They add up to CoreRows of the same segment.
+  std::array<Eigen::MatrixXd, 3> root;
+  /// (s, t): how much the variance of sensor t adds to what s adds, expected. Sums of rows are degrees of freedom, theta not counted.
+  Eigen::Matrix3d shared = Eigen::Matrix3d::Zero();
+};
+
 struct CoreMemory {
   std::size_t state_bytes = 0, segment_bytes = 0, workspace_bytes = 0;
 };
@@ -198,6 +209,8 @@ class Core {
   /// Rows of the kept segments with these serial numbers, at the last calibration. Throws InputError for candidates that
   /// this profile has no room for.
   virtual CoreRows linearise(const std::vector<std::uint32_t>& serials, const std::vector<CoreTerm>& candidates) = 0;
+  /// The same of one kept segment, sensor by sensor.
+  virtual CoreSensorRows sensor_rows(std::uint32_t serial, const std::vector<CoreTerm>& candidates) = 0;
   /// Serial numbers of what the last calibration dropped as outdated.
   virtual std::vector<std::uint32_t> outdated() const = 0;
   /// What keeps the odometry from running, in words; empty where it runs or only begins (segcal_get_health).

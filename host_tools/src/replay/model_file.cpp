@@ -161,7 +161,7 @@ std::string effects_help() {
     out += std::string("  ") + entry.name + " [" + parameters + ", " + entry.unit + "]\n      shows as " + entry.looks_like +
            "\n      confounded with " + entry.confounded + "\n";
   }
-  return out + "A model.yaml that a replay has written may be the --model of the next one.\n";
+  return out + "A model.yaml written by a replay can be the --model of the next one.\n";
 }
 
 }  // namespace host

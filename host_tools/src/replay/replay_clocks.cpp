@@ -5,18 +5,14 @@
 #include "clock/clock_search.h"
 
 namespace host {
-namespace {
 
-/// The offset that the clocks are known to have: of the model, if it has one, else of the camera chain.
-double stated_offset(const ReplayArguments& a, EffectChoice* choice) {
-  const double of_model = choice->value("time_offset.t_d");
-  return of_model != 0 ? of_model : a.replay.core.calibration.cameras.front().timeshift_cam_imu;
+double stated_offset(const Calibration& calibration, const EffectChoice& choice) {
+  const double of_model = choice.value("time_offset.t_d");
+  return of_model != 0 ? of_model : calibration.cameras.front().timeshift_cam_imu;
 }
 
-}  // namespace
-
 double align_clocks(ReplayArguments* a, EffectChoice* choice, std::vector<Recording>* sessions) {
-  const double stated = stated_offset(*a, choice);
+  const double stated = stated_offset(a->replay.core.calibration, *choice);
   double offset = stated;
   for (Recording& session : *sessions) {
     if (session.device) return 0;  // a device's bits are the device's

@@ -14,7 +14,7 @@ std::vector<std::pair<std::string, double>> main_weights(const CoreDirection& di
                                                          const std::vector<std::string>& names, double least = 0.2);
 std::string in_words(const CoreDirection& direction, const std::vector<std::string>& names);
 
-/// Names of theta's entries for a calibration, in order (DESIGN, section 3); without terms of effects.
+/// Names of theta's entries for a calibration, in order (docs/formats.md, "result.json"); without terms of effects.
 std::vector<std::string> parameter_names(const Calibration& calibration);
 /// The same of a result, with the terms of effects that were estimated.
 std::vector<std::string> parameter_names(const CoreResult& result, const Calibration& calibration);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "diagnose/decision.h"
 #include "review/linearised.h"
 
 namespace host::review {
@@ -12,8 +13,6 @@ namespace {
 using namespace diagnosis;
 
 constexpr double kLevel = -4;            // log10 p of a false suspicion, corrected
-constexpr double kDisagree = -3;         // halves that differ by more contradict each other
-constexpr double kHelps = 0.25;          // of the statistic that one half must gain from the other's value
 
 /// With the candidate free, the largest movement of a released value, in its stated sigmas.
 void find_bias(const Problem& problem, const Candidate& candidate, const ReplayResult& result, Suspect* out) {
@@ -59,7 +58,7 @@ void ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c,
   const double log10_p = scatter_over_time(problem, c, {}).log10_p(test.statistic, test.seen) + std::log10(static_cast<double>(trials));
   if (log10_p > kLevel) return;
   const HalvesTest halves = test_halves(problem, c, {});
-  if (halves.log10_p_disagree < kDisagree || halves.gain < kHelps * test.statistic) return;
+  if (halves.log10_p_disagree < decision::kLog10Disagree || halves.gain < decision::kHelps * test.statistic) return;
   Suspect suspect{c.name, test.statistic, log10_p, 0, "", ""};
   find_bias(problem, c, result, &suspect);
   suspect.words = c.name + " is not in the model and would explain what is left (";

@@ -6,6 +6,7 @@
 #include "diagnose/chi_square.h"
 #include "diagnose/fault.h"
 #include "formatted.h"
+#include "information/release_rules.h"
 #include "replay/counters.h"
 #include "replay/words.h"
 #include "review/bias_steps.h"
@@ -22,7 +23,7 @@ constexpr double kMostUnsettled = 0.5, kFewUnsettled = 3;   // of the newer half
 constexpr double kImplausible = -6;      // log10 p of the step from the start
 constexpr double kMostBias = 3;          // sigmas that a missing effect may move a released value by
 constexpr double kMostStepBias = 2;      // the same of a step of a bias: chance moves one of 26 entries by 3 more, which makes 5
-constexpr double kObserved = 0.3, kWeak = 0.5;  // as in lib/src/api/release.h
+constexpr SEGCAL_NS::ReleaseRules<double> kRelease;
 
 /// chi2/dof beyond which residuals are not the stated noise made larger (a factor of two), but something else: drones, phones and effects
 /// of the catalogue's sizes stay below 3. The core goes on to 6, since a fit that failed shows no residuals, and it is they that tell what
@@ -112,7 +113,7 @@ class Review {
       const double before = p.sigma;
       p.sigma = std::min(p.prior_sigma, p.sigma * std::sqrt(scatter.variance_factor(static_cast<Eigen::Index>(i))));
       if (p.sigma > before) scale_covariance(i, p.sigma / before);
-      if (p.sigma > kObserved * p.prior_sigma) p.verdict = "weak";
+      if (p.sigma > kRelease.observed * p.prior_sigma) p.verdict = "weak";
     }
   }
 

@@ -26,7 +26,7 @@ Calibration nominal_device(DistortionModel model, int n_cameras);
 /// `scale` multiplies the DeviceSpread; 0 gives the nominal device.
 Calibration draw_device(const Calibration& nominal, std::uint64_t device_seed, double scale);
 
-/// One calibration parameter by its name in result files (DESIGN, section 3), SI units and px.
+/// One calibration parameter by its name in result files (docs/formats.md, "result.json"), SI units and px.
 struct NamedParameter {
   std::string name;
   double value;

@@ -10,7 +10,7 @@
 namespace host::sim {
 
 enum class EffectKind {
-  catalogue,  ///< DESIGN, section 3
+  catalogue,  ///< docs/diagnosis.md, section 4
   fault,      ///< of wiring, units, clocks: what is found before any fit
   outside     ///< names begin with "outside:"
 };

@@ -1,4 +1,4 @@
-// Catalogue effects on the camera (DESIGN, section 3): when a row is exposed, and where the lens puts it.
+// Catalogue effects on the camera (docs/diagnosis.md, section 4): when a row is exposed, and where the lens puts it.
 #pragma once
 
 #include "effect.h"

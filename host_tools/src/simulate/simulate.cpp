@@ -19,7 +19,7 @@ constexpr std::int64_t epoch_ns = 1700000000000000000;
 constexpr std::uint64_t seed_step_per_camera = 1000003;
 
 /// Where the motion comes from and when it is simulated: times in s on the trajectory's clock.
-struct Session {
+struct SimulatedSession {
   sim::Trajectory trajectory;
   std::int64_t time_zero_ns = 0;
   double first_frame = 0, last_frame = 0;
@@ -45,20 +45,20 @@ void check(const SimulationOptions& options) {
     require(options.imu_file.empty() || !effect->needs_simulated_imu(), "--imu: expected no effect on the IMU, real samples have their own");
 }
 
-Session drawn_session(const SimulationOptions& options) {
+SimulatedSession drawn_session(const SimulationOptions& options) {
   sim::Random random(options.seed, sim::Stream::clock);
-  Session session;
+  SimulatedSession session;
   session.trajectory = sim::make_trajectory(options.scenario, options.seconds, options.seed);
   session.time_zero_ns = epoch_ns + static_cast<std::int64_t>(random.uniform(0, 1e15));
   session.last_frame = options.seconds;
   return session;
 }
 
-Session recorded_session(const SimulationOptions& options) {
+SimulatedSession recorded_session(const SimulationOptions& options) {
   // Real IMU samples hold fast motion that the poses must follow; simulated ones only need a plausible motion.
   const double knot_step = options.imu_file.empty() ? 0.1 : 0.05;
   sim::FittedTrajectory fit = sim::fit_trajectory(options.trajectory_file, knot_step);
-  Session session;
+  SimulatedSession session;
   session.time_zero_ns = fit.first_pose_ns;
   session.first_frame = fit_margin;
   session.last_frame = std::min(fit_margin + options.seconds, fit.trajectory.last_time() - fit_margin);
@@ -68,12 +68,12 @@ Session recorded_session(const SimulationOptions& options) {
   return session;
 }
 
-std::int64_t stamp(const Session& session, double t) { return session.time_zero_ns + std::llround(t * 1e9); }
+std::int64_t stamp(const SimulatedSession& session, double t) { return session.time_zero_ns + std::llround(t * 1e9); }
 
 /// The time that a rounded stamp really means, so that stamps and values agree to the last digit.
 double time_of(std::int64_t time_zero_ns, std::int64_t t_ns) { return static_cast<double>(t_ns - time_zero_ns) * 1e-9; }
 
-bool in_hole(const Session& session, double t) {
+bool in_hole(const SimulatedSession& session, double t) {
   for (const sim::Hole& hole : session.holes)
     if (t > hole.begin && t < hole.end) return true;
   return false;
@@ -99,7 +99,7 @@ TruthPose as_pose(std::int64_t t_ns, const sim::BodyState& state) {
 }
 
 /// How warm the IMU is, where the recording says it. The time constant is a third of the session unless stated.
-std::optional<sim::WarmUp> temperature_of(const SimulationOptions& options, const Session& session) {
+std::optional<sim::WarmUp> temperature_of(const SimulationOptions& options, const SimulatedSession& session) {
   if (options.temperature) return options.temperature;
   const bool needed = std::any_of(options.effects.begin(), options.effects.end(), [](const auto& e) { return e->needs_temperature(); });
   if (!needed) return std::nullopt;
@@ -115,7 +115,7 @@ sim::NoiseFactors noise_factors(const SimulationOptions& options) {
 }
 
 /// IMU samples from a little before the first frame to a little after the last; the frames' stamps fall in between.
-void simulate_imu(const SimulationOptions& options, const Session& session, SimulationResult& result) {
+void simulate_imu(const SimulationOptions& options, const SimulatedSession& session, SimulationResult& result) {
   const double period = 1 / options.imu_noise.rate_hz;
   sim::Random random(options.seed + 1, sim::Stream::clock);
   const double t0 = session.first_frame - imu_lead - period * random.uniform(0.2, 0.8);
@@ -138,13 +138,13 @@ void simulate_imu(const SimulationOptions& options, const Session& session, Simu
   }
 }
 
-void copy_real_imu(const SimulationOptions& options, const Session& session, SimulationResult& result) {
+void copy_real_imu(const SimulationOptions& options, const SimulatedSession& session, SimulationResult& result) {
   result.imu_is_simulated = false;
   result.recording.imu.samples = sim::read_imu_samples(options.imu_file, stamp(session, session.first_frame - imu_lead),
                                                        stamp(session, session.last_frame + imu_lead));
 }
 
-void simulate_cameras(const SimulationOptions& options, const Session& session, SimulationResult& result,
+void simulate_cameras(const SimulationOptions& options, const SimulatedSession& session, SimulationResult& result,
                       const std::function<void(double)>& progress) {
   const double period = 1 / options.camera_rate_hz;
   const auto scene = sim::make_scene(session.trajectory, session.first_frame, session.last_frame, options.seed);
@@ -179,7 +179,7 @@ TruthState SimulationResult::state_at(std::int64_t t_ns) const {
 
 SimulationResult simulate(const SimulationOptions& options, const std::function<void(double)>& progress) {
   check(options);
-  const Session session = options.trajectory_file.empty() ? drawn_session(options) : recorded_session(options);
+  const SimulatedSession session = options.trajectory_file.empty() ? drawn_session(options) : recorded_session(options);
   SimulationResult result;
   result.with_images = options.images;
   result.nominal = sim::nominal_device(options.distortion, options.cameras);

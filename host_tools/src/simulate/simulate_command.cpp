@@ -112,7 +112,7 @@ void add_device_options(CLI::App& app, Command& command) {
   SimulationOptions& options = command.options;
   app.add_option_function<std::uint64_t>(
       "--device-seed", [&options](std::uint64_t seed) { options.device_seed = seed; },
-      "the specimen; the same as --seed where it is not given");
+      "seed of the simulated device (default: --seed)");
   app.add_option("--device-scale", options.device_scale, "factor on the scatter of devices, 0 for the nominal one")
       ->check(CLI::Range(0.0, 100.0))->capture_default_str();
   app.add_option("--cameras", options.cameras, "1 or 2")->check(CLI::Range(1, 2))->capture_default_str();
@@ -168,13 +168,13 @@ void add_image_options(CLI::App& app, Command& command) {
   app.add_option("--lens-blur", sensor.lens_blur_px, "standard deviation of the lens' point spread, px")
       ->check(CLI::Range(0.0, 1.0))->capture_default_str();
   app.add_flag("!--fixed-exposure", sensor.control_exposure, "no exposure control: bright walls stay bright");
-  app.add_option("--photographs", command.images.photographs, "folder of the photographs on the walls (default: what host_tools/setup.sh brings)");
+  app.add_option("--photographs", command.images.photographs, "folder of the photographs on the walls (default: those that host_tools/setup.sh installs)");
 }
 
 void add_effect_options(CLI::App& app, Command& command) {
   app.add_option("--effect", command.effects,
-                 "NAME=v1,v2,...: an effect that the calibrated model has no parameter for; repeatable. Values of the sizes\n"
-                 "that show in a minute of rich motion, and their names and units:\n" + sim::effect_help(sim::EffectKind::catalogue))
+                 "NAME=v1,v2,...: an effect that the calibrated model has no parameter for; repeatable. Sizes that are visible\n"
+                 "in a minute of rich motion, with names and units of the values:\n" + sim::effect_help(sim::EffectKind::catalogue))
       ->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--model", command.model, "model.yaml of a diagnosis or a replay: its effects, with its values, before those of --effect");
   app.add_option("--fault", command.faults,

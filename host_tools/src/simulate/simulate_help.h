@@ -15,15 +15,15 @@ constexpr const char* simulate_examples = R"(Examples:
       another session of the same device
   segcal simulate --out stereo --scenario rich --cameras 2 --distortion radtan --pixel-noise 0.3
   segcal simulate --out late --effect time_offset=0.003 --effect gyro_lag=0.004
-      a device that departs from the model: REC/truth/truth.json says by what, `segcal diagnose late --out d` is to find it
+      a device that departs from the model: REC/truth/truth.json holds the effect, and `segcal diagnose late --out d` should find it
   segcal simulate --out lost --fault frames_dropped_30 && segcal replay lost --out out
-      a fault that devices meet: what is said of it
+      a fault that occurs in the field, and how segcal reports it
   segcal simulate --out twin --model d/model.yaml
       the same departure from the model, in another device
   segcal simulate --out mh03 --trajectory groundtruth.csv --imu imu.csv --seconds 100
       landmarks simulated along a recorded motion, with the real IMU samples
   segcal simulate --out room --images --rate-camera 20 --seconds 20 && segcal track room
-      images of a room papered with photographs, for the real tracker; some 0.1 s per image, progress on stderr
+      images of a room papered with photographs, for the real tracker; about 0.1 s per image, progress on stderr
   segcal simulate --out phone --images --rate-camera 30 --effect rolling_shutter=3e-5 --exposure 0.015 --grey-noise 4
       a telephone's camera: rows exposed one after another, motion blur, noise
 

@@ -9,6 +9,8 @@ namespace host {
 namespace {
 
 constexpr float rim_px = 8;  // closer to the edge than this the patch is mostly outside
+constexpr float max_alignment_px = 1.5F;  // from a step of Lucas-Kanade, which errs by 0.1 to 0.4 px: farther off it is another corner
+constexpr int most_missed = 3;      // images in a row: one or two may be blurred
 constexpr double merged_px = 4;     // closer to each other than this two tracks share most of their patch
 
 bool inside(const cv::Point2f& point, const cv::Size& size) {
@@ -59,8 +61,9 @@ void FeatureTracker::follow(const cv::Mat& image) {
     equaliser_->apply(image, prepared_);
   }
   std::vector<cv::Mat> pyramid = pyramid_of(prepared_);
-  if (!tracks_.empty()) follow(pyramid);
+  if (!tracks_.empty()) follow(pyramid, image);
   latest_ = std::move(pyramid);
+  latest_image_ = image;
 }
 
 std::vector<TrackPoint> FeatureTracker::points() const {
@@ -75,7 +78,7 @@ std::vector<cv::Mat> FeatureTracker::pyramid_of(const cv::Mat& image) const {
   return pyramid;
 }
 
-void FeatureTracker::follow(const std::vector<cv::Mat>& pyramid) {
+void FeatureTracker::follow(const std::vector<cv::Mat>& pyramid, const cv::Mat& image) {
   std::vector<cv::Point2f> before;
   for (const Track& track : tracks_) before.push_back(track.point);
   std::vector<cv::Point2f> after = before;
@@ -84,12 +87,29 @@ void FeatureTracker::follow(const std::vector<cv::Mat>& pyramid) {
   std::vector<cv::Point2f> kept_before;
   for (std::size_t i = 0; i < before.size(); ++i) {
     if (!good[i]) continue;
-    kept.push_back({tracks_[i].id, after[i]});
+    Track track = tracks_[i];
+    track.point = after[i];
+    if (!align(track, before[i], image)) continue;
+    kept.push_back(track);
     kept_before.push_back(before[i]);
   }
   tracks_ = std::move(kept);
   reject_outliers(kept_before);
   drop_merged();
+}
+
+/// Lucas-Kanade has put it near: from there onto what the corner looked like at first. False where it has not looked like that for some
+/// images. The grey values are those of the camera: local contrast changes with the place in the image.
+bool FeatureTracker::align(Track& track, const cv::Point2f& before, const cv::Mat& image) const {
+  const bool first = !track.anchor;
+  if (first) track.anchor = std::make_shared<AffinePatch>(latest_image_, Eigen::Vector2f(before.x, before.y), options_.window_px);
+  const Eigen::Vector2f start(track.point.x, track.point.y);
+  PatchPose pose{start, track.shape};
+  if (!track.anchor->align(image, pose) || (pose.point - start).norm() > max_alignment_px) return !first && ++track.missed < most_missed;
+  track.point = {pose.point.x(), pose.point.y()};
+  track.shape = pose.shape;
+  track.missed = 0;
+  return true;
 }
 
 void FeatureTracker::reject_outliers(const std::vector<cv::Point2f>& before) {

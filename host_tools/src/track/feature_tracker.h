@@ -10,6 +10,7 @@
 
 #include "../calibration_file.h"
 #include "../recording.h"
+#include "affine_patch.h"
 #include "corner_detector.h"
 
 namespace host {
@@ -26,6 +27,9 @@ struct TrackerOptions {
 struct Track {
   std::uint32_t id;
   cv::Point2f point;  ///< in the latest image, px
+  std::shared_ptr<const AffinePatch> anchor = nullptr;  ///< what it looked like at first; none where it is new
+  Eigen::Matrix2f shape = Eigen::Matrix2f::Identity();  ///< from the anchor to the latest image
+  int missed = 0;                                       ///< images in a row in which it did not look like that
 };
 
 /// Lucas-Kanade from `start` (of pyramid `from`) to `to`, and back. `found` holds first guesses and then the points.
@@ -34,7 +38,8 @@ std::vector<bool> tracked_there_and_back(const std::vector<cv::Mat>& from, const
                                          const std::vector<cv::Point2f>& start, std::vector<cv::Point2f>& found,
                                          const TrackerOptions& options);
 
-/// Pyramidal Lucas-Kanade from image to image, checked backwards and by RANSAC; lost corners are replaced by new ones.
+/// Pyramidal Lucas-Kanade from image to image, checked backwards; from there onto the corner's first look by an affine fit; checked by RANSAC.
+/// A track lasts as long as the corner looks like that; lost corners are replaced by new ones.
 /// Identifiers rise from 0 over all cameras that share a counter and are never used twice in one camera. Deterministic:
 /// the same images give the same tracks.
 class FeatureTracker {
@@ -61,14 +66,16 @@ class FeatureTracker {
 
  private:
   std::vector<cv::Mat> pyramid_of(const cv::Mat& image) const;
-  void follow(const std::vector<cv::Mat>& pyramid);
+  void follow(const std::vector<cv::Mat>& pyramid, const cv::Mat& image);
+  bool align(Track& track, const cv::Point2f& before, const cv::Mat& image) const;
   void reject_outliers(const std::vector<cv::Point2f>& before);
   void drop_merged();
 
   CameraCalibration camera_;
   TrackerOptions options_;
   cv::Ptr<cv::CLAHE> equaliser_;
-  cv::Mat prepared_;             ///< the latest image
+  cv::Mat latest_image_;         ///< as the camera gave it
+  cv::Mat prepared_;             ///< the same with local contrast
   std::vector<cv::Mat> latest_;  ///< its pyramid
   std::vector<Track> tracks_;
   std::shared_ptr<std::uint32_t> next_id_;

@@ -25,12 +25,12 @@ constexpr const char* command_name = "track";
 constexpr const char* description = "Finds corners in the images of a recording and follows them: REC/mav0/camN/tracks.csv";
 
 constexpr const char* details =
-    R"(Where REC is read-only, --out FOLDER makes FOLDER a recording that links to REC and holds the tracks; replay FOLDER then. What is
-changed in FOLDER's IMU or images is changed in REC.
+    R"(Where REC is read-only, --out FOLDER makes FOLDER a recording that links to REC and holds the tracks; replay FOLDER then. Changes
+to FOLDER's IMU or images change REC.
 Identifiers are those of the whole rig: the same number in two cameras is the same corner. Corners of cam0 are looked for
 in the other cameras' images of the same moment, and checked by an epipolar geometry that needs no calibration.
-The calibration (--calib, else REC/camchain-imucam.yaml, else camN/sensor.yaml) serves to reject outliers only; a start
-that is some per cent off is good enough.)";
+The calibration (--calib, else REC/camchain-imucam.yaml, else camN/sensor.yaml) is only used to reject outliers; an error
+of a few per cent does no harm.)";
 
 struct TrackSettings {
   std::string recording, calibration, out;

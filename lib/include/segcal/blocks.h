@@ -8,8 +8,8 @@
  *     segcal_create_in_blocks(&device, &config, hot, sizeof hot, cold, sizeof cold);
  *
  * No part holds an address. After its bytes were copied to other places, or to a file and back into RAM, segcal_attach gives the device,
- * which goes on with the same bits; the program and its library must be those that wrote the bytes. (What outlives power and a new
- * program is a store, store.h.) A segcal_store_t under way is not to be moved from under: let it finish before.
+ * which goes on with the same bits; the program and its library must be those that wrote the bytes. (What must survive a power cut or a new
+ * program belongs in a store, store.h.) A segcal_store_t under way is not to be moved from under: let it finish before.
  */
 #ifndef SEGCAL_BLOCKS_H
 #define SEGCAL_BLOCKS_H

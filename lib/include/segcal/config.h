@@ -119,7 +119,7 @@
 #ifndef SEGCAL_MAX_IMU_SAMPLES
 #define SEGCAL_MAX_IMU_SAMPLES SEGCAL_DEFAULT_IMU_SAMPLES
 #endif
-/* Past poses (clones) in the filter's state. */
+/* Past poses in the filter's state. */
 #ifndef SEGCAL_MAX_CLONES
 #define SEGCAL_MAX_CLONES SEGCAL_DEFAULT_CLONES
 #endif
@@ -154,7 +154,7 @@
 #define SEGCAL_MAX_TIES SEGCAL_DEFAULT_TIES
 #endif
 /* Epochs: triangles that hold what segments said about the calibration once they are kept no longer (segcal_config_t.condense). When
-   there is no place for another, the two oldest become one. 0: leaves that code out. */
+   there is no room for another, the two oldest become one. 0: leaves that code out. */
 #ifndef SEGCAL_MAX_EPOCHS
 #define SEGCAL_MAX_EPOCHS SEGCAL_DEFAULT_EPOCHS
 #endif

@@ -8,48 +8,27 @@
 /* What a call returned: an event or an error. */
 static inline const char *segcal_code_words(int code) {
   switch (code) {
-    case SEGCAL_OK:
-      return "done";
-    case SEGCAL_WAITING:
-      return "taken; more data is needed before anything comes of it";
-    case SEGCAL_SKIPPED:
-      return "a frame sooner than frame_interval_s after the last one used, or without room to wait";
-    case SEGCAL_TRACKING:
-      return "the frame moved the filter";
-    case SEGCAL_LOST:
-      return "tracking was lost, the filter starts again";
-    case SEGCAL_NO_RESULT:
-      return "a calibration ran, but nothing is released: the result's status says why";
-    case SEGCAL_EMPTY:
-      return "nothing is stored";
-    case SEGCAL_ERROR_NULL:
-      return "a pointer is null";
-    case SEGCAL_ERROR_SIZE:
-      return "the storage is smaller than segcal_storage_bytes(), or a count is out of range";
-    case SEGCAL_ERROR_ALIGNMENT:
-      return "the storage is not aligned to SEGCAL_STORAGE_ALIGNMENT";
-    case SEGCAL_ERROR_CONFIG:
-      return "a value of the configuration is out of its range";
-    case SEGCAL_ERROR_NOT_FINITE:
-      return "a sample has a value that is not a number or not finite: it was dropped";
-    case SEGCAL_ERROR_STAMP:
-      return "a stamp repeats, goes back or is far from its neighbours: it was dropped";
-    case SEGCAL_ERROR_CAMERA:
-      return "a camera's index is out of range";
-    case SEGCAL_ERROR_STATE:
-      return "the call is not possible now: no device, no segment or no result";
-    case SEGCAL_ERROR_BUSY:
-      return "a calibration is under way and moves what was asked for: ask again when it has taken effect";
-    case SEGCAL_ERROR_CAPACITY:
-      return "program and library were compiled with other capacities: segcal_explain_capacities says which";
-    case SEGCAL_ERROR_STORAGE:
-      return "the flash failed";
-    case SEGCAL_ERROR_FULL:
-      return "the flash has too few good blocks";
-    case SEGCAL_ERROR_VERSION:
-      return "what is stored was written by a newer format";
-    default:
-      return "unknown";
+    case SEGCAL_OK: return "done";
+    case SEGCAL_WAITING: return "taken; more data is needed before anything comes of it";
+    case SEGCAL_SKIPPED: return "a frame sooner than frame_interval_s after the last one used, or without room to wait";
+    case SEGCAL_TRACKING: return "the frame moved the filter";
+    case SEGCAL_LOST: return "tracking was lost, the filter starts again";
+    case SEGCAL_NO_RESULT: return "a calibration ran, but nothing is released: the result's status says why";
+    case SEGCAL_EMPTY: return "nothing is stored";
+    case SEGCAL_ERROR_NULL: return "a pointer is null";
+    case SEGCAL_ERROR_SIZE: return "the storage is smaller than segcal_storage_bytes(), or a count is out of range";
+    case SEGCAL_ERROR_ALIGNMENT: return "the storage is not aligned to SEGCAL_STORAGE_ALIGNMENT";
+    case SEGCAL_ERROR_CONFIG: return "a value of the configuration is out of its range";
+    case SEGCAL_ERROR_NOT_FINITE: return "a sample has a value that is not a number or not finite: it was dropped";
+    case SEGCAL_ERROR_STAMP: return "a stamp repeats, goes back or is far from its neighbours: it was dropped";
+    case SEGCAL_ERROR_CAMERA: return "a camera's index is out of range";
+    case SEGCAL_ERROR_STATE: return "the call is not possible now: no device, no segment or no result";
+    case SEGCAL_ERROR_BUSY: return "background work is under way and moves what was asked for: ask again when it has taken effect";
+    case SEGCAL_ERROR_CAPACITY: return "program and library were compiled with other capacities: segcal_explain_capacities says which";
+    case SEGCAL_ERROR_STORAGE: return "the flash failed";
+    case SEGCAL_ERROR_FULL: return "the flash has too few good blocks";
+    case SEGCAL_ERROR_VERSION: return "what is stored was written by a newer format";
+    default: return "unknown";
   }
 }
 

@@ -63,7 +63,7 @@ enum {
   SEGCAL_ERROR_STAMP = -6,       /* a stamp that repeats, goes back, is far from the others, or outside +-2^62 ns; dropped and counted */
   SEGCAL_ERROR_CAMERA = -7,      /* camera index out of range */
   SEGCAL_ERROR_STATE = -8,       /* call not possible now (no segment, not created) */
-  SEGCAL_ERROR_BUSY = -9,        /* a calibration is under way and moves what was asked for: again when segcal_background returns 0
+  SEGCAL_ERROR_BUSY = -9,        /* background work is under way and moves what was asked for: again when segcal_background returns 0
                                     and the calibration has taken effect, or after segcal_flush */
   SEGCAL_ERROR_CAPACITY = -10,   /* header and library have other capacities (config.h): segcal_explain_capacities says which */
   SEGCAL_ERROR_STORAGE = -11,    /* store.h: the medium failed */
@@ -88,9 +88,9 @@ typedef struct {
   int32_t height;        /* rows of the image, for rolling_shutter, [0, 100000]; 0: twice cy */
 } segcal_camera_t;
 
-/* ---- effects: what the model may lack (DESIGN, section 3) ----
+/* ---- effects: what the model may lack (docs/diagnosis.md, section 4) ----
  * An effect is a sum of terms, a term is one number that is estimated beside the calibration, behind its last entry. Terms
- * of the catalogue's effects come from segcal_effect_term(); other terms of the same kinds may be given as well:
+ * of the catalogue's effects come from segcal_effect_terms(); other terms of the same kinds may be given as well:
  *   SEGCAL_TERM_GYRO_X .. ACCEL_Z   c times the product of the signals a and b is added to the reading of this axis
  *   SEGCAL_TERM_IMAGE_U, IMAGE_V    c x^a y^b row^c is added to the distorted point, in units of the focal length;
  *                                   row runs from -1 at the top of the image to 1 at its bottom
@@ -169,7 +169,7 @@ typedef struct {
   int32_t metric;                  /* SEGCAL_METRIC_*; A, D and E judge each segment alone, SET_D all kept ones together */
   int32_t strategy;                /* SEGCAL_SINGLE_SESSION or SEGCAL_MULTI_SESSION */
   double least_gain_nats;          /* a segment that tells less is never kept, [1e-9, 1e6]; 0: half a nat per parameter */
-  double prior_sigma[SEGCAL_MAX_PARAMETERS]; /* [1e-9, 1e6]; 0: the table in DESIGN, section 3 */
+  double prior_sigma[SEGCAL_MAX_PARAMETERS]; /* [1e-9, 1e6]; 0: the defaults in docs/formats.md, "config.yaml" */
   double sigma_ref[SEGCAL_MAX_PARAMETERS];   /* normalises the metrics, [1e-9, 1e6]; 0: the prior's sigma */
   double filter_share;             /* the filter estimates the calibration along its way; factor on the prior sigmas of these
                                       estimates, [1e-6, 1]; 0: 1. 1e-3 holds it at what is given */
@@ -239,7 +239,7 @@ enum { SEGCAL_INSUFFICIENT = 0, SEGCAL_CALIBRATED = 1, SEGCAL_FAILED = 2 };
 enum { SEGCAL_FIXED = 0, SEGCAL_WEAK = 1, SEGCAL_OBSERVED = 2 };
 
 typedef struct {
-  char name[SEGCAL_NAME_LENGTH]; /* "cam0.r_CI.x" ... as in DESIGN, section 3; then "time_offset.t_d" ... */
+  char name[SEGCAL_NAME_LENGTH]; /* "cam0.r_CI.x" ... as in docs/formats.md, "result.json"; then "time_offset.t_d" ... */
   char unit[SEGCAL_UNIT_LENGTH]; /* "rad", "m", "px", "-", "s/row" ... */
   double value, initial;         /* rotations: the rotation vector's component */
   double sigma;                  /* scaled by what the fit shows */
@@ -436,7 +436,7 @@ int segcal_push_tracks(segcal_t *device, int64_t t_ns, const segcal_point_t *poi
    as an image does; before the first of all samples it is skipped (SEGCAL_SKIPPED). */
 int segcal_push_keyframe(segcal_t *device, const segcal_state_t *state, const segcal_point_t *points, int32_t n);
 /* Does pending work, the filter's start in motion, the score of a segment that has ended or a calibration: at most `slices`
-   pieces, each bounded (see the budgets in docs). Returns 1 while work is pending, else 0, or an error.
+   slices, each bounded (docs/porting.md, section 5). Returns 1 while work is pending, else 0, or an error.
    As long as work is done when it is due, it changes no bit of what comes out how often this is called. Due is a score when the next segment
    ends, a calibration calibration_window ends later, a start SEGCAL_START_DELAY_MS after its frames (with 0 it is done at once and
    no background work). Work that is late is counted in slices_late, and nothing else of the state depends on when it was done:
@@ -457,7 +457,7 @@ int segcal_request_calibration(segcal_t *device);
 /* Ends the open segment now, scores it, and finishes all work that is pending, a calibration that was asked for included. Seconds of
    work on a microcontroller. */
 int segcal_flush(segcal_t *device);
-/* The same in bounded pieces, at most `slices` of them: returns 1 while some are left, else 0. Nothing is to be fed in between.
+/* The same in bounded slices, at most `slices` of them: returns 1 while some are left, else 0. Nothing is to be fed in between.
      segcal_request_calibration(device);
      while (segcal_flush_slices(device, 8) == 1) feed_the_watchdog();
    is segcal_flush and segcal_calibrate in slices; after it segcal_flush and segcal_new_session take the time of a slice. */
@@ -475,7 +475,7 @@ int segcal_get_camera(const segcal_t *device, int32_t camera, segcal_camera_t *o
 int segcal_get_imu_calibration(const segcal_t *device, segcal_imu_calibration_t *out);
 int segcal_get_result(const segcal_t *device, segcal_result_t *result);
 /* What the filter itself knows about the calibration at this moment: values, sigmas and verdicts by the same rule. Nothing
-   about a fit. Before the filter's start: the prior. Where a start in motion is under way, that is done first: not in bounded time. */
+   about a fit. Before the filter's start: the prior. SEGCAL_ERROR_BUSY while a start in motion is under way. */
 int segcal_get_filter_calibration(segcal_t *device, segcal_result_t *result);
 /* The last result as a Gaussian over its parameters, for fusing several: `mean`, n numbers, where the fit has its optimum while
    nothing is held (segcal_parameter_t.value of what is FIXED stays at `initial`, and the others follow), and `covariance`,
@@ -545,8 +545,8 @@ int segcal_get_effect_scores(segcal_t *device, segcal_effect_score_t *out, int32
  * row-major, n = n_theta + n_terms + 1 columns, d last and rho in the corner; capacity in numbers, n (n + 1) / 2 are
  * written. Theta's entries are those of segcal_result_t, rotations as small rotations from the left. n_candidates and
  * theta's terms together at most SEGCAL_MAX_EFFECT_COLUMNS. dof: residuals minus states and landmarks, theta and terms not
- * counted. Call it after the segments were calibrated: it changes nothing but the workspaces, which residuals and links of a
- * calibration before the first one are read from. Takes as long as one step of a calibration. */
+ * counted. Call it after the segments were calibrated. It overwrites the workspace. Before the first calibration, residuals and links
+ * are read from that workspace and change too. Takes as long as one step of a calibration. */
 int segcal_linearise(segcal_t *device, const uint8_t *use_slot, const segcal_term_t *candidate, int32_t n_candidates,
                      double *triangle, int32_t capacity, int32_t *n_theta, int32_t *n_terms, int32_t *dof);
 /* Bytes of one database slot and of the workspaces. */

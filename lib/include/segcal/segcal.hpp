@@ -20,7 +20,7 @@ namespace segcal_cpp {
 class Device {
  public:
   explicit Device(const segcal_config_t& config) { error_ = segcal_create(&handle_, &config, storage_, sizeof storage_); }
-  // The device has pointers into its own memory.
+  // No copies and no moves: handle_ points at storage_ of this object. (The bytes of a device may move: blocks.h.)
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 

@@ -1,8 +1,8 @@
 /* A memory that outlives power: kept segments, theta, and the last calibration, in a few erase blocks of flash.
  *
  * docs/storage.md says every byte and why a power cut at any moment leaves the old state or the new one, whole. No heap: the
- * store is one small struct of the caller's. Nothing waits: each call of segcal_store_work does a bounded number of pieces, and
- * a piece is at most one erasure of a block, one program of SEGCAL_STORE_PAGE_MAX bytes read back, one read of as many, or
+ * store is one small struct of the caller's. Nothing waits: each call of segcal_store_work does a bounded number of slices, and
+ * a slice is at most one erasure of a block, one program of SEGCAL_STORE_PAGE_MAX bytes read back, one read of as many, or
  * one sync. Link the library segcal_store beside segcal.
  *
  *     segcal_store_open(&store, &flash);      while (segcal_store_work(&store, 16) == 1) other_things();
@@ -69,7 +69,7 @@ typedef struct {
 /* Begins to look for the newest whole state; the struct is copied, what its context points to must stay. SEGCAL_ERROR_SIZE: numbers
    out of range. */
 int segcal_store_open(segcal_store_t *store, const segcal_flash_t *flash);
-/* Goes on with what was begun, at most `pieces` pieces. 1: not done; then 0 or SEGCAL_EMPTY, once, or an error, with which it has
+/* Goes on with what was begun, at most `pieces` slices. 1: not done; then 0 or SEGCAL_EMPTY, once, or an error, with which it has
    ended:
      SEGCAL_EMPTY           restore: nothing is stored; the device is as created
      SEGCAL_ERROR_STORAGE   the medium failed; what was stored stays

@@ -50,10 +50,10 @@ class Device {
   template <class Point>
   Taken push_keyframe(std::int64_t t_ns, const State<S>& state, const double* p_GI, int n, Point point);
   void flush();
-  /// One bounded piece of flush(); false when nothing is left.
+  /// One slice of flush(); false when nothing is left.
   bool flush_step();
   void new_session();
-  /// At most `slices` pieces of pending work; returns 1 if some is left, else 0.
+  /// At most `slices` slices of pending work; returns 1 if some is left, else 0.
   int background(int slices);
   void calibrate();
   /// The same in slices: after the next segment that is scored, or by flush_step().
@@ -204,7 +204,7 @@ class Device {
   Decimation<S> decimation_;
   WaitingFrames<S> frames_;
   StreamCounts last_use_;
-  State<S> state_;         ///< its place counts from origin_
+  State<S> state_;         ///< its position counts from origin_
   double origin_[3];       ///< m, in the odometry's frame: float holds what is near
   Hash trajectory_;        ///< of all states so far
   std::int64_t hole_ns_;         ///< where a spike was taken out: the end of the first group of samples after it

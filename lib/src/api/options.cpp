@@ -7,7 +7,6 @@ namespace {
 
 // Ranges of what the C API takes; segcal.h states them.
 constexpr double kMostMisalignment = 10;
-constexpr double kLeastSigma = 1e-9, kMostSigma = 1e6;    // their squares and the squares' inverses stay far inside float
 
 bool imu_from_c(const segcal_imu_calibration_t& in, ImuCalibration<Real>* out) {
   const auto scale = [](const double* s, Vec3<Real>* v) {

@@ -18,12 +18,6 @@ void printed_row(const Device<Real>& device, int i, Real* row) {
   }
 }
 
-Real dot(const Real* a, const Real* b, int n) {
-  Real sum = Real(0);
-  for (int i = 0; i < n; ++i) sum += a[i] * b[i];
-  return sum;
-}
-
 }  // namespace
 }  // namespace SEGCAL_NS
 
@@ -42,11 +36,11 @@ extern "C" [[gnu::cold]] int segcal_get_posterior(const segcal_t* device, double
   Real row[kMaxTheta], other[kMaxTheta];
   for (int i = 0; i < n; ++i) {
     printed_row(d->device, i, row);
-    const double scale = static_cast<double>(release.printed_sigma[i]) / static_cast<double>(square_root(dot(row, row, n)));
+    const double scale = static_cast<double>(release.printed_sigma[i]) / static_cast<double>(square_root(factor_product(row, row, n)));
     for (int j = 0; j <= i; ++j) {
       printed_row(d->device, j, other);
-      const double length = static_cast<double>(square_root(dot(other, other, n)));
-      const double covariance_ij = static_cast<double>(dot(row, other, n)) * scale * static_cast<double>(release.printed_sigma[j]) / length;
+      const double length = static_cast<double>(square_root(factor_product(other, other, n)));
+      const double covariance_ij = static_cast<double>(factor_product(row, other, n)) * scale * static_cast<double>(release.printed_sigma[j]) / length;
       covariance[i * n + j] = covariance[j * n + i] = covariance_ij;
     }
   }

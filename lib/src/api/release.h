@@ -1,4 +1,4 @@
-// What of a calibration is released: a verdict per parameter, and the values that go with it (DESIGN, section 4).
+// What of a calibration is released: a verdict per parameter, and the values that go with it (docs/design.md, section 9).
 //
 // A parameter whose sigma did not fall clearly below the prior's is not guessed: it goes back to where it was, and the
 // others move to their best values given that.
@@ -8,22 +8,13 @@
 #include "calibration/calibrator.h"
 #include "information/marginal.h"
 #include "information/metrics.h"
+#include "information/release_rules.h"
 #include "math/small_solvers.h"
 
 namespace SEGCAL_NS {
 
 enum class Verdict : std::int32_t { fixed = 0, weak = 1, observed = 2 };
 enum class Status : std::int32_t { insufficient = 0, calibrated = 1, failed = 2 };
-
-/// Thresholds on sigma / prior sigma, and on chi2/dof. Below half the prior's sigma three quarters of what is known come
-/// from the data: the same line that decides which directions count as excited (information/metrics.h). Residuals below the stated
-/// noise do no harm, since sigmas never count on less than what is stated: a good tracker has 0.1 px where 0.5 px are stated. A
-/// fiftieth of it is no noise of a sensor any more: repeated images, or units that are wrong.
-template <class S>
-struct ReleaseRules {
-  S observed = S(0.3), weak = S(0.5);
-  S least_chi2_per_dof = S(0.02), most_chi2_per_dof = S(6);
-};
 
 template <class S>
 struct Release {

@@ -20,7 +20,7 @@ void direction_to_c(const Directions<Real>& a, int i, segcal_direction_t* out) {
 /// Index of the nth direction that is not excited, blindest first; -1 if there are fewer.
 int unexcited(const Directions<Real>& a, int nth) {
   const int i = a.n - 1 - nth;
-  return nth >= 0 && i >= 0 && a.relative_sigma(i) >= kExcited<Real> ? i : -1;
+  return nth >= 0 && i >= 0 && a.relative_sigma(i) >= ReleaseRules<Real>{}.weak ? i : -1;
 }
 
 int count_unexcited(const Directions<Real>& a) {
@@ -105,6 +105,7 @@ extern "C" {
   if (!result) return SEGCAL_ERROR_NULL;
   CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;
+  if (d->device.start_pending()) return SEGCAL_ERROR_BUSY;  // it works in the filter's memory
   Release<Real> release;
   d->device.read_filter(&release);
   *result = segcal_result_t{};

@@ -142,7 +142,7 @@ class Agreement {
   void compare(const SegmentInformation<S>& information) {
     degrees_ = 0;
     statistic_ = S(0);
-    while (degrees_ < n_ && analysis_->relative_sigma(degrees_) < kExcited<S>) shown_row(information, degrees_++);
+    while (degrees_ < n_ && analysis_->relative_sigma(degrees_) < ReleaseRules<S>{}.weak) shown_row(information, degrees_++);
     if (degrees_ == 0) return;
     PackedTriangle<S> T = copy_of_newer();
     fold_rows(T, block(), degrees_, n_ + 1, 0, n_ + 1);

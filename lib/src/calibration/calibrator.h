@@ -1,4 +1,4 @@
-// Levenberg-Marquardt over the kept segments (paper, Sec. V-D; DESIGN, section 4, "Calibration").
+// Levenberg-Marquardt over the kept segments (paper, Sec. V-D; docs/design.md, section 7).
 //
 // Each iteration eliminates every segment to theta, the ties and its separators, solves the small dense triangle of ties
 // and theta, walks the chain back and substitutes each segment's states. Nothing grows with the number of segments but one

@@ -1,4 +1,4 @@
-// Partitions of a calibration: segments that share one gauge (paper, Sec. V-D, Alg. 2; DESIGN, section 4).
+// Partitions of a calibration: segments that share one gauge (paper, Sec. V-D, Alg. 2; docs/design.md, section 7).
 //
 // Neighbours in time are joined by the IMU samples between them. Segments of one map, whose states are in the same frame,
 // are joined if they have enough tracks in common, the pair with the most first: a spanning forest, each edge of which that

@@ -1,4 +1,4 @@
-// The prior on theta: where calibration starts from, and how far the factory's values may be off (DESIGN, section 3).
+// The prior on theta: where calibration starts from, and how far the factory's values may be off (docs/formats.md, "config.yaml").
 #pragma once
 
 #include "math/qr.h"
@@ -13,7 +13,10 @@ struct ThetaPrior {
   S sigma[kMaxTheta] = {};  ///< units of theta's entries
 };
 
-/// DESIGN, section 3, last column of the table.
+/// What may be stated as a sigma, in its own unit; segcal.h says so. Their squares and the squares' inverses stay far inside float.
+constexpr double kLeastSigma = 1e-9, kMostSigma = 1e6;
+
+/// The defaults of docs/formats.md, "config.yaml".
 template <class S>
 [[gnu::cold]] void default_prior_sigmas(const Calibration<S>& mean, S* sigma) {
   const auto put = [&sigma](int n, S value) {

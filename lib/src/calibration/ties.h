@@ -1,4 +1,4 @@
-// Ties: landmarks that segments of one partition share, so that all of them stand in one frame (DESIGN, section 4).
+// Ties: landmarks that segments of one partition share, so that all of them stand in one frame (docs/design.md, section 7).
 //
 // A tie has one set of parameters for all segments that see it. Each keeps a copy of it among its own landmarks: the copies
 // begin equal and move by the same steps, so no other code needs to know. Between two segments a few ties are enough:

@@ -35,16 +35,9 @@ class TurnBetween {
   bool end_round() {
     Mat3<S> L;
     if (!cholesky_lower<S, 3>(information_, &L)) return false;
-    Vec3<S> d;
-    for (int i = 0; i < 3; ++i) {
-      d(i) = pull_(i);
-      for (int k = 0; k < i; ++k) d(i) -= L(i, k) * d(k);
-      d(i) /= L(i, i);
-    }
-    for (int i = 2; i >= 0; --i) {
-      for (int k = i + 1; k < 3; ++k) d(i) -= L(k, i) * d(k);
-      d(i) /= L(i, i);
-    }
+    Vec3<S> d = pull_;
+    forward_substitute<S, 3>(L, d.data());
+    back_substitute<S, 3>(L, d.data());
     if (!(d.squaredNorm() < S(10))) return false;   // beyond a half turn, or no number
     R_12_ = renormalised<S>(so3_exp<S>(d) * R_12_);
     ++round_;

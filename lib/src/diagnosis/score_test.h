@@ -1,4 +1,4 @@
-// Score tests: would an effect that the model lacks explain the residuals? (DESIGN, section 4, "Diagnosis")
+// Score tests: would an effect that the model lacks explain the residuals? (docs/diagnosis.md, section 7)
 //
 // The elimination hands out a triangle over [theta | terms | rhs], linearised where all terms are zero, the prior of theta
 // folded in. Its rows below theta's are what the data say about the terms with theta free: min over theta of the cost is

@@ -5,6 +5,7 @@
 // a blind direction (s = 0) keeps the prior's variance, never an infinite one.
 #pragma once
 
+#include "information/release_rules.h"
 #include "information/segment_information.h"
 #include "math/near.h"
 #include "math/resumable.h"
@@ -110,10 +111,6 @@ struct InformationAnalysis {
   /// Direction i's sigma after the measurement, in units of the prior's.
   S relative_sigma(int i) const { return S(1) / square_root(S(1) + s[i] * s[i]); }
 };
-
-/// A direction counts as excited if its sigma falls below half the prior's.
-template <class S>
-constexpr S kExcited = S(0.5);
 
 /// Begins an analysis; analyse_step() finishes it. Until then it has no directions.
 template <class S>
@@ -232,7 +229,7 @@ Metrics<S> metrics_but_E(InformationAnalysis<S>* a, const S* prior_sigma, const 
     const S information = S(1) + a->s[i] * a->s[i];
     m.D -= logarithm(information);
     m.gain += S(0.5) * logarithm(information);
-    if (a->relative_sigma(i) < kExcited<S>) ++m.rank;
+    if (a->relative_sigma(i) < ReleaseRules<S>{}.weak) ++m.rank;
   }
   return m;
 }

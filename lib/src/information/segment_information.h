@@ -1,4 +1,4 @@
-// What a segment says about theta: the square root of its information (DESIGN, section 4, step 4).
+// What a segment says about theta: the square root of its information (docs/design.md, sections 5 and 6).
 #pragma once
 
 #include "math/qr.h"

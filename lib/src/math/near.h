@@ -20,7 +20,7 @@ class Near {
     point_to(other);
     return *this;
   }
-  T* get() const { return reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(this) + distance_); }
+  T* get() const { return reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(this) + distance_); }  // NOLINT(performance-no-int-to-ptr)
   operator T*() const { return get(); }
   T* operator->() const { return get(); }
   /// The object has moved by so many bytes, and this has not.
@@ -40,7 +40,9 @@ class NearOrNull {
     point_to(other);
     return *this;
   }
-  operator T*() const { return distance_ == 0 ? nullptr : reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(this) + distance_); }
+  operator T*() const {
+    return distance_ == 0 ? nullptr : reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(this) + distance_);  // NOLINT(performance-no-int-to-ptr)
+  }
   T* operator->() const { return *this; }
   explicit operator bool() const { return distance_ != 0; }
 

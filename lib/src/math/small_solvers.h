@@ -60,6 +60,24 @@ S factor_product(const S* a, const S* b, int n) {
   return sum;
 }
 
+/// x <- L^-1 x, of a small lower triangle.
+template <class S, int N>
+void forward_substitute(const Mat<S, N, N>& L, S* x) {
+  for (int i = 0; i < N; ++i) {
+    for (int k = 0; k < i; ++k) x[i] -= L(i, k) * x[k];
+    x[i] /= L(i, i);
+  }
+}
+
+/// x <- L^-T x.
+template <class S, int N>
+void back_substitute(const Mat<S, N, N>& L, S* x) {
+  for (int i = N - 1; i >= 0; --i) {
+    for (int k = i + 1; k < N; ++k) x[i] -= L(k, i) * x[k];
+    x[i] /= L(i, i);
+  }
+}
+
 /// Lower Cholesky factor of a small symmetric positive matrix, in its place: what is above the diagonal stays as it was.
 /// False if a pivot is not positive.
 template <class S, int N>

@@ -18,7 +18,7 @@ class Liveliness {
     S turn = S(0), push = S(0);
     int n = 0;
     for (int i = imu.at_or_before(from_ns) + 1; i < imu.size() && imu.time(i) <= to_ns; ++i, ++n) {
-      const InertialReading<S> r = imu.reading(i);
+      const InertialReading<S>& r = imu.reading(i);
       if (!began_) mean_force_ = r.accel;
       began_ = true;
       const S dt = S(imu.time(i) - imu.time(i - 1)) * S(1e-9);

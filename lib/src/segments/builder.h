@@ -149,7 +149,7 @@ template <class S>
   return true;
 }
 
-/// The segment's origin: that of the segment before, so that landmarks can be shared, or this place if that is far.
+/// The segment's origin: that of the segment before, so that landmarks can be shared, or this position if that is far.
 template <class S>
 void SegmentBuilder<S>::place_origin(const State<S>& state, const double* origin) {
   double distance = 0;

@@ -1,9 +1,9 @@
 // Square-root elimination of a whole segment: the one linearisation that scoring, calibration and diagnosis share
-// (DESIGN, section 4; paper, Eq. (segment_cov_fim) and (cholesky)).
+// (docs/design.md, section 5; paper, Eq. (segment_cov_fim) and (cholesky)).
 //
 // Landmarks go first, each alone; velocities and biases next, along the IMU chain; what is left is the reduced system
-// [poses | last keyframe | guest | theta | rhs]. Its rows from the last keyframe on are what links the segment to its
-// neighbours; its rows from theta on are the SegmentInformation.
+// [poses | last keyframe | guest | theta | rhs]. Its rows from the last keyframe on are what links the segment to the
+// next one; its rows from theta on are the SegmentInformation.
 #pragma once
 
 #include <new>
@@ -184,11 +184,13 @@ void SegmentEliminator<S>::add_term(const Term& t, ReducedLayout* layout) {
   layout->add_term(t);
 }
 
-/// The gauge: position and rotation about gravity of the first keyframe. They are exactly free, so any weight holds
-/// them; this one is well inside the range of float.
+/// The gauge: position and rotation about gravity of the first keyframe. Measurements leave them exactly free; the priors on inverse
+/// distances, counted from fixed anchors, do not: together they pull the world away from near landmarks, by some 2400 (1/m) where a hundred corners
+/// of a floor are 15 cm away (landmark_guess.h). What is held is the position of this iteration, so that the world creeps by pull / hold^2 with each: with
+/// 1e3 (1/m) by millimetres, and a fit does not settle; with this hold by 0.2 um, and float tells it from the whitened rows (1e5 at most).
 template <class S>
 void SegmentEliminator<S>::hold_gauge(const State<S>& x, const MeasurementModel<S>& model) {
-  const S hold = S(1e3);
+  const S hold = S(1e5);
   for (int i = 0; i < 3; ++i) reduced_.fold_scalar(layout().pose(0) + 3 + i, hold, S(0));
   reduced_.fold_rotation(0, x.R_GI.transpose() * (model.g / -square_root(model.g.squaredNorm())), hold);
 }

@@ -1,4 +1,4 @@
-// SegmentEliminator: from a step of theta and of the neighbours to the step of all that was eliminated, and along it.
+// SegmentEliminator: from a step of theta, the guest and the last keyframe to the step of all that was eliminated, and along it.
 #pragma once
 
 #include "segments/elimination.h"

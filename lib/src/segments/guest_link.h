@@ -8,7 +8,7 @@ namespace SEGCAL_NS {
 /// What joins a segment to the one before it in time.
 enum class Join : std::int32_t {
   none,  ///< starts a partition: gauge and bias prior on its first keyframe
-  imu,   ///< direct neighbour: the raw samples between the two are integrated
+  imu,   ///< follows directly: the raw samples between the two are integrated
   bias   ///< gap: only the bias random walk links them
 };
 

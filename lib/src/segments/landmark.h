@@ -1,7 +1,7 @@
 // Landmarks as direction and inverse distance from a fixed point: l = o + m / rho.
 //
 // A landmark without parallax is a direction (rho near 0) and stays a regular, finite parameter: rotation in place
-// never puts points "far away". o is the place of the camera that saw it first, a constant and not a state, so a row
+// never puts points "far away". o is the position of the camera that saw it first, a constant and not a state, so a row
 // of the Jacobian touches one pose only. Projection uses h = R_CI R_IG (m + rho (o - p_GI)) + rho p_CI (paper,
 // Eq. (landmark_proj), times rho).
 #pragma once

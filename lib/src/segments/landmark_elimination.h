@@ -1,5 +1,5 @@
 // One landmark's rows, eliminated alone: three reflections clear its columns, and what is left (the left null space)
-// has pose and camera columns only (DESIGN, section 4, step 1; Mourikis and Roumeliotis 2007, Sec. III-D).
+// has pose and camera columns only (docs/design.md, section 5, step 1; Mourikis and Roumeliotis 2007, Sec. III-D).
 //
 // Columns of the block: 3 free ones, then the reduced system's, right-hand side -r. The landmark's own columns stand right
 // before the first pose that sees it, so that the columns before need neither be cleared nor reflected.

@@ -124,7 +124,7 @@ struct Segment {
   bool has_origin_of(const Segment& other) const {
     return origin[0] == other.origin[0] && origin[1] == other.origin[1] && origin[2] == other.origin[2];
   }
-  /// A place that counts from another segment's origin, counted from this one's.
+  /// A position that counts from another segment's origin, counted from this one's.
   Vec3<S> from_origin_of(const Segment& other, const Vec3<S>& p) const {
     Vec3<S> out;
     for (int i = 0; i < 3; ++i) out(i) = static_cast<S>(other.origin[i] - origin[i] + static_cast<double>(p(i)));

@@ -1,4 +1,4 @@
-// Velocities and biases of a segment's keyframes, eliminated in time order (DESIGN, section 4, step 2).
+// Velocities and biases of a segment's keyframes, eliminated in time order (docs/design.md, section 5, step 2).
 //
 // An IMU link ties keyframe k to k + 1. Its 15 rows meet the nine rows that earlier links left on keyframe k's velocity
 // and biases; nine reflections finish keyframe k, nine more leave the rows of keyframe k + 1, and the six that remain

@@ -1,4 +1,4 @@
-// The calibration vector theta (DESIGN, section 3): values, their order in columns, and how a step is applied.
+// The calibration vector theta (docs/design.md, section 2): values, their order in columns, and how a step is applied.
 //
 // Columns: per camera [r_CI 3 | p_CI 3 | fx fy cx cy | distortion 1 or 4], then
 // [gyro s 3 | gyro m 3 | accel s 3 | accel m 3 | r_AI 3], then the estimated terms of effects (effect_terms.h).

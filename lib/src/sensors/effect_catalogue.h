@@ -1,4 +1,4 @@
-// The catalogue of effects (DESIGN, section 3): names, parameters, units, how large they may be, what they look like and
+// The catalogue of effects (docs/diagnosis.md, section 4): names, parameters, units, how large they may be, what they look like and
 // what they are confounded with. An effect's parameters are its terms, in this order.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Effects as sums of terms (DESIGN, section 3, "Effects"): one term is one number c, one column of theta behind the 15 of
+// Effects as sums of terms (docs/diagnosis.md, section 4): one term is one number c, one column of theta behind the 15 of
 // the IMU. Catalogue effects (effect_catalogue.h) and terms of a dictionary are the same thing here.
 //
 // A term of the IMU adds c phi to the reading, after T_g and T_a R_AI and before the bias; phi is a sum of up to three

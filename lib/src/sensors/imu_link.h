@@ -122,29 +122,21 @@ bool link_whitening(const ImuIntegral<S>& I, const ImuNoise<S>& noise, LinkWhite
   return cholesky_in_place<S, 15>(&Q);
 }
 
+/// A column of 15 rows, in place.
+template <class S>
+void whiten_column(const LinkWhitening<S>& w, S* x) {
+  for (int i = 0; i < 15; ++i) x[i] *= w.scale(i);
+  forward_substitute<S, 15>(w.L, x);
+}
+
 /// Whitens the residual alone.
 template <class S>
 bool whiten_residual(const ImuIntegral<S>& I, const ImuNoise<S>& noise, const Vec<S, 15>& r, Vec<S, 15>* out) {
   LinkWhitening<S> w;
   if (!link_whitening(I, noise, &w)) return false;
-  for (int i = 0; i < 15; ++i) {
-    S sum = r(i) * w.scale(i);
-    for (int k = 0; k < i; ++k) sum -= w.L(i, k) * (*out)(k);
-    (*out)(i) = sum / w.L(i, i);
-  }
+  *out = r;
+  whiten_column(w, out->data());
   return true;
-}
-
-template <class S>
-void whiten_terms(const LinkWhitening<S>& w, ImuTermColumns<S>* columns) {
-  for (int t = 0; t < columns->count(); ++t) {
-    S* x = columns->link[t];
-    for (int i = 0; i < 15; ++i) {
-      x[i] *= w.scale(i);
-      for (int k = 0; k < i; ++k) x[i] -= w.L(i, k) * x[k];
-      x[i] /= w.L(i, i);
-    }
-  }
 }
 
 /// Whitens residual and Jacobian rows in place, and the columns of terms, if there are any.
@@ -152,16 +144,13 @@ template <class S>
 bool whiten(const ImuIntegral<S>& I, const ImuNoise<S>& noise, ImuRows<S>* rows, ImuTermColumns<S>* columns = nullptr) {
   LinkWhitening<S> w;
   if (!link_whitening(I, noise, &w)) return false;
-  if (columns) whiten_terms(w, columns);
+  for (int t = 0; columns && t < columns->count(); ++t) whiten_column(w, columns->link[t]);
+  whiten_column(w, rows->r.data());
   for (int i = 0; i < 15; ++i) {
-    S r = rows->r(i) * w.scale(i);
     rows->J.row(i) *= w.scale(i);
     for (int k = 0; k < i; ++k) {
-      if (w.L(i, k) == S(0)) continue;
-      r -= w.L(i, k) * rows->r(k);
-      rows->J.row(i) -= w.L(i, k) * rows->J.row(k);
+      if (w.L(i, k) != S(0)) rows->J.row(i) -= w.L(i, k) * rows->J.row(k);
     }
-    rows->r(i) = r / w.L(i, i);
     rows->J.row(i) /= w.L(i, i);
   }
   return true;

@@ -29,11 +29,12 @@ int at_or_before(const Samples& samples, Time t) {
 /// Samples at the ends, and beside an uneven period, stay as they are.
 template <class S, class Samples>
 InertialReading<S> corrected_reading(const Samples& samples, int i) {
-  const InertialReading<S> x = samples.reading(i);
+  const InertialReading<S>& x = samples.reading(i);
   if (i == 0 || i + 1 >= samples.size()) return x;
   const S before = S(samples.time(i) - samples.time(i - 1)), after = S(samples.time(i + 1) - samples.time(i));
   if (absolute(before - after) > S(0.1) * before) return x;
-  const InertialReading<S> a = samples.reading(i - 1), b = samples.reading(i + 1);
+  const InertialReading<S>& a = samples.reading(i - 1);
+  const InertialReading<S>& b = samples.reading(i + 1);
   const S twelfth = S(1) / S(12);
   return {x.gyro - twelfth * ((b.gyro - x.gyro) - (x.gyro - a.gyro)),
           x.accel - twelfth * ((b.accel - x.accel) - (x.accel - a.accel))};

@@ -1,4 +1,4 @@
-// What the inertial model speaks of: keyframe states, noise densities, readings (DESIGN, section 3).
+// Quantities of the inertial model: keyframe states, noise densities, readings (docs/design.md, section 2).
 #pragma once
 
 #include "math/so3.h"

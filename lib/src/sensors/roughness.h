@@ -25,7 +25,7 @@ class SixthDifferences {
     for (int i = first; i + group - 1 <= last; i += group) {
       InertialReading<S> sum = imu.reading(i);
       for (int k = 1; k < group; ++k) {
-        const InertialReading<S> next = imu.reading(i + k);
+        const InertialReading<S>& next = imu.reading(i + k);
         sum.gyro += next.gyro;
         sum.accel += next.accel;
       }

@@ -37,7 +37,7 @@ class Ring {
   void look(const RecordSink* sink);
   /// What `source` points to must stay until it is done.
   void save(const RecordSource& source);
-  /// One piece. True when all is done.
+  /// One slice. True when all is done.
   bool step();
   bool busy() const { return work_ != Work::nothing; }
   /// Of what was done last: SEGCAL_OK, SEGCAL_EMPTY, or an error.

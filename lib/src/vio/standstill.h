@@ -149,11 +149,8 @@ S still_distance(Window<S>* w, S sigma_v) {
     z(i) = y[n];
   }
   if (!cholesky_lower<S, dof>(C, &L)) return S(2) * chi_square_gate<S>(dof);
-  for (int i = 0; i < dof; ++i) {
-    for (int k = 0; k < i; ++k) z(i) -= L(i, k) * z(k);
-    z(i) /= L(i, i);
-    distance += z(i) * z(i);
-  }
+  forward_substitute<S, dof>(L, z.data());
+  for (int i = 0; i < dof; ++i) distance += z(i) * z(i);
   return distance;
 }
 

@@ -7,6 +7,7 @@
 
 #include "replay/profile/config_of_profile.h"
 #include "replay/profile/read_device.h"
+#include "replay/profile/sensor_rows_of_profile.h"
 #include "replay/profile/store_of_profile.h"
 
 namespace host {
@@ -136,6 +137,14 @@ class ProfileCore final : public Core {
     out.n_candidates = n_terms;
     out.dof = dof;
     return out;
+  }
+
+  CoreSensorRows sensor_rows(std::uint32_t serial, const std::vector<CoreTerm>& candidates) override {
+    for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
+      segcal_segment_t s;
+      if (segcal_get_segment(device_, slot, &s) == SEGCAL_OK && s.kept && s.serial == serial) return sensor_rows_of(device_, slot, candidates);
+    }
+    throw InputError("the core keeps no segment " + std::to_string(serial));
   }
 
   std::vector<std::uint32_t> outdated() const override {

@@ -1,0 +1,104 @@
+#include "diagnose/clock_offset.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "clock/clock_search.h"
+#include "diagnose/answer.h"
+#include "diagnose/chi_square.h"
+#include "diagnose/model_terms.h"
+#include "formatted.h"
+#include "replay/replay_clocks.h"
+
+namespace host::diagnosis {
+namespace {
+
+constexpr const char* effect_name = "time_offset";
+
+/// By the IMU's clock, up to what is left to estimate.
+struct AlignedSessions {
+  std::vector<Recording> sessions;
+  double offset_s = 0;   ///< of the first session that has one, t_imu - t_cam; added to its camera stamps
+  double sigma_s = 0;
+  bool searched = false; ///< rotation says so; else it was stated
+};
+
+double stated(const CoreOptions& options) { return options.calibration.cameras.front().timeshift_cam_imu; }
+
+/// Named by rotation alone: with the stamps moved nothing of it was left.
+DiagnosedEffect effect_of(const AlignedSessions& aligned, const TermInfo& term) {
+  DiagnosedEffect out;
+  out.name = effect_name;
+  out.parameters.push_back({term.name, 0, aligned.sigma_s, term.unit});
+  out.statistic = std::pow(aligned.offset_s / aligned.sigma_s, 2);
+  out.dof = 1;
+  out.log10_p = log10_upper_tail(out.statistic, out.dof);
+  out.gap_closed = std::numeric_limits<double>::quiet_NaN();
+  return out;
+}
+
+void name_offset(const AlignedSessions& aligned, Diagnosis* out) {
+  const auto is_offset = [](const DiagnosedEffect& e) { return e.name == effect_name; };
+  if (!aligned.searched || std::any_of(out->effects.begin(), out->effects.end(), is_offset)) return;
+  for (const TermInfo& t : core_catalogue(false).terms) {
+    if (t.effect != effect_name) continue;
+    out->effects.insert(out->effects.begin(), effect_of(aligned, t));
+    out->model.insert(out->model.begin(), {t.effect, t.bit, t.term, out->effects.front().parameters.front()});
+  }
+}
+
+AlignedSessions by_stated_offset(const std::vector<Recording>& sessions, const CoreOptions& options) {
+  AlignedSessions out{sessions, stated(options), 0, false};
+  for (Recording& session : out.sessions) shift_frames(stated(options), &session);
+  return out;
+}
+
+/// Not searched: rotation shows no other offset than the stated one.
+AlignedSessions by_rotation(const std::vector<Recording>& sessions, const CoreOptions& options) {
+  AlignedSessions out{sessions, stated(options), 0, false};
+  for (Recording& session : out.sessions) {
+    const ClockSearch found = search_clock(session, options.calibration.cameras.front(), stated(options));
+    const bool differs = found.differs_from(stated(options));
+    shift_frames(differs ? found.offset_s : stated(options), &session);
+    if (differs && !out.searched) out = {std::move(out.sessions), found.offset_s, std::hypot(found.sigma_s, clock_systematic_s), true};
+  }
+  return out;
+}
+
+void count_from_recording(const AlignedSessions& aligned, Diagnosis* out) {
+  if (!out->judged || !out->lost.empty()) return;
+  name_offset(aligned, out);
+  for (DiagnosedEffect& e : out->effects) {
+    if (e.name != effect_name) continue;
+    DiagnosedParameter& p = e.parameters.front();
+    p.value += aligned.offset_s;
+    e.words = "camera and gyroscope disagree by " + in_words(p.value, p.sigma, p.unit) +
+              formatted(aligned.searched ? ", of which rotation told %.1f ms before anything could be fitted: " : ", of which %.1f ms were stated: ",
+                        1e3 * aligned.offset_s) + effect_name;
+  }
+  for (ModelTerm& t : out->model)
+    if (t.effect == effect_name) t.parameter.value += aligned.offset_s;
+  count_offset_from_recording(aligned.offset_s, &out->fit_before);
+  count_offset_from_recording(aligned.offset_s, &out->fit_after);
+  conclude(out);
+}
+
+}  // namespace
+
+Diagnosis with_clocks_aligned(const std::vector<Recording>& sessions, const CoreOptions& options,
+                              const std::function<Diagnosis(const std::vector<Recording>&)>& run) {
+  AlignedSessions aligned = by_stated_offset(sessions, options);
+  Diagnosis out = run(aligned.sessions);
+  if (!out.lost.empty()) {
+    AlignedSessions moved = by_rotation(sessions, options);
+    if (moved.searched) {
+      aligned = std::move(moved);
+      out = run(aligned.sessions);
+    }
+  }
+  if (aligned.offset_s != 0) count_from_recording(aligned, &out);
+  return out;
+}
+
+}  // namespace host::diagnosis
