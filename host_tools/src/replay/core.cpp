@@ -1,27 +1,19 @@
 #include "replay/core.h"
 
+#include "replay/profiles.h"
+
 namespace host {
 
 // One per profile, from profile/core_of_profile.cpp.
-namespace segcal_mcu_core {
-std::unique_ptr<Core> make_core(const CoreOptions& options);
-}
-namespace segcal_mobile_core {
-std::unique_ptr<Core> make_core(const CoreOptions& options);
-}
-namespace segcal_host_core {
-std::unique_ptr<Core> make_core(const CoreOptions& options);
-}
-namespace segcal_mobile_double_core {
-std::unique_ptr<Core> make_core(const CoreOptions& options);
-}
+#define SEGCAL_DECLARE(profile) namespace segcal_##profile##_core { std::unique_ptr<Core> make_core(const CoreOptions& options); }
+SEGCAL_FOR_EACH_PROFILE(SEGCAL_DECLARE)
+#undef SEGCAL_DECLARE
 
 std::unique_ptr<Core> make_core(const std::string& profile, const CoreOptions& options) {
-  if (profile == "mcu") return segcal_mcu_core::make_core(options);
-  if (profile == "mobile") return segcal_mobile_core::make_core(options);
-  if (profile == "host") return segcal_host_core::make_core(options);
-  if (profile == "mobile_double") return segcal_mobile_double_core::make_core(options);
-  throw InputError("--profile: expected mcu, mobile, host or mobile_double, found '" + profile + "'");
+#define SEGCAL_CALL(name) if (profile == #name) return segcal_##name##_core::make_core(options);
+  SEGCAL_FOR_EACH_PROFILE(SEGCAL_CALL)
+#undef SEGCAL_CALL
+  refuse_profile(profile);
 }
 
 }  // namespace host

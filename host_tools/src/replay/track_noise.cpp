@@ -80,17 +80,57 @@ Eigen::VectorXd steps(const Track& track, double walk) {
   return out;
 }
 
-/// The walk is the sum of its steps so far: L diag(steps) L' with L of ones.
-Eigen::MatrixXd walk_covariance(const Eigen::VectorXd& step) {
-  const Eigen::Index n = step.size();
-  Eigen::MatrixXd out(n, n);
-  double sum = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    sum += step(i);
-    out.row(i).tail(n - i).setConstant(sum);
-    out.col(i).tail(n - i).setConstant(sum);
+/// The Cholesky factor of a track's covariance, white noise on a random walk, in time that grows with its length: that factor is the Kalman
+/// filter of the local level model (Durbin and Koopman, Time Series Analysis by State Space Methods, 2nd ed., sections 2.2 to 2.4).
+class Whitening {
+ public:
+  /// px^2, of the walk's steps and of the points.
+  Whitening(const Eigen::VectorXd& step, const Eigen::VectorXd& white) : step_(step), S_(step.size()), gain_(step.size()), kept_(step.size()) {
+    double P = 0;
+    for (Eigen::Index i = 0; i < S_.size(); ++i) {
+      P += step(i);
+      S_(i) = P + white(i);
+      gain_(i) = P / S_(i);
+      P *= white(i) / S_(i);
+      kept_(i) = P;
+    }
   }
-  return out;
+
+  double log_determinant() const { return S_.array().log().sum(); }
+
+  /// Each column times the inverse factor.
+  Eigen::MatrixXd operator()(const Eigen::MatrixXd& columns) const {
+    Eigen::MatrixXd out(columns.rows(), columns.cols());
+    Eigen::RowVectorXd walk = Eigen::RowVectorXd::Zero(columns.cols());
+    for (Eigen::Index i = 0; i < S_.size(); ++i) {
+      out.row(i) = columns.row(i) - walk;
+      walk += gain_(i) * out.row(i);
+      out.row(i) /= std::sqrt(S_(i));
+    }
+    return out;
+  }
+
+  /// The walk in each column, given all of its points.
+  Eigen::MatrixXd walk_in(const Eigen::MatrixXd& columns) const {
+    Eigen::MatrixXd out(columns.rows(), columns.cols());
+    Eigen::RowVectorXd walk = Eigen::RowVectorXd::Zero(columns.cols());
+    for (Eigen::Index i = 0; i < S_.size(); ++i) {
+      walk += gain_(i) * (columns.row(i) - walk);
+      out.row(i) = walk;
+    }
+    for (Eigen::Index i = S_.size() - 2; i >= 0; --i) {
+      const double ahead = kept_(i) + step_(i + 1);
+      if (ahead > 0) out.row(i) += kept_(i) / ahead * (out.row(i + 1) - out.row(i)).eval();
+    }
+    return out;
+  }
+
+ private:
+  Eigen::VectorXd step_, S_, gain_, kept_;  ///< px^2: S_ of a point before it is seen, kept_ of the walk after it
+};
+
+Whitening whitening(const Eigen::VectorXd& step, const Weights& w, const TrackNoise& noise) {
+  return {step.cwiseQuotient(w.step), noise.white_px * noise.white_px * w.point.cwiseInverse()};
 }
 
 Weights weights_of(const Track& track, const TrackNoise& noise, double huber) {
@@ -98,11 +138,7 @@ Weights weights_of(const Track& track, const TrackNoise& noise, double huber) {
   const Eigen::VectorXd step = steps(track, noise.walk_px_per_sqrt_s);
   Weights w{Eigen::VectorXd::Ones(n), Eigen::VectorXd::Ones(n)};
   for (int round = 0; round < 10; ++round) {
-    const Eigen::VectorXd weighted = step.cwiseQuotient(w.step);
-    const Eigen::MatrixXd walk = walk_covariance(weighted);
-    Eigen::MatrixXd C = walk;
-    C.diagonal() += noise.white_px * noise.white_px * w.point.cwiseInverse();
-    const Eigen::MatrixXd drift = walk * C.llt().solve(track.r);
+    const Eigen::MatrixXd drift = whitening(step, w, noise).walk_in(track.r);
     for (Eigen::Index i = 0; i < n; ++i) {
       const double e = (track.r.row(i) - drift.row(i)).norm() / noise.white_px;
       w.point(i) = std::min(1.0, huber / e);
@@ -114,18 +150,16 @@ Weights weights_of(const Track& track, const TrackNoise& noise, double huber) {
 
 /// Twice the negative logarithm of the restricted likelihood.
 double cost_of(const Track& track, const Weights& w, const TrackNoise& noise) {
-  Eigen::MatrixXd C = walk_covariance(steps(track, noise.walk_px_per_sqrt_s).cwiseQuotient(w.step));
-  C.diagonal() += noise.white_px * noise.white_px * w.point.cwiseInverse();
-  const Eigen::LLT<Eigen::MatrixXd> llt(C);
+  const Whitening whiten = whitening(steps(track, noise.walk_px_per_sqrt_s), w, noise);
   Eigen::Matrix3d H = Eigen::Vector3d(0, 0, track.depth_information).asDiagonal();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   double cost = 0;
   for (int axis = 0; axis < 2; ++axis) {
-    const Eigen::MatrixXd J = llt.matrixL().solve(track.J[axis]);
-    const Eigen::VectorXd r = llt.matrixL().solve(track.r.col(axis));
+    const Eigen::MatrixXd J = whiten(track.J[axis]);
+    const Eigen::VectorXd r = whiten(track.r.col(axis));
     H += J.transpose() * J;
     b += J.transpose() * r;
-    cost += r.squaredNorm() + 2 * llt.matrixLLT().diagonal().array().log().sum();
+    cost += r.squaredNorm() + whiten.log_determinant();
   }
   const Eigen::LLT<Eigen::Matrix3d> place(H);
   return cost - b.dot(place.solve(b)) + 2 * place.matrixLLT().diagonal().array().log().sum();

@@ -1,0 +1,1 @@
+// Nothing: the target that compiles it holds the headers that the tests share (test/CMakeLists.txt).
