@@ -44,22 +44,29 @@ def effects(diagnosis):
 SENSORS = ("total", "camera", "gyro", "accel")
 
 
+def measured_sensors(gap):
+    """Without those of whose rows nothing was left: an excess of zero would say that they agree."""
+    dof = gap.get("dof") or {}
+    return [s for s in SENSORS if dof.get(s, 1) > 0]
+
+
 def gap_figure(diagnosis):
     """How often its own noise each sensor leaves, which is 1 where the model is right."""
     gap = figures.member(diagnosis, "gap")
-    if not (gap.get("noise_floor") or {}).get("total"):
+    sensors = measured_sensors(gap)
+    if not sensors or not (gap.get("noise_floor") or {}).get("total"):
         raise figures.Missing("nothing was fitted")
     sigmas = gap.get("sigma") or {}
-    spread = [2 * sigmas.get(s, gap.get("after_sigma") or 0) for s in SENSORS]
+    spread = [2 * sigmas.get(s, gap.get("after_sigma") or 0) for s in sensors]
     figure = go.Figure()
     for name, color in (("before", BEFORE), ("after", AFTER)):
-        values = [1 + gap[name][s] for s in SENSORS]
-        figure.add_bar(x=SENSORS, y=values, name=name, marker_color=color, text=[f"{v:.3g}" for v in values], textposition="inside", insidetextanchor="start",
+        values = [1 + gap[name][s] for s in sensors]
+        figure.add_bar(x=sensors, y=values, name=name, marker_color=color, text=[f"{v:.3g}" for v in values], textposition="inside", insidetextanchor="start",
                        error_y=dict(type="data", array=spread, thickness=1.2, color="#495057"))
     floor = dict(color="#212529", width=1, dash="dash")
     figure.add_hline(y=1, line=floor)
-    figure.add_scatter(x=[SENSORS[0]], y=[None], mode="lines", line=floor, name="noise floor")   # in the legend: bars leave no room at the line
-    all_values = [1 + gap[name][s] for name in ("before", "after") for s in SENSORS]
+    figure.add_scatter(x=[sensors[0]], y=[None], mode="lines", line=floor, name="noise floor")   # in the legend: bars leave no room at the line
+    all_values = [1 + gap[name][s] for name in ("before", "after") for s in sensors]
     smallest, largest = max(min(all_values), 0.01), max(all_values)
     scale = dict(type="log", dtick="D2", range=[np.log10(smallest) - 0.3, np.log10(largest) + 0.15]) if largest > 4 * smallest else dict(rangemode="tozero")
     figure.update_yaxes(title="chi² / dof, noise = 1", **scale)
@@ -71,11 +78,12 @@ def gap_table(diagnosis):
     floor = gap.get("noise_floor") or {}
     sigmas, dof = gap.get("sigma") or {}, gap.get("dof") or {}
     rows = []
-    for s in SENSORS:
+    for s in measured_sensors(gap):
         base = floor.get(s) or 1
         cells = [gap.get(k, {}).get(s, 0) for k in ("before", "after")]
         spread = f"{sigmas[s]:.2g}" if s in sigmas else ""
         rows.append((s, *(f"{base * (1 + v):.4f}" for v in cells), f"{base:.4f}", *(f"{v:.2g}" for v in cells), spread, f"{dof[s]:.0f}" if s in dof else ""))
+    rows += [(s, "not measured", *("",) * 6) for s in SENSORS if s not in measured_sensors(gap)]
     header = ("sensor", "chi²/dof before", "after", "noise floor", "excess before", "after", "sigma", "dof")
     closed = f'{100 * gap.get("closed", 0):.1f} % of the excess is gone; what lies within ± {2 * (gap.get("after_sigma") or 0):.2g} counts as none.'
     if not gap.get("before", {}).get("total"):

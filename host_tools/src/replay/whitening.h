@@ -1,4 +1,4 @@
-// White noise on a random walk, whitened in time that grows with the track's length.
+// White noise on a random walk, whitened.
 #pragma once
 
 #include <Eigen/Core>

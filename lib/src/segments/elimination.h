@@ -184,13 +184,17 @@ void SegmentEliminator<S>::add_term(const Term& t, ReducedLayout* layout) {
   layout->add_term(t);
 }
 
-/// The gauge: position and rotation about gravity of the first keyframe. Measurements leave them exactly free; the priors on inverse
+/// 1/m and 1/rad. The gauge: position and rotation about gravity of the first keyframe. Measurements leave them exactly free; the priors on inverse
 /// distances, counted from fixed anchors, do not: together they pull the world away from near landmarks, by some 2400 (1/m) where a hundred corners
 /// of a floor are 15 cm away (landmark_guess.h). What is held is the position of this iteration, so that the world creeps by pull / hold^2 with each: with
 /// 1e3 (1/m) by millimetres, and a fit does not settle; with this hold by 0.2 um, and float tells it from the whitened rows (1e5 at most).
 template <class S>
+constexpr S kGaugeHold = S(1e5);
+
+/// Position and rotation about gravity of the first keyframe.
+template <class S>
 void SegmentEliminator<S>::hold_gauge(const State<S>& x, const MeasurementModel<S>& model) {
-  const S hold = S(1e5);
+  const S hold = kGaugeHold<S>;
   for (int i = 0; i < 3; ++i) reduced_.fold_scalar(layout().pose(0) + 3 + i, hold, S(0));
   reduced_.fold_rotation(0, x.R_GI.transpose() * (model.g / -square_root(model.g.squaredNorm())), hold);
 }

@@ -181,7 +181,7 @@ class SegmentRows {
     const core::State<double>& x = segment_.states.x[0];
     const Eigen::Vector3d up = x.R_GI.transpose() * (model_.g / -model_.g.norm());
     held_ = MatrixXd::Zero(columns_, columns_);
-    const double hold = 1e5, open[5] = {10, 100, 1e3, 1e3, 100};
+    const double hold = core::kGaugeHold<double>, open[5] = {10, 100, 1e3, 1e3, 100};
     for (Index c = 0; c < states_; ++c) held_(c, c) = std::pow(open[c % core::kStateColumns / 3], -2);
     held_.topLeftCorner<3, 3>() += hold * hold * up * up.transpose();
     held_.block<3, 3>(3, 3).diagonal().array() += hold * hold;
