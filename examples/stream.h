@@ -1,44 +1,48 @@
-/* A device that needs no files and no libm: a camera and an IMU, swung about in front of 40 corners. The example programs feed it to segcal
- * to see that they come to the same bits, however the library was built and linked. Readings are whole steps of a sensor's converter, so that
- * it does not matter what a compiler makes of the arithmetic here. Replace it by your sensors. */
+/* A device that needs no files and no libm: a camera and an IMU, swung about in front of 40 corners. The example
+ * programs feed it to segcal to see that they come to the same bits, however the library was built and linked. Readings
+ * are whole steps of a sensor's converter, so that it does not matter what a compiler makes of the arithmetic here.
+ * Replace it by your sensors. */
 #ifndef STREAM_H
 #define STREAM_H
 
 #include <string.h>
+
 #include "segcal/segcal.h"
 
 enum { kCorners = 40, kRate = 200, kSamplesPerImage = 20, kSeconds = 12 };
 
 typedef struct {
-  double s[6], c[6];                /* sines and cosines of six swings: along and about x, y, z */
-  double q[4];                      /* rotates I into G */
-  double corner[kCorners][3];       /* m, in G: ahead, left, up */
-  double turn[3];                   /* rad/s */
+  double s[6], c[6];          /* sines and cosines of six swings: along and about x, y, z */
+  double q[4];                /* rotates I into G */
+  double corner[kCorners][3]; /* m, in G: ahead, left, up */
+  double turn[3];             /* rad/s */
   uint32_t dice;
 } stream_t;
 
-static const double stream_half_step[6] = {0.0103, 0.0127, 0.0089, 0.0137, 0.0109, 0.0119}; /* tangent of half a swing's angle in a sample */
-static const double stream_size[6] = {0.25, 0.22, 0.28, 1.1, 1.3, 0.9};                     /* m, rad/s */
+static const double stream_half_step[6] = {0.0103, 0.0127, 0.0089,
+                                           0.0137, 0.0109, 0.0119}; /* tangent of half a swing's angle in a sample */
+static const double stream_size[6] = {0.25, 0.22, 0.28, 1.1, 1.3, 0.9}; /* m, rad/s */
 
 /* The data sheet: the focal length and the centre are a little off. True are 300, 300, 320, 240. */
-static void stream_config(segcal_config_t *config) {
-  static const segcal_camera_t sheet = {SEGCAL_RADTAN, {0.5, 0.5, -0.5, 0.5}, {0, 0, 0}, {303, 303, 321, 239}, {0}, 480};
+static void stream_config(segcal_config_t* config) {
+  static const segcal_camera_t sheet = {
+      SEGCAL_RADTAN, {0.5, 0.5, -0.5, 0.5}, {0, 0, 0}, {303, 303, 321, 239}, {0}, 480};
   memset(config, 0, sizeof *config);
   config->camera[0] = sheet;
 }
 
 /* From -1 to 1. */
-static double stream_dice(stream_t *w) {
+static double stream_dice(stream_t* w) {
   w->dice = w->dice * 1664525u + 1013904223u;
   return (double)(w->dice >> 8) / 8388608 - 1;
 }
 
-static void stream_begin(stream_t *w) {
+static void stream_begin(stream_t* w) {
   memset(w, 0, sizeof *w);
   w->q[0] = 1;
   for (int i = 0; i < 6; ++i) w->c[i] = 1;
   for (int i = 0; i < kCorners * 3; ++i) {
-    double *at = w->corner[i / 3];
+    double* at = w->corner[i / 3];
     at[i % 3] = i % 3 == 0 ? 3 + 1.5 * stream_dice(w) : 0.5 * at[0] * stream_dice(w);
   }
 }
@@ -59,7 +63,7 @@ static void stream_rotate(const double q[4], int back, const double v[3], double
 }
 
 /* A period of the IMU later. */
-static void stream_step(stream_t *w) {
+static void stream_step(stream_t* w) {
   double half[3], length = 0;
   for (int i = 0; i < 6; ++i) {
     const double h = stream_half_step[i], c = (1 - h * h) / (1 + h * h), s = 2 * h / (1 + h * h), was = w->s[i];
@@ -86,10 +90,11 @@ static float stream_steps(double value, double step) {
   return (float)(int32_t)(n < 0 ? n - 0.5 : n + 0.5) * (float)step;
 }
 
-static segcal_imu_t stream_sample(stream_t *w, int64_t t_ns) {
+static segcal_imu_t stream_sample(stream_t* w, int64_t t_ns) {
   segcal_imu_t out = {0};
   double force[3], inside[3];
-  for (int i = 0; i < 3; ++i) force[i] = -stream_size[i] * stream_pace(i) * stream_pace(i) * w->s[i] + (i == 2 ? 9.80665 : 0);
+  for (int i = 0; i < 3; ++i)
+    force[i] = -stream_size[i] * stream_pace(i) * stream_pace(i) * w->s[i] + (i == 2 ? 9.80665 : 0);
   stream_rotate(w->q, 1, force, inside);
   out.t_ns = t_ns;
   for (int i = 0; i < 3; ++i) {
@@ -100,7 +105,7 @@ static segcal_imu_t stream_sample(stream_t *w, int64_t t_ns) {
 }
 
 /* The corners that this pose sees; returns their number. */
-static int stream_image(stream_t *w, segcal_point_t points[kCorners]) {
+static int stream_image(stream_t* w, segcal_point_t points[kCorners]) {
   int n = 0;
   for (int k = 0; k < kCorners; ++k) {
     double from[3], p[3];
@@ -110,14 +115,16 @@ static int stream_image(stream_t *w, segcal_point_t points[kCorners]) {
     if (p[0] < 0.1 || u < 0 || u >= 640 || v < 0 || v >= 480) continue;
     points[n].track_id = (uint32_t)k + 1;
     points[n].camera = 0;
-    points[n].u = stream_steps(u + 0.87 * stream_dice(w), 1.0 / 16); /* a sigma of 0.5 px, segcal's default; so the others */
+    points[n].u =
+        stream_steps(u + 0.87 * stream_dice(w), 1.0 / 16); /* a sigma of 0.5 px, segcal's default; so the others */
     points[n++].v = stream_steps(v + 0.87 * stream_dice(w), 1.0 / 16);
   }
   return n;
 }
 
-/* Feeds all of it, calibrates, and returns the number that stands for every bit of what came out; 0: nothing was calibrated. */
-static uint64_t stream_hash(segcal_t *device) {
+/* Feeds all of it, calibrates, and returns the number that stands for every bit of what came out; 0: nothing was
+ * calibrated. */
+static uint64_t stream_hash(segcal_t* device) {
   static stream_t world;
   static segcal_point_t points[kCorners];
   int calibrated = 0;
@@ -128,7 +135,8 @@ static uint64_t stream_hash(segcal_t *device) {
     const segcal_imu_t sample = stream_sample(&world, t_ns);
     segcal_push_imu(device, &sample);
     if (i % kSamplesPerImage == 0) segcal_push_tracks(device, t_ns, points, stream_image(&world, points));
-    while (segcal_background(device, 100) == 1) {}
+    while (segcal_background(device, 100) == 1) {
+    }
   }
   segcal_flush(device);
   calibrated = segcal_calibrate(device) == SEGCAL_OK;

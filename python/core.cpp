@@ -30,8 +30,10 @@ void list_property(nb::class_<Struct>& type, const char* name, double (Owner::*m
   type.def_prop_rw(
       name, [member](const Struct& s) { return std::vector<double>(s.*member, s.*member + N); },
       [member, name](Struct& s, const std::vector<double>& values) {
-        if (values.size() > static_cast<std::size_t>(N)) throw nb::value_error((std::string(name) + ": at most " + std::to_string(N) + " numbers").c_str());
-        for (int i = 0; i < N; ++i) (s.*member)[i] = static_cast<std::size_t>(i) < values.size() ? values[static_cast<std::size_t>(i)] : 0;
+        if (values.size() > static_cast<std::size_t>(N))
+          throw nb::value_error((std::string(name) + ": at most " + std::to_string(N) + " numbers").c_str());
+        for (int i = 0; i < N; ++i)
+          (s.*member)[i] = static_cast<std::size_t>(i) < values.size() ? values[static_cast<std::size_t>(i)] : 0;
       });
 }
 
@@ -43,19 +45,22 @@ nb::object owned(std::vector<double> values, std::vector<std::size_t> shape) {
 
 class Device {
  public:
-  explicit Device(const segcal_config_t& config) : memory_(new std::byte[segcal_storage_bytes() + SEGCAL_STORAGE_ALIGNMENT]) {
+  explicit Device(const segcal_config_t& config)
+      : memory_(new std::byte[segcal_storage_bytes() + SEGCAL_STORAGE_ALIGNMENT]) {
     void* start = memory_.get();
     std::size_t room = segcal_storage_bytes() + SEGCAL_STORAGE_ALIGNMENT;
     std::align(SEGCAL_STORAGE_ALIGNMENT, segcal_storage_bytes(), start, room);
     const int code = segcal_create(&device_, &config, start, room);
-    if (code != SEGCAL_OK) throw nb::value_error(("the core refuses this configuration, error " + std::to_string(code)).c_str());
-    segcal_work_when_due(device_, 1);   // no deadlines here: background() is a choice of when
+    if (code != SEGCAL_OK)
+      throw nb::value_error(("the core refuses this configuration, error " + std::to_string(code)).c_str());
+    segcal_work_when_due(device_, 1);  // no deadlines here: background() is a choice of when
   }
 
   /// Number of samples that were refused (segcal.h says why, counters() how many of which kind).
   int push_imu(const Stamps& t_ns, const Vectors& gyro, const Vectors& accel, const Numbers& temperature) {
     const std::size_t n = t_ns.shape(0);
-    require(gyro.shape(0) == n && accel.shape(0) == n && gyro.shape(1) == 3 && accel.shape(1) == 3, "expected t_ns (n), gyro and accel (n, 3)");
+    require(gyro.shape(0) == n && accel.shape(0) == n && gyro.shape(1) == 3 && accel.shape(1) == 3,
+            "expected t_ns (n), gyro and accel (n, 3)");
     require(temperature.shape(0) == n || temperature.shape(0) == 0, "expected n temperatures, or none");
     int refused = 0;
     for (std::size_t i = 0; i < n; ++i) {
@@ -77,7 +82,8 @@ class Device {
     require(camera.shape(0) == n || camera.shape(0) == 0, "expected n cameras, or none");
     std::vector<segcal_point_t> points(n);
     for (std::size_t i = 0; i < n; ++i) {
-      points[i] = {id(i), camera.shape(0) > 0 ? camera(i) : 0, static_cast<float>(uv(i, 0)), static_cast<float>(uv(i, 1))};
+      points[i] = {id(i), camera.shape(0) > 0 ? camera(i) : 0, static_cast<float>(uv(i, 0)),
+                   static_cast<float>(uv(i, 1))};
     }
     return segcal_push_tracks(device_, t_ns, points.data(), static_cast<std::int32_t>(n));
   }

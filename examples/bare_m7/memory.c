@@ -4,18 +4,18 @@
 /* Without the option GCC makes of each loop a call of the function that it is in. */
 #define PLAIN __attribute__((used, optimize("no-tree-loop-distribute-patterns")))
 
-PLAIN void *memcpy(void *to, const void *from, size_t n) {
-  for (size_t i = 0; i < n; ++i) ((char *)to)[i] = ((const char *)from)[i];
+PLAIN void* memcpy(void* to, const void* from, size_t n) {
+  for (size_t i = 0; i < n; ++i) ((char*)to)[i] = ((const char*)from)[i];
   return to;
 }
 
-PLAIN void *memmove(void *to, const void *from, size_t n) {
-  if ((char *)to <= (const char *)from) return memcpy(to, from, n);
-  while (n-- > 0) ((char *)to)[n] = ((const char *)from)[n];
+PLAIN void* memmove(void* to, const void* from, size_t n) {
+  if ((char*)to <= (const char*)from) return memcpy(to, from, n);
+  while (n-- > 0) ((char*)to)[n] = ((const char*)from)[n];
   return to;
 }
 
-PLAIN void *memset(void *to, int value, size_t n) {
-  for (size_t i = 0; i < n; ++i) ((char *)to)[i] = (char)value;
+PLAIN void* memset(void* to, int value, size_t n) {
+  for (size_t i = 0; i < n; ++i) ((char*)to)[i] = (char)value;
   return to;
 }

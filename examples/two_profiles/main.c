@@ -1,4 +1,5 @@
-/* Two profiles of segcal in one program: a small one for one device, a large one for another. Each gives what it gives alone (hash.c). */
+/* Two profiles of segcal in one program: a small one for one device, a large one for another. Each gives what it gives
+ * alone (hash.c). */
 #include <inttypes.h>
 #include <stdio.h>
 

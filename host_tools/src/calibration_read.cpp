@@ -27,7 +27,8 @@ CameraCalibration read_projection(const YamlFile& yaml, const YAML::Node& node) 
   if (node["resolution"].IsDefined()) {  // a device log does not know it
     const auto resolution = yaml.numbers(node, "resolution", 2);
     for (const double size : resolution)
-      if (!(size >= 1 && size <= most_pixels)) yaml.fail(node["resolution"], "resolution: [width, height] in pixels, 1 to 65535");
+      if (!(size >= 1 && size <= most_pixels))
+        yaml.fail(node["resolution"], "resolution: [width, height] in pixels, 1 to 65535");
     camera.width = static_cast<int>(resolution[0]);
     camera.height = static_cast<int>(resolution[1]);
   }
@@ -37,7 +38,8 @@ CameraCalibration read_projection(const YamlFile& yaml, const YAML::Node& node) 
   if (!(intrinsics[0] > 0 && intrinsics[1] > 0)) yaml.fail(node["intrinsics"], "focal lengths above 0 px");
 
   // Kalibr and EuRoC differ in this name only.
-  const char* const coefficients = node["distortion_coeffs"].IsDefined() ? "distortion_coeffs" : "distortion_coefficients";
+  const char* const coefficients =
+      node["distortion_coeffs"].IsDefined() ? "distortion_coeffs" : "distortion_coefficients";
   const std::size_t count = distortion_parameters(camera.model).size();
   const auto distortion = yaml.numbers(node, coefficients, count);
   for (std::size_t i = 0; i < count; ++i) camera.distortion[static_cast<Eigen::Index>(i)] = distortion[i];
@@ -57,7 +59,8 @@ Isometry3d extrinsics(const CameraCalibration& camera) {
 }
 
 /// Kalibr gives T_cam_imu, sometimes only its inverse, and for a second camera sometimes only the step from the first.
-Isometry3d read_kalibr_extrinsics(const YamlFile& yaml, const YAML::Node& node, const std::vector<CameraCalibration>& before) {
+Isometry3d read_kalibr_extrinsics(const YamlFile& yaml, const YAML::Node& node,
+                                  const std::vector<CameraCalibration>& before) {
   if (node["T_cam_imu"].IsDefined()) return Isometry3d(yaml.transform(node, "T_cam_imu"));
   if (node["T_imu_cam"].IsDefined()) return Isometry3d(yaml.transform(node, "T_imu_cam")).inverse();
   if (node["T_cn_cnm1"].IsDefined() && !before.empty())
@@ -89,8 +92,8 @@ Calibration read_euroc_sensors(const fs::path& root, int n_cameras) {
   for (int i = 0; i < n_cameras; ++i) {
     const fs::path file = root / "mav0" / ("cam" + std::to_string(i)) / "sensor.yaml";
     if (!fs::exists(file))
-      throw InputError((root / "camchain-imucam.yaml").string() + ": file is missing: expected it, or " + file.string() +
-                       ", or --calib FILE");
+      throw InputError((root / "camchain-imucam.yaml").string() + ": file is missing: expected it, or " +
+                       file.string() + ", or --calib FILE");
     calibration.cameras.push_back(read_euroc_camera(file, T_BI));
   }
   return calibration;
@@ -134,10 +137,13 @@ Calibration read_calibration(const fs::path& camchain) {
 Calibration find_calibration(const fs::path& root, const fs::path& override_file, int n_cameras) {
   const fs::path camchain = find_camchain(root, override_file);
   const bool log = camchain.empty() && is_device_log(root);
-  Calibration calibration = log ? read_device_log(root).calibration : camchain.empty() ? read_euroc_sensors(root, n_cameras) : read_calibration(camchain);
+  Calibration calibration = log                ? read_device_log(root).calibration
+                            : camchain.empty() ? read_euroc_sensors(root, n_cameras)
+                                               : read_calibration(camchain);
   if (static_cast<int>(calibration.cameras.size()) < n_cameras)
-    throw InputError((log ? root : camchain).string() + ":1: expected an entry 'cam" + std::to_string(calibration.cameras.size()) +
-                     "', one for each of " + std::to_string(n_cameras) + " cameras");
+    throw InputError((log ? root : camchain).string() + ":1: expected an entry 'cam" +
+                     std::to_string(calibration.cameras.size()) + "', one for each of " + std::to_string(n_cameras) +
+                     " cameras");
   calibration.cameras.resize(static_cast<std::size_t>(n_cameras));
   return calibration;
 }

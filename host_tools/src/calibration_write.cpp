@@ -40,7 +40,8 @@ void append_camera(std::string& text, std::size_t index, const CameraCalibration
   text += "  camera_model: pinhole\n";
   text += "  intrinsics: " + list_of(camera.intrinsics.data(), 4) + "  # fx fy cx cy, px\n";
   text += "  distortion_model: " + distortion_name(camera.model) + "\n";
-  text += "  distortion_coeffs: " + list_of(camera.distortion.data(), distortion_parameters(camera.model).size()) + "\n";
+  text +=
+      "  distortion_coeffs: " + list_of(camera.distortion.data(), distortion_parameters(camera.model).size()) + "\n";
   if (camera.width > 0) text += "  resolution: " + list_of(resolution, 2) + "\n";
   text += "  rostopic: /cam" + std::to_string(index) + "/image_raw\n";
   text += "  # t_imu = t_cam + timeshift_cam_imu, s\n  timeshift_cam_imu: ";

@@ -38,7 +38,8 @@ Vector2d distort_normalised(DistortionModel model, const Vector4d& d, const Vect
   return m;
 }
 
-/// Newton with a central-difference Jacobian: the same lines for all models, and fast enough for a tracker's few points.
+/// Newton with a central-difference Jacobian: the same lines for all models, and fast enough for a tracker's few
+/// points.
 std::optional<Vector2d> invert(DistortionModel model, const Vector4d& d, const Vector2d& distorted, Vector2d guess) {
   constexpr double step = 1e-6;
   for (int iteration = 0; iteration < 20; ++iteration) {
@@ -47,7 +48,8 @@ std::optional<Vector2d> invert(DistortionModel model, const Vector4d& d, const V
     Eigen::Matrix2d J;
     for (int axis = 0; axis < 2; ++axis) {
       const Vector2d offset = step * Vector2d::Unit(axis);
-      J.col(axis) = (distort_normalised(model, d, guess + offset) - distort_normalised(model, d, guess - offset)) / (2 * step);
+      J.col(axis) =
+          (distort_normalised(model, d, guess + offset) - distort_normalised(model, d, guess - offset)) / (2 * step);
     }
     if (!(J.determinant() > 1e-3)) return std::nullopt;  // beyond the fold, where the model turns back on itself
     guess -= J.inverse() * error;

@@ -52,12 +52,15 @@ int with_output_checked(int exit_code) {
   const bool written = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
   if (written) return exit_code;
   const int why = errno;
-  return complain(std::string("standard output: cannot be written") + (why != 0 ? std::string(": ") + std::strerror(why) : ""));
+  return complain(std::string("standard output: cannot be written") +
+                  (why != 0 ? std::string(": ") + std::strerror(why) : ""));
 }
 
-/// No file, folder or name is empty: an empty one is a shell variable that was not set, and would mean the current folder.
+/// No file, folder or name is empty: an empty one is a shell variable that was not set, and would mean the current
+/// folder.
 void refuse_empty_texts(CLI::App& app) {
-  const CLI::Validator not_empty([](std::string& text) { return text.empty() ? "expected a value, found an empty text" : ""; }, "");
+  const CLI::Validator not_empty(
+      [](std::string& text) { return text.empty() ? "expected a value, found an empty text" : ""; }, "");
   for (CLI::App* const sub : app.get_subcommands({}))
     for (CLI::Option* const option : sub->get_options())
       if (option->get_items_expected_max() > 0) option->check(not_empty);

@@ -18,7 +18,8 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// The whole field must be the number: "1.5x" and "" are refused. A leading '+' is allowed, which from_chars does not know.
+/// The whole field must be the number: "1.5x" and "" are refused. A leading '+' is allowed, which from_chars does not
+/// know.
 template <typename Number>
 bool parse(std::string_view field, Number& value) {
   if (field.size() > 1 && field.front() == '+' && field[1] != '-') field.remove_prefix(1);
@@ -34,7 +35,8 @@ void expect_regular_file(const std::filesystem::path& file) {
   const std::filesystem::file_status status = std::filesystem::status(file, ignored);
   if (!std::filesystem::exists(status)) throw InputError(file.string() + ": file is missing");
   if (std::filesystem::is_directory(status)) throw InputError(file.string() + ": expected a file, found a folder");
-  if (!std::filesystem::is_regular_file(status)) throw InputError(file.string() + ": expected a regular file, found a pipe or a device");
+  if (!std::filesystem::is_regular_file(status))
+    throw InputError(file.string() + ": expected a regular file, found a pipe or a device");
 }
 
 std::string read_file(const std::filesystem::path& file) {
@@ -82,12 +84,14 @@ bool CsvReader::next_line() {
   return true;
 }
 
-/// A last line without an end: nothing tells a file that a killed writer cut inside a number from one that was written so.
+/// A last line without an end: nothing tells a file that a killed writer cut inside a number from one that was written
+/// so.
 bool CsvReader::is_cut() const { return position_ > content_.size(); }
 
 bool CsvReader::leave_out_cut_line() {
   if (rows_ == 0) fail("at least one whole row of " + description_ + ", found one that does not end");
-  std::cerr << "segcal: " << file_.string() << ":" << line_ << ": the last line does not end, so that it may be cut: it is left out" << std::endl;
+  std::cerr << "segcal: " << file_.string() << ":" << line_
+            << ": the last line does not end, so that it may be cut: it is left out" << std::endl;
   return false;
 }
 

@@ -13,9 +13,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* export_explanation = "Writes a calibration as Kalibr, OpenVINS, Basalt or ROS read it, or a whole session for a viewer: as MCAP with the messages of Foxglove and Lichtblick, or for rerun.";
+constexpr const char* export_explanation =
+    "Writes a calibration as Kalibr, OpenVINS, Basalt or ROS read it, or a whole session for a viewer: as MCAP with "
+    "the messages of Foxglove and Lichtblick, or for rerun.";
 
-constexpr const char* export_footer = R"(DIR is what `segcal replay --out DIR` wrote (or any folder with camchain-imucam.yaml and imu.yaml). Written to --out:
+constexpr const char* export_footer =
+    R"(DIR is what `segcal replay --out DIR` wrote (or any folder with camchain-imucam.yaml and imu.yaml). Written to --out:
   kalibr     camchain-imucam.yaml, imu.yaml (model scale-misalignment: lower triangular M, body frame of the accelerometer)
   openvins   kalibr_imucam_chain.yaml, kalibr_imu_chain.yaml (model rpng, frame of the gyroscope as here)
   basalt     calibration.json
@@ -52,10 +55,12 @@ void add_export_command(CLI::App& app, int& exit_code) {
   sub->add_flag("--no-images", options->no_images, "mcap, rerun: leave the images of --rec out");
   sub->callback([options, &exit_code] {
     if (!fs::exists(fs::path(options->folder) / "camchain-imucam.yaml"))
-      throw InputError((fs::path(options->folder) / "camchain-imucam.yaml").string() + ": file is missing; `segcal replay --out` writes it");
+      throw InputError((fs::path(options->folder) / "camchain-imucam.yaml").string() +
+                       ": file is missing; `segcal replay --out` writes it");
     check_folder(options->folder);
     const bool viewer = options->to == "mcap" || options->to == "rerun";
-    if (!viewer && (!options->recording.empty() || options->no_images)) throw InputError("--rec and --no-images: for --to mcap and rerun only");
+    if (!viewer && (!options->recording.empty() || options->no_images))
+      throw InputError("--rec and --no-images: for --to mcap and rerun only");
     std::vector<std::string> arguments = {options->folder, options->to, options->out};
     if (!options->recording.empty()) arguments.push_back("--rec=" + options->recording);
     if (options->no_images) arguments.push_back("--no-images");

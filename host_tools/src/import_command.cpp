@@ -1,4 +1,5 @@
-// The subcommand `segcal import`: explains the options; Python reads the logs (host_tools/importers), where their libraries are.
+// The subcommand `segcal import`: explains the options; Python reads the logs (host_tools/importers), where their
+// libraries are.
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,7 +12,8 @@ namespace host {
 namespace {
 
 constexpr const char* import_explanation =
-    "Makes a recording of a log: ROS bags, MCAP, phone logs, PX4 logs, Aria's VRS, video. REC then works with all other commands.";
+    "Makes a recording of a log: ROS bags, MCAP, phone logs, PX4 logs, Aria's VRS, video. REC then works with all "
+    "other commands.";
 
 constexpr const char* import_footer = R"(Formats, known by their content:
   ROS 1 bag          run.bag, or all parts of one that was split
@@ -49,7 +51,8 @@ Exit code 2: unknown or damaged file, no IMU, or a choice that you must make; on
 
 struct ImportOptions {
   std::vector<std::string> sources, cameras;
-  std::string out, imu, gyro, accel, calib, imu_noise, mount, stamps, imu_stamps, gyro_unit, accel_unit, gyro_axes, accel_axes;
+  std::string out, imu, gyro, accel, calib, imu_noise, mount, stamps, imu_stamps, gyro_unit, accel_unit, gyro_axes,
+      accel_axes;
   double focal = 0;
   bool list = false, json = false;
 };
@@ -57,11 +60,19 @@ struct ImportOptions {
 /// What the Python program gets; its names are the same.
 std::vector<std::string> arguments_of(const ImportOptions& options) {
   std::vector<std::string> out;
-  const std::pair<const char*, const std::string*> texts[] = {
-      {"--out", &options.out}, {"--imu", &options.imu}, {"--gyro", &options.gyro}, {"--accel", &options.accel},
-      {"--calib", &options.calib}, {"--imu-noise", &options.imu_noise}, {"--mount", &options.mount},
-      {"--stamps", &options.stamps}, {"--imu-stamps", &options.imu_stamps}, {"--gyro-unit", &options.gyro_unit},
-      {"--accel-unit", &options.accel_unit}, {"--gyro-axes", &options.gyro_axes}, {"--accel-axes", &options.accel_axes}};
+  const std::pair<const char*, const std::string*> texts[] = {{"--out", &options.out},
+                                                              {"--imu", &options.imu},
+                                                              {"--gyro", &options.gyro},
+                                                              {"--accel", &options.accel},
+                                                              {"--calib", &options.calib},
+                                                              {"--imu-noise", &options.imu_noise},
+                                                              {"--mount", &options.mount},
+                                                              {"--stamps", &options.stamps},
+                                                              {"--imu-stamps", &options.imu_stamps},
+                                                              {"--gyro-unit", &options.gyro_unit},
+                                                              {"--accel-unit", &options.accel_unit},
+                                                              {"--gyro-axes", &options.gyro_axes},
+                                                              {"--accel-axes", &options.accel_axes}};
   for (const auto& [name, value] : texts)
     if (!value->empty()) out.push_back(std::string(name) + "=" + *value);
   for (const std::string& camera : options.cameras) out.push_back("--camera=" + camera);
@@ -77,11 +88,15 @@ void add_streams(CLI::App& sub, ImportOptions& options) {
   sub.add_option("--imu", options.imu, "stream with rotation rates and accelerations (default: the only one)");
   sub.add_option("--gyro", options.gyro, "stream of the gyroscope, if separate from the accelerometer's");
   sub.add_option("--accel", options.accel, "stream of the accelerometer");
-  sub.add_option("--camera", options.cameras, "stream of images; twice for two cameras, cam0 first (default: all, if there are at most two)")
-      ->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  sub.add_option("--stamps", options.stamps, "sensor: stamps of the messages' headers; log: the time of logging (default: sensor, if set)")
+  sub.add_option("--camera", options.cameras,
+                 "stream of images; twice for two cameras, cam0 first (default: all, if there are at most two)")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  sub.add_option("--stamps", options.stamps,
+                 "sensor: stamps of the messages' headers; log: the time of logging (default: sensor, if set)")
       ->check(CLI::IsMember({"sensor", "log"}));
-  sub.add_option("--imu-stamps", options.imu_stamps, "recorded, regular, or auto: regular where they scatter (default: auto)")
+  sub.add_option("--imu-stamps", options.imu_stamps,
+                 "recorded, regular, or auto: regular where they scatter (default: auto)")
       ->check(CLI::IsMember({"auto", "recorded", "regular"}));
 }
 
@@ -94,11 +109,15 @@ void add_units(CLI::App& sub, ImportOptions& options) {
 }
 
 void add_calibration(CLI::App& sub, ImportOptions& options) {
-  sub.add_option("--calib", options.calib, "starting calibration, Kalibr's camchain-imucam.yaml (default: the log's own)");
-  sub.add_option("--imu-noise", options.imu_noise, "noise of the IMU, Kalibr's imu.yaml or `segcal allan`'s (default: a consumer IMU's)");
-  sub.add_option("--focal", options.focal, "focal length of a rough start, px, if the log has no calibration")->check(CLI::Range(10.0, 20000.0));
+  sub.add_option("--calib", options.calib,
+                 "starting calibration, Kalibr's camchain-imucam.yaml (default: the log's own)");
+  sub.add_option("--imu-noise", options.imu_noise,
+                 "noise of the IMU, Kalibr's imu.yaml or `segcal allan`'s (default: a consumer IMU's)");
+  sub.add_option("--focal", options.focal, "focal length of a rough start, px, if the log has no calibration")
+      ->check(CLI::Range(10.0, 20000.0));
   sub.add_option("--mount", options.mount,
-                 "how the camera sits on the IMU, roughly: phone-back (sensor axes of Android and iOS, back camera), forward (IMU x "
+                 "how the camera sits on the IMU, roughly: phone-back (sensor axes of Android and iOS, back camera), "
+                 "forward (IMU x "
                  "forward, y left, z up), same-axes (IMU x right, y down, z forward)")
       ->check(CLI::IsMember({"phone-back", "forward", "same-axes"}));
 }
@@ -117,7 +136,8 @@ void add_import_command(CLI::App& app, int& exit_code) {
   add_units(*sub, *options);
   sub->add_flag("--json", options->json, "print import.json");
   sub->callback([options, &exit_code] {
-    if (options->out.empty() && !options->list) throw InputError("expected --out REC or --list (see segcal import --help)");
+    if (options->out.empty() && !options->list)
+      throw InputError("expected --out REC or --list (see segcal import --help)");
     exit_code = run_python_script("importers/import_recording.py", arguments_of(*options));
   });
 }

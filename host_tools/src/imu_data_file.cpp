@@ -5,7 +5,8 @@
 namespace host {
 namespace {
 
-constexpr const char* imu_columns = "timestamp [ns], w_x, w_y, w_z [rad/s], a_x, a_y, a_z [m/s^2] (, temperature [degC])";
+constexpr const char* imu_columns =
+    "timestamp [ns], w_x, w_y, w_z [rad/s], a_x, a_y, a_z [m/s^2] (, temperature [degC])";
 
 }  // namespace
 

@@ -20,7 +20,8 @@ Triad read_triad(const YamlFile& yaml, const YAML::Node& imu, const char* group,
   if (node["M"].IsDefined()) triad.M = yaml.matrix3(node, "M");
   if (node[rotation].IsDefined()) triad.C = yaml.matrix3(node, rotation);
   const double error = (triad.C * triad.C.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (error > 1e-3 || triad.C.determinant() < 0) yaml.fail(node[rotation], std::string("a rotation for '") + rotation + "'");
+  if (error > 1e-3 || triad.C.determinant() < 0)
+    yaml.fail(node[rotation], std::string("a rotation for '") + rotation + "'");
   if ((triad.M.diagonal().array() <= 0).any() || triad.M.determinant() <= 0)
     yaml.fail(node["M"], "a matrix M with positive scales on its diagonal");
   return triad;

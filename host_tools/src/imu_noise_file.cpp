@@ -34,7 +34,8 @@ ImuNoise read_noise_file(const fs::path& file) {
 }
 
 ImuNoise read_recording_noise(const fs::path& root) {
-  const fs::path places[] = {root / "mav0" / "imu0" / "sensor.yaml", root / "imu.yaml", root / "dso" / "imu_config.yaml"};
+  const fs::path places[] = {root / "mav0" / "imu0" / "sensor.yaml", root / "imu.yaml",
+                             root / "dso" / "imu_config.yaml"};
   for (const fs::path& file : places)
     if (fs::exists(file)) return read_noise_file(file);
   throw InputError(places[0].string() + ": file is missing: expected rate_hz and the four noise figures of the IMU");

@@ -9,19 +9,20 @@
 namespace host {
 namespace {
 
-constexpr double fastest_K_per_s = 5;   // hot air, 100 K warmer, on a package that follows in 20 s
-constexpr double coarse_K = 2;          // columns of 1 K flicker by one step to either side
-constexpr double noisiest_K = 5;        // a column that moves more from sample to sample is no thermometer
-constexpr double noise_sigmas = 6;      // of differences: one in 10^9 by chance
-constexpr double longest_hold_s = 2;    // slow sensors give a reading a second: the last one may be that old
-constexpr std::size_t passed_over = 64; // stretches of wrong readings in a row, after which the sensor's own are taken up again
+constexpr double fastest_K_per_s = 5;  // hot air, 100 K warmer, on a package that follows in 20 s
+constexpr double coarse_K = 2;         // columns of 1 K flicker by one step to either side
+constexpr double noisiest_K = 5;       // a column that moves more from sample to sample is no thermometer
+constexpr double noise_sigmas = 6;     // of differences: one in 10^9 by chance
+constexpr double longest_hold_s = 2;   // slow sensors give a reading a second: the last one may be that old
+constexpr std::size_t passed_over =
+    64;  // stretches of wrong readings in a row, after which the sensor's own are taken up again
 
 /// Neighbours that a die can follow, one after the other.
 struct Stretch {
   std::vector<std::size_t> samples;
-  double held_since = 0;                ///< s, when its last value was first read
-  std::size_t chained = 0;              ///< readings of the longest chain that ends here
-  std::size_t before = SIZE_MAX;        ///< the stretch before it in there
+  double held_since = 0;          ///< s, when its last value was first read
+  std::size_t chained = 0;        ///< readings of the longest chain that ends here
+  std::size_t before = SIZE_MAX;  ///< the stretch before it in there
 };
 
 class Readings {
@@ -43,7 +44,8 @@ class Readings {
     std::vector<Stretch> all = stretches();
     if (all.size() < 2) return {};
     for (std::size_t b = 0; b < all.size(); ++b) chain(all, b);
-    const auto last = std::max_element(all.begin(), all.end(), [](const Stretch& a, const Stretch& b) { return a.chained < b.chained; });
+    const auto last = std::max_element(all.begin(), all.end(),
+                                       [](const Stretch& a, const Stretch& b) { return a.chained < b.chained; });
     std::vector<bool> good(all.size());
     for (auto b = static_cast<std::size_t>(last - all.begin()); b != SIZE_MAX; b = all[b].before) good[b] = true;
     std::vector<std::size_t> out;
@@ -75,7 +77,9 @@ class Readings {
     for (std::size_t a = b > passed_over ? b - passed_over : 0; a < b; ++a) {
       const std::size_t last = all[a].samples.back();
       const double age = std::min(longest_hold_s, seconds(last) - all[a].held_since);
-      if (all[a].chained <= to.chained || std::abs(at(first) - at(last)) > allowed(seconds(first) - seconds(last) + age)) continue;
+      if (all[a].chained <= to.chained ||
+          std::abs(at(first) - at(last)) > allowed(seconds(first) - seconds(last) + age))
+        continue;
       to.chained = all[a].chained;
       to.before = a;
     }
@@ -99,16 +103,22 @@ std::vector<std::size_t> good_places(const std::vector<ImuSample>& samples, cons
 }
 
 bool all_the_same(const std::vector<ImuSample>& samples, const std::vector<std::size_t>& places) {
-  return std::all_of(places.begin(), places.end(), [&](std::size_t i) { return samples[i].temperature_degC == samples[places.front()].temperature_degC; });
+  return std::all_of(places.begin(), places.end(), [&](std::size_t i) {
+    return samples[i].temperature_degC == samples[places.front()].temperature_degC;
+  });
 }
 
-/// The many are one and the same value, and the few are not: a logger that repeats a constant, zero most of all, between readings.
-bool only_the_few_are_readings(const std::vector<ImuSample>& samples, const std::vector<std::size_t>& many, const std::vector<std::size_t>& few) {
+/// The many are one and the same value, and the few are not: a logger that repeats a constant, zero most of all,
+/// between readings.
+bool only_the_few_are_readings(const std::vector<ImuSample>& samples, const std::vector<std::size_t>& many,
+                               const std::vector<std::size_t>& few) {
   return all_the_same(samples, many) && (samples[many.front()].temperature_degC == 0 || !all_the_same(samples, few));
 }
 
-/// The last good reading in the place of each that jumped; before the first good one, that. Returns the farthest jump, K.
-double hold(std::vector<ImuSample>& samples, const std::vector<std::size_t>& good, const std::vector<std::size_t>& jumps, bool mend) {
+/// The last good reading in the place of each that jumped; before the first good one, that. Returns the farthest jump,
+/// K.
+double hold(std::vector<ImuSample>& samples, const std::vector<std::size_t>& good,
+            const std::vector<std::size_t>& jumps, bool mend) {
   double farthest = 0;
   for (const std::size_t i : jumps) {
     const auto after = std::upper_bound(good.begin(), good.end(), i);
@@ -141,11 +151,19 @@ void check_temperature(ImuData* imu, bool mend) {
 std::string temperature_words(const ImuData& imu) {
   const TemperatureJumps& jumps = imu.temperature_jumps;
   if (jumps.count == 0) return "";
-  const std::string what = formatted("temperature: %zu of %zu readings (%.2g %%) are up to %.1f K from those before and after, the first at stamp %lld ns, which no die follows. ",
-                                     jumps.count, jumps.of, 100 * jumps.share, jumps.farthest_K, static_cast<long long>(jumps.first_ns));
-  if (jumps.bridged) return what + "The reading before them is held in their place: look at the bus, and at what the driver writes where it has no reading.";
-  if (imu.has_temperature) return what + "A device's log is replayed as it is: effects of temperature that it estimates are wrong by that.";
-  return what + "Nothing says which are the sensor's own, so that effects of temperature cannot be estimated: write a reading only where there is one, or the last one.";
+  const std::string what = formatted(
+      "temperature: %zu of %zu readings (%.2g %%) are up to %.1f K from those before and after, the first at stamp "
+      "%lld ns, which no die follows. ",
+      jumps.count, jumps.of, 100 * jumps.share, jumps.farthest_K, static_cast<long long>(jumps.first_ns));
+  if (jumps.bridged)
+    return what +
+           "The reading before them is held in their place: look at the bus, and at what the driver writes where it "
+           "has no reading.";
+  if (imu.has_temperature)
+    return what + "A device's log is replayed as it is: effects of temperature that it estimates are wrong by that.";
+  return what +
+         "Nothing says which are the sensor's own, so that effects of temperature cannot be estimated: write a reading "
+         "only where there is one, or the last one.";
 }
 
 }  // namespace host

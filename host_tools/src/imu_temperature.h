@@ -5,11 +5,13 @@
 
 namespace host {
 
-constexpr double few_temperature_jumps = 0.05;  ///< of the readings: bridges of so many last far less than a die takes to warm by a kelvin
+constexpr double few_temperature_jumps =
+    0.05;  ///< of the readings: bridges of so many last far less than a die takes to warm by a kelvin
 
-/// Finds such readings and notes them in ImuData::temperature_jumps. `mend`: where they are few, the good reading before is held in their
-/// place; where they are many, so that nobody knows which are the sensor's own, the samples count as without temperature. Coarse steps,
-/// noise, and readings that are held for a second or two are as they should be; those that are not a number are the core's business.
+/// Finds such readings and notes them in ImuData::temperature_jumps. `mend`: where they are few, the good reading
+/// before is held in their place; where they are many, so that nobody knows which are the sensor's own, the samples
+/// count as without temperature. Coarse steps, noise, and readings that are held for a second or two are as they should
+/// be; those that are not a number are the core's business.
 void check_temperature(ImuData* imu, bool mend);
 
 /// A sentence; empty where nothing jumps.

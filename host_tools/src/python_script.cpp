@@ -1,13 +1,13 @@
 #include "python_script.h"
 
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "recording.h"
 
@@ -51,11 +51,13 @@ int run_python_script(const std::string& script, const std::vector<std::string>&
   setenv("SEGCAL_PROGRAM_VERSION", SEGCAL_PROGRAM_VERSION, 1);
   if (!fs::exists(file)) throw InputError(file.string() + ": file is missing, this command needs the source tree");
   // -B: no compiled files beside the sources.
-  std::vector<std::string> command = {python, "-B", (file.parent_path().parent_path() / "run_script.py").string(), file.string()};
+  std::vector<std::string> command = {python, "-B", (file.parent_path().parent_path() / "run_script.py").string(),
+                                      file.string()};
   command.insert(command.end(), arguments.begin(), arguments.end());
   const int code = run_program(command);
   if (code == exit_cannot_execute) throw InputError(python + ": expected a Python 3 program; run host_tools/setup.sh");
-  if (code != 0 && code != 2 && code != negative) throw InputError(file.string() + ": stopped with exit code " + std::to_string(code));
+  if (code != 0 && code != 2 && code != negative)
+    throw InputError(file.string() + ": stopped with exit code " + std::to_string(code));
   return code;
 }
 

@@ -24,9 +24,11 @@ namespace fs = std::filesystem;
 constexpr const char* truth_columns = "timestamp [ns], p_x, p_y, p_z [m], q_w, q_x, q_y, q_z (, more)";
 
 /// Stamps of one file, smoothed.
-std::vector<std::int64_t> smoothed(const std::string& stream, const std::vector<std::int64_t>& t_ns, std::vector<std::string>* notes) {
+std::vector<std::int64_t> smoothed(const std::string& stream, const std::vector<std::int64_t>& t_ns,
+                                   std::vector<std::string>* notes) {
   SmoothedStamps out = smooth_stamps(t_ns);
-  notes->push_back(smoothing_note(stream, out.t_ns.size(), out.period_s, out.moved_rms_s, out.moved_most_s, out.missing));
+  notes->push_back(
+      smoothing_note(stream, out.t_ns.size(), out.period_s, out.moved_rms_s, out.moved_most_s, out.missing));
   return std::move(out.t_ns);
 }
 
@@ -179,8 +181,9 @@ Recording read_recording(const fs::path& root, int n_cameras, bool smooth, std::
 
 std::optional<fs::path> find_real_data() {
   const char* const named = std::getenv("SEGCAL_DATA");
-  const fs::path folder = named != nullptr && *named != '\0' ? fs::path(named)
-                                                             : fs::path(SEGCAL_SOURCE_DIR).parent_path() / "shared" / "data";
+  const fs::path folder = named != nullptr && *named != '\0'
+                              ? fs::path(named)
+                              : fs::path(SEGCAL_SOURCE_DIR).parent_path() / "shared" / "data";
   if (fs::is_directory(folder)) return folder;
   return std::nullopt;
 }

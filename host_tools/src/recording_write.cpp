@@ -17,7 +17,8 @@ void append_values(std::string& text, const double* values, std::size_t count) {
 }
 
 std::string imu_text(const ImuData& imu) {
-  std::string text = "#timestamp [ns],w_x [rad s^-1],w_y [rad s^-1],w_z [rad s^-1],a_x [m s^-2],a_y [m s^-2],a_z [m s^-2]";
+  std::string text =
+      "#timestamp [ns],w_x [rad s^-1],w_y [rad s^-1],w_z [rad s^-1],a_x [m s^-2],a_y [m s^-2],a_z [m s^-2]";
   text += imu.has_temperature ? ",temperature [degC]\n" : "\n";
   for (const ImuSample& sample : imu.samples) {
     append_number(text, sample.t_ns);
@@ -78,7 +79,8 @@ void write_recording(const Recording& recording) {
   write_file(mav0 / "imu0" / "sensor.yaml", sensor_text(recording.imu.noise));
   write_file(mav0 / "imu0" / "data.csv", imu_text(recording.imu));
   for (std::size_t i = 0; i < recording.cameras.size(); ++i)
-    write_tracks(mav0 / ("cam" + std::to_string(i)) / "tracks.csv", recording.cameras[i].frames, recording.device.has_value());
+    write_tracks(mav0 / ("cam" + std::to_string(i)) / "tracks.csv", recording.cameras[i].frames,
+                 recording.device.has_value());
   if (!recording.truth.empty())
     write_file(mav0 / "state_groundtruth_estimate0" / "data.csv", truth_text(recording.truth));
 }

@@ -16,8 +16,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* report_explanation =
-    "Writes DIR/report.html from what `segcal replay`, `diagnose` or `allan` left in DIR: one file that needs no network, readable on a\n"
-    "phone and on paper. Of a replay: what happened and why, the calibration, its way there, the path, what each segment told, residuals\n"
+    "Writes DIR/report.html from what `segcal replay`, `diagnose` or `allan` left in DIR: one file that needs no "
+    "network, readable on a\n"
+    "phone and on paper. Of a replay: what happened and why, the calibration, its way there, the path, what each "
+    "segment told, residuals\n"
     "over the image and over time, how tracks drift, biases, timing.";
 
 constexpr const char* report_footer = R"(Example:
@@ -36,7 +38,8 @@ std::size_t line_of(const std::string& text, std::size_t byte) {
 /// Found here rather than in Python, so that a wrong path is told even where Python is missing.
 void check_result(const fs::path& folder) {
   if (!fs::is_directory(folder))
-    throw InputError(folder.string() + ": expected the folder that `segcal replay`, `diagnose` or `allan` wrote (--out)");
+    throw InputError(folder.string() +
+                     ": expected the folder that `segcal replay`, `diagnose` or `allan` wrote (--out)");
   check_folder(folder);
   if (!fs::exists(folder / "diagnosis.json") && fs::exists(folder / "allan.json")) return;  // report.py looks into it
   const bool diagnosed = fs::exists(folder / "diagnosis.json");
@@ -46,7 +49,8 @@ void check_result(const fs::path& folder) {
     const nlohmann::json result = nlohmann::json::parse(text);
     if (diagnosed && result.is_object() && result.contains("verdict")) return;
     if (!result.is_object() || !result.contains("status") || !result.contains("parameters"))
-      throw InputError(file.string() + ":1: expected an object with " + (diagnosed ? "verdict" : "status and parameters"));
+      throw InputError(file.string() + ":1: expected an object with " +
+                       (diagnosed ? "verdict" : "status and parameters"));
   } catch (const nlohmann::json::out_of_range& error) {
     throw InputError(file.string() + ": expected JSON with numbers that fit a double: " + error.what());
   } catch (const nlohmann::json::parse_error& error) {

@@ -12,8 +12,9 @@
 
 namespace host {
 
-/// One parsed YAML file, which its folder's manifest, if there is one, must know as whole (files/manifest.h): all that segcal reads from a folder
-/// by a file's name, calibrations, models, noise, is YAML. All members throw InputError "FILE:LINE: expected ..." on a fault.
+/// One parsed YAML file, which its folder's manifest, if there is one, must know as whole (files/manifest.h): all that
+/// segcal reads from a folder by a file's name, calibrations, models, noise, is YAML. All members throw InputError
+/// "FILE:LINE: expected ..." on a fault.
 class YamlFile {
  public:
   explicit YamlFile(const std::filesystem::path& file);
@@ -46,15 +47,16 @@ class YamlFile {
   YAML::Node root_;
 };
 
-/// Calls `reader` with the parsed file. What yaml-cpp throws on a node of another kind than the reader takes it for is told as an
-/// InputError with file and line.
+/// Calls `reader` with the parsed file. What yaml-cpp throws on a node of another kind than the reader takes it for is
+/// told as an InputError with file and line.
 template <class Reader>
 auto read_yaml(const std::filesystem::path& file, const Reader& reader) {
   const YamlFile yaml(file);
   try {
     return reader(yaml);
   } catch (const YAML::Exception& error) {
-    throw InputError(file.string() + ":" + std::to_string(error.mark.line < 0 ? 1 : error.mark.line + 1) + ": expected another kind of entry here: " + error.msg);
+    throw InputError(file.string() + ":" + std::to_string(error.mark.line < 0 ? 1 : error.mark.line + 1) +
+                     ": expected another kind of entry here: " + error.msg);
   }
 }
 

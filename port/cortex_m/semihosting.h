@@ -2,7 +2,7 @@
 #ifndef SEGCAL_SEMIHOSTING_H
 #define SEGCAL_SEMIHOSTING_H
 
-void semihosting_write(const char *text);
+void semihosting_write(const char* text);
 void semihosting_write_char(char c);
 /* Ends the emulation; `code` becomes the emulator's exit code. */
 void semihosting_exit(int code) __attribute__((noreturn));

@@ -4,12 +4,12 @@
 uint32_t segcal_port_storage_bytes(void) { return 0; }
 uint32_t segcal_port_storage_block_bytes(void) { return 1; }
 
-int segcal_port_storage_read(uint32_t offset, void *data, uint32_t bytes) {
+int segcal_port_storage_read(uint32_t offset, void* data, uint32_t bytes) {
   (void)offset, (void)data, (void)bytes;
   return SEGCAL_PORT_ERROR_RANGE;
 }
 
-int segcal_port_storage_write(uint32_t offset, const void *data, uint32_t bytes) {
+int segcal_port_storage_write(uint32_t offset, const void* data, uint32_t bytes) {
   (void)offset, (void)data, (void)bytes;
   return SEGCAL_PORT_ERROR_RANGE;
 }
@@ -21,11 +21,11 @@ int segcal_port_storage_erase(uint32_t offset, uint32_t bytes) {
 
 int segcal_port_storage_sync(void) { return SEGCAL_PORT_OK; }
 
-void segcal_port_log(const char *line) { (void)line; }
+void segcal_port_log(const char* line) { (void)line; }
 
 uint64_t segcal_port_clock_us(void) { return 0; }
 
-void segcal_port_assert_failed(const char *condition, const char *file, int line) {
+void segcal_port_assert_failed(const char* condition, const char* file, int line) {
   (void)condition, (void)file, (void)line;
   for (;;) {
   }

@@ -18,7 +18,8 @@ class Storage {
   explicit Storage(int fill, std::size_t offset = 0) : bytes_(segcal_storage_bytes() + 2 * SEGCAL_STORAGE_ALIGNMENT) {
     std::memset(bytes_.data(), fill, bytes_.size());
     const std::uintptr_t address = reinterpret_cast<std::uintptr_t>(bytes_.data());
-    data = bytes_.data() + (SEGCAL_STORAGE_ALIGNMENT - address % SEGCAL_STORAGE_ALIGNMENT) % SEGCAL_STORAGE_ALIGNMENT + offset;
+    data = bytes_.data() + (SEGCAL_STORAGE_ALIGNMENT - address % SEGCAL_STORAGE_ALIGNMENT) % SEGCAL_STORAGE_ALIGNMENT +
+           offset;
   }
   unsigned char* data;
 

@@ -119,7 +119,7 @@ void test_ranges_of_numbers() {
   check_range("gravity", &segcal_config_t::gravity, 0, 100);
   check_range("frame_interval_s", &segcal_config_t::frame_interval_s, 0, 2);
   check_range("segment_s", &segcal_config_t::segment_s, 0, 60);
-  check_range("least_segment_s", &segcal_config_t::least_segment_s, 0, 2);   // segment_s
+  check_range("least_segment_s", &segcal_config_t::least_segment_s, 0, 2);  // segment_s
   check_range("least_gain_nats", &segcal_config_t::least_gain_nats, 0, 1e6);
   check_range("filter_share", &segcal_config_t::filter_share, 0, 1);
   check_range("trigger_fraction", &segcal_config_t::trigger_fraction, 0, 0.9999);
@@ -128,12 +128,12 @@ void test_ranges_of_numbers() {
 
 void test_ranges_of_the_others() {
   segcal_config_t config = SyntheticStream::config();
-  config.trigger_fraction = config.outdated_level = -1;   // never
+  config.trigger_fraction = config.outdated_level = -1;  // never
   TEST_ASSERT_TRUE(taken(config));
   config = SyntheticStream::config();
   config.most_segment_s = 60;
   TEST_ASSERT_TRUE(taken(config));
-  config.most_segment_s = 1.9;                            // below segment_s
+  config.most_segment_s = 1.9;  // below segment_s
   TEST_ASSERT_FALSE(taken(config));
   for (int i = 0; i < 14 + 11; ++i) {
     for (double* sigma : {&config.prior_sigma[i], &config.sigma_ref[i], &config.trigger_sigma[i]}) {
@@ -151,10 +151,11 @@ void test_ranges_of_choices() {
     for (int value = least - 2; value <= most + 2; ++value) {
       segcal_config_t config = SyntheticStream::config();
       config.*field = value;
-      test::check_true(Id().add("config", what).add("value", value), "taken or refused", taken(config) == (value >= least && value <= most));
+      test::check_true(Id().add("config", what).add("value", value), "taken or refused",
+                       taken(config) == (value >= least && value <= most));
     }
   };
-  check("n_cameras", &segcal_config_t::n_cameras, 0, 1);   // two need the second one's focal length
+  check("n_cameras", &segcal_config_t::n_cameras, 0, 1);  // two need the second one's focal length
   check("keep_segments", &segcal_config_t::keep_segments, 0, SEGCAL_MAX_SEGMENTS);
   check("metric", &segcal_config_t::metric, SEGCAL_METRIC_A, SEGCAL_METRIC_SET_D);
   check("strategy", &segcal_config_t::strategy, SEGCAL_SINGLE_SESSION, SEGCAL_MULTI_SESSION);
@@ -163,12 +164,14 @@ void test_ranges_of_choices() {
 void test_ranges_of_a_camera() {
   segcal_config_t config = SyntheticStream::config();
   segcal_camera_t& camera = config.camera[0];
-  double* const numbers[] = {&camera.p_CI[0], &camera.p_CI[2], &camera.intrinsics[0], &camera.intrinsics[3], &camera.distortion[0], &camera.q_CI[2]};
+  double* const numbers[] = {&camera.p_CI[0],       &camera.p_CI[2],       &camera.intrinsics[0],
+                             &camera.intrinsics[3], &camera.distortion[0], &camera.q_CI[2]};
   for (double* number : numbers) {
     for (double value : {std::nan(""), std::numeric_limits<double>::infinity()}) {
       config = SyntheticStream::config();
       *number = value;
-      test::check_true(Id().add("byte", reinterpret_cast<char*>(number) - reinterpret_cast<char*>(&config)), "not a number is taken", !taken(config));
+      test::check_true(Id().add("byte", reinterpret_cast<char*>(number) - reinterpret_cast<char*>(&config)),
+                       "not a number is taken", !taken(config));
     }
   }
   config = SyntheticStream::config();
@@ -178,12 +181,14 @@ void test_ranges_of_a_camera() {
   TEST_ASSERT_FALSE(taken(config));
   camera.distortion[0] = -0.01;
   TEST_ASSERT_FALSE(taken(config));
-  camera.model = SEGCAL_RADTAN;   // there the same number is any coefficient
+  camera.model = SEGCAL_RADTAN;  // there the same number is any coefficient
   TEST_ASSERT_TRUE(taken(config));
   for (double scale : {0.49, 2.01, std::nan("")}) {
     for (int i = 0; i < 3; ++i) {
       config = SyntheticStream::config();
-      (i == 0 ? config.imu.gyro_scale[0] : i == 1 ? config.imu.accel_scale[2] : config.imu.accel_misalignment[1]) = scale;
+      (i == 0   ? config.imu.gyro_scale[0]
+       : i == 1 ? config.imu.accel_scale[2]
+                : config.imu.accel_misalignment[1]) = scale;
       test::check_true(Id().add("scale", scale).add("entry", i), "taken", taken(config) == (i == 2 && scale == scale));
     }
   }
@@ -199,12 +204,20 @@ void check_no_device(segcal_t* device) {
   segcal_segment_t segment;
   segcal_direction_t direction;
   static segcal_result_t result;
-  const int codes[] = {segcal_push_imu(device, &sample), segcal_push_tracks(device, 0, nullptr, 0),
-                       segcal_push_keyframe(device, &state, nullptr, 0), segcal_background(device, 1), segcal_flush(device),
-                       segcal_new_session(device), segcal_calibrate(device), segcal_get_state(device, &state),
-                       segcal_get_camera(device, 0, &camera), segcal_get_imu_calibration(device, &imu),
-                       segcal_get_result(device, &result), segcal_get_direction(device, 0, &direction),
-                       segcal_get_segment(device, -1, &segment), segcal_get_segment_directions(device, &direction, 1),
+  const int codes[] = {segcal_push_imu(device, &sample),
+                       segcal_push_tracks(device, 0, nullptr, 0),
+                       segcal_push_keyframe(device, &state, nullptr, 0),
+                       segcal_background(device, 1),
+                       segcal_flush(device),
+                       segcal_new_session(device),
+                       segcal_calibrate(device),
+                       segcal_get_state(device, &state),
+                       segcal_get_camera(device, 0, &camera),
+                       segcal_get_imu_calibration(device, &imu),
+                       segcal_get_result(device, &result),
+                       segcal_get_direction(device, 0, &direction),
+                       segcal_get_segment(device, -1, &segment),
+                       segcal_get_segment_directions(device, &direction, 1),
                        segcal_get_counters(device, &counters)};
   TEST_ASSERT_TRUE(segcal_result_hash(device) == 0);
   for (std::size_t i = 0; i < sizeof codes / sizeof codes[0]; ++i) {

@@ -1,7 +1,7 @@
 // What becomes of segments in calibrations that go wrong, of segments of open length, and of work in the background.
-#include "api_fixture.h"
-
 #include <set>
+
+#include "api_fixture.h"
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}
@@ -68,12 +68,13 @@ void test_misfits_leave_after_a_failed_calibration() {
     check_near(id, "counted", fits ? 0 : kept, counters_of(device).segments_unsettled - unsettled, 0);
     segcal_camera_t camera;
     segcal_get_camera(device, 0, &camera);
-    check_true(id, "the calibration moved, unless it failed", (camera.intrinsics[0] == config.camera[0].intrinsics[0]) != fits);
+    check_true(id, "the calibration moved, unless it failed",
+               (camera.intrinsics[0] == config.camera[0].intrinsics[0]) != fits);
   }
 }
 
-/// The camera is observed, but it is less than half of theta: the result says what was found, and the device goes on with the
-/// calibration that it had.
+/// The camera is observed, but it is less than half of theta: the result says what was found, and the device goes on
+/// with the calibration that it had.
 void test_only_a_calibrated_result_moves_the_device() {
   static const SyntheticStream twelve(211, 12);
   for (bool known_imu : {true, false}) {
@@ -93,7 +94,8 @@ void test_only_a_calibrated_result_moves_the_device() {
     segcal_get_camera(device, 0, &camera);
     check_near(id, "status", known_imu ? 0 : 1, result.status, 0);
     check_true(id, "fx was found", result.parameter[6].value != config.camera[0].intrinsics[0]);
-    check_true(id, "the device's fx stays unless calibrated", (camera.intrinsics[0] == config.camera[0].intrinsics[0]) == known_imu);
+    check_true(id, "the device's fx stays unless calibrated",
+               (camera.intrinsics[0] == config.camera[0].intrinsics[0]) == known_imu);
   }
 }
 
@@ -121,20 +123,20 @@ void test_segments_of_open_length() {
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_calibrate(device));
   static segcal_result_t result;
   segcal_get_result(device, &result);
-  // Thousands of degrees of freedom and noise as stated: 5 % either way is more than five sigmas of chi2, the rest is for
-  // what rounding of stored samples and gates add.
+  // Thousands of degrees of freedom and noise as stated: 5 % either way is more than five sigmas of chi2, the rest is
+  // for what rounding of stored samples and gates add.
   check_between(Id().add("segments", result.segments), "chi2/dof", 0.8, result.chi2 / result.dof, 1.2);
 }
 
-/// Never, one slice, seven, all: the hash is one where work is done when it is due, and while a calibration is under way samples are
-/// taken.
+/// Never, one slice, seven, all: the hash is one where work is done when it is due, and while a calibration is under
+/// way samples are taken.
 void test_slices_change_no_bit() {
   static const SyntheticStream twenty(209, 20);
   std::uint64_t first = 0;
   for (int slices : {0, 1, 7, 1000000}) {
     const Id id = Id().add("slices", slices);
     segcal_config_t config = SyntheticStream::config();
-    config.keep_segments = 3;   // after 6 s: then a calibration of its own, in effect after 14 s
+    config.keep_segments = 3;  // after 6 s: then a calibration of its own, in effect after 14 s
     Storage storage(0xFF);
     segcal_t* device = create(&storage, config);
     feed(device, twenty, Way::tracks, slices);

@@ -1,5 +1,5 @@
-// Whose deadlines they are: no call that feeds does background work, whatever the background missed; what is late is dropped or put
-// off by rules that do not ask when the slices were done.
+// Whose deadlines they are: no call that feeds does background work, whatever the background missed; what is late is
+// dropped or put off by rules that do not ask when the slices were done.
 #include "api_fixture.h"
 
 extern "C" void setUp() {}
@@ -35,7 +35,7 @@ segcal_config_t config() {
   c.keep_segments = 3;
   return c;
 }
-constexpr std::size_t kRequest = 3310;   ///< while a segment is scored, or after that: it must not matter
+constexpr std::size_t kRequest = 3310;  ///< while a segment is scored, or after that: it must not matter
 
 /// When the background works: `slices` after each `every`-th sample.
 struct Schedule {
@@ -59,10 +59,10 @@ class Feed {
     hash = (hash ^ segcal_result_hash(device_)) * 1099511628211ull;
   }
 
-  std::vector<bool> late;        ///< of each call: what it found undone
-  const std::vector<bool>* repeat = nullptr;   ///< calls at which work is to be late
+  std::vector<bool> late;                        ///< of each call: what it found undone
+  const std::vector<bool>* repeat = nullptr;     ///< calls at which work is to be late
   std::uint64_t hash = 14695981039346656037ull;  ///< over the hashes after each image
-  std::uint32_t most_slices = 0; ///< done by a call that feeds
+  std::uint32_t most_slices = 0;                 ///< done by a call that feeds
 
  private:
   void begin() {
@@ -101,8 +101,9 @@ Run run(const Schedule& schedule, const std::vector<bool>* repeat, const Id& id)
   return out;
 }
 
-/// As soon as possible is what the others are compared with. 32 slices a sample are enough in both profiles (a calibration in the time of four
-/// segments, half as long here as they are by default), fewer need not be: then the same calls found work undone in a second run without any background, and it comes to the same bits.
+/// As soon as possible is what the others are compared with. 32 slices a sample are enough in both profiles (a
+/// calibration in the time of four segments, half as long here as they are by default), fewer need not be: then the
+/// same calls found work undone in a second run without any background, and it comes to the same bits.
 void test_schedules() {
   const Run expected = run({1000000, 1}, nullptr, Id().add("slices", "all"));
   TEST_ASSERT_EQUAL_UINT(0, expected.counters.slices_late);
@@ -111,7 +112,8 @@ void test_schedules() {
   const Run when_due = run({0, 1}, &never, Id().add("slices", "when due"));
   TEST_ASSERT_TRUE(when_due.on_the_way == expected.on_the_way && when_due.at_the_end == expected.at_the_end);
   int late = 0;
-  for (const Schedule& schedule : {Schedule{1, 1}, {2, 1}, {4, 1}, {8, 1}, {32, 1}, {1600, 200}, {300, 100}, {1000000, 700}}) {
+  for (const Schedule& schedule :
+       {Schedule{1, 1}, {2, 1}, {4, 1}, {8, 1}, {32, 1}, {1600, 200}, {300, 100}, {1000000, 700}}) {
     const Id id = Id().add("slices", schedule.slices).add("each so many samples", schedule.every);
     const Run now = run(schedule, nullptr, id);
     if (now.counters.slices_late == 0) {
@@ -126,10 +128,11 @@ void test_schedules() {
     check_true(id, "another hash at the end when repeated", now.at_the_end == again.at_the_end);
     check_near(id, "segments late when repeated", now.counters.segments_late, again.counters.segments_late, 0);
   }
-  TEST_ASSERT_GREATER_OR_EQUAL_INT(2, late);   // else the rules for late work were not looked at
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(2, late);  // else the rules for late work were not looked at
 }
 
-/// Nothing is ever done: all calls stay bounded, everything is counted, and a background that comes later finds a valid device.
+/// Nothing is ever done: all calls stay bounded, everything is counted, and a background that comes later finds a valid
+/// device.
 void test_no_background_and_a_late_one() {
   Storage storage(0xFF);
   segcal_t* device = create_with_deadlines(&storage, config());
@@ -139,7 +142,8 @@ void test_no_background_and_a_late_one() {
   segcal_counters_t c = counters_of(device);
   TEST_ASSERT_EQUAL_UINT(0, c.calibrations);
   TEST_ASSERT_GREATER_OR_EQUAL_UINT(4, c.slices_late);
-  if (SEGCAL_START_DELAY_MS == 0) {   // the odometry runs; of 7 segments one waits to be scored and the others came too late
+  if (SEGCAL_START_DELAY_MS ==
+      0) {  // the odometry runs; of 7 segments one waits to be scored and the others came too late
     TEST_ASSERT_EQUAL_UINT(c.segments_closed - 1, c.segments_late);
     TEST_ASSERT_EQUAL_INT(SEGCAL_WORK_SCORE, progress_of(device).work);
   } else {
@@ -156,10 +160,13 @@ void test_no_background_and_a_late_one() {
   static segcal_result_t r;
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_result(device, &r));
   // The stream's truth is the configuration: five sigmas, as for 26 parameters none is beyond with 0.99998.
-  for (int k = 0; k < r.n_parameters; ++k) check_near(Id().add("parameter", r.parameter[k].name), "value", r.parameter[k].initial, r.parameter[k].value, 5 * r.parameter[k].sigma);
+  for (int k = 0; k < r.n_parameters; ++k)
+    check_near(Id().add("parameter", r.parameter[k].name), "value", r.parameter[k].initial, r.parameter[k].value,
+               5 * r.parameter[k].sigma);
 }
 
-/// A window of one segment is too short for 20 slices a sample: it stretches, and the result takes effect at the end of a segment.
+/// A window of one segment is too short for 20 slices a sample: it stretches, and the result takes effect at the end of
+/// a segment.
 void test_windows_are_the_users() {
   struct Case {
     int window, slices, missed_least, missed_most;
@@ -179,13 +186,15 @@ void test_windows_are_the_users() {
       published = n.calibrations_published > 0;
       if (published) check_near(id, "segments that end as it takes effect", 1, n.segments_closed - closed, 0);
       // Scores as soon as possible, the calibration with few slices.
-      while (progress_of(device).work == SEGCAL_WORK_SCORE || progress_of(device).work == SEGCAL_WORK_START) segcal_background(device, 1);
+      while (progress_of(device).work == SEGCAL_WORK_SCORE || progress_of(device).work == SEGCAL_WORK_START)
+        segcal_background(device, 1);
       segcal_background(device, now.slices);
     }
     check_true(id, "it took effect", published);
     const segcal_counters_t n = counters_of(device);
     check_between(id, "segments missed", now.missed_least, n.segments_missed, now.missed_most);
-    check_near(id, "ends at which it was late", n.segments_missed - (now.window == 0 ? 4 : now.window), n.slices_late, 0);
+    check_near(id, "ends at which it was late", n.segments_missed - (now.window == 0 ? 4 : now.window), n.slices_late,
+               0);
   }
   Storage storage(0);
   for (const int window : {-1, 1001}) {
@@ -224,7 +233,8 @@ void test_flush_and_calibrate_in_slices() {
     for (; segcal_flush_slices(device, slices) == 1; ++calls) {
       const segcal_progress_t p = progress_of(device);
       check_true(id, "the order of work", !(p.work == SEGCAL_WORK_SCORE && calibrated));
-      if (p.work == SEGCAL_WORK_CALIBRATION && calibrated) check_between(id, "slices of it", done + 1, p.done, done + slices);
+      if (p.work == SEGCAL_WORK_CALIBRATION && calibrated)
+        check_between(id, "slices of it", done + 1, p.done, done + slices);
       done = p.done;
       scored = scored || p.work == SEGCAL_WORK_SCORE;
       calibrated = calibrated || p.work == SEGCAL_WORK_CALIBRATION;

@@ -10,7 +10,7 @@ extern "C" void tearDown() {}
 
 namespace {
 
-constexpr double kSensitivity = 5e-4;   // rad s/m: gyroscope x follows force y
+constexpr double kSensitivity = 5e-4;  // rad s/m: gyroscope x follows force y
 
 /// A device that has lived the stream, its gyroscope with or without g-sensitivity.
 segcal_t* lived(Storage* storage, const segcal_config_t& config, double sensitivity) {
@@ -52,12 +52,13 @@ void test_scores_name_what_is_missing() {
   check_between(Id().add("effect", "g"), "g-sensitivity", 60, sick[1].statistic, 1e9);
   for (int i = 0; i < 9; ++i) {
     const double truth = i == 1 ? kSensitivity : 0;
-    check_between(Id().add("effect", "g").add("parameter", i), "error / sigma", -4, (sick[1].estimate[i] - truth) / sick[1].sigma[i], 4);
+    check_between(Id().add("effect", "g").add("parameter", i), "error / sigma", -4,
+                  (sick[1].estimate[i] - truth) / sick[1].sigma[i], 4);
   }
 }
 
-/// Rows of the kept segments after a calibration: the score from them is large where the effect is, and the same rows say so
-/// whatever was asked before.
+/// Rows of the kept segments after a calibration: the score from them is large where the effect is, and the same rows
+/// say so whatever was asked before.
 void test_rows_for_diagnosis() {
   Storage storage(0xFF);
   segcal_t* device = lived(&storage, SyntheticStream::config(), kSensitivity);
@@ -92,7 +93,8 @@ void test_rows_for_diagnosis() {
   double statistic = 0;
   for (int i = 26; i < 35; ++i) statistic += entry(i, 35) * entry(i, 35);
   check_between(Id().add("rows", "kept"), "statistic", 60, statistic, 1e9);
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_linearise(device, use, term, 9, first.data(), 36 * 37 / 2 - 1, &n_theta, &n_terms, &dof));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_linearise(device, use, term, 9, first.data(), 36 * 37 / 2 - 1,
+                                                            &n_theta, &n_terms, &dof));
   use[SEGCAL_MAX_SEGMENTS] = 1;
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, rows(&second));
 }
@@ -114,7 +116,8 @@ void test_estimated_effects_in_the_result() {
   TEST_ASSERT_EQUAL_STRING("rad s/m", r.parameter[28].unit);
   TEST_ASSERT_EQUAL_STRING("accel_z:wx*wy", r.parameter[36].name);
   TEST_ASSERT_EQUAL_STRING("rad^-2 m", r.parameter[36].unit);
-  check_between(Id().add("effect", "g"), "error / sigma", -4, (r.parameter[28].value - kSensitivity) / r.parameter[28].sigma, 4);
+  check_between(Id().add("effect", "g"), "error / sigma", -4,
+                (r.parameter[28].value - kSensitivity) / r.parameter[28].sigma, 4);
 }
 
 void check_refused(const char* what, void (*spoil)(segcal_config_t*)) {

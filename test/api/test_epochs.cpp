@@ -1,4 +1,5 @@
-// A device that condenses: what it remembers, that it knows more by it, and that no schedule of its background changes a bit.
+// A device that condenses: what it remembers, that it knows more by it, and that no schedule of its background changes
+// a bit.
 #include <string>
 
 #include "api_fixture.h"
@@ -13,8 +14,8 @@ using namespace test;
 const SyntheticStream& stream_of_30_s() { return long_stream<30>(); }
 
 segcal_config_t config(bool condense) {
-  segcal_config_t c = SyntheticStream::config();   // segments of 2 s
-  c.keep_segments = 4;   // from two, the first release is too far off for what is linearised there
+  segcal_config_t c = SyntheticStream::config();  // segments of 2 s
+  c.keep_segments = 4;  // from two, the first release is too far off for what is linearised there
   c.strategy = SEGCAL_MULTI_SESSION;
   c.condense = condense ? 1 : 0;
   c.calibration_window = 1;
@@ -51,7 +52,8 @@ void test_more_is_known_and_honestly() {
   feed(b, 1000000);
   const segcal_result_t four = result_of(a), all = result_of(b);
   TEST_ASSERT_EQUAL_INT(SEGCAL_CALIBRATED, all.status);
-  // 15 segments in 30 s, of which the filter's start takes one: four are kept, one is missed beside the first calibration.
+  // 15 segments in 30 s, of which the filter's start takes one: four are kept, one is missed beside the first
+  // calibration.
   TEST_ASSERT_GREATER_OR_EQUAL_INT(6, condensed_segments(b));
   segcal_epoch_t e;
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_epoch(b, 0, &e));
@@ -143,8 +145,8 @@ void test_one_segment_convicts_nobody() {
   TEST_ASSERT_EQUAL_INT(6, result_of(device).segments);
 }
 
-/// Segments in which nothing is seen say nothing about whether theta is still what it was: one that did not fit, and a hand over the
-/// lens, do not end the condensing.
+/// Segments in which nothing is seen say nothing about whether theta is still what it was: one that did not fit, and a
+/// hand over the lens, do not end the condensing.
 void test_a_covered_camera_is_no_misfit() {
   Storage storage(0);
   segcal_t* device = create(&storage, config(true));
@@ -170,8 +172,8 @@ void test_a_covered_camera_is_no_misfit() {
   TEST_ASSERT_EQUAL_UINT32(3, dark.segments_discarded);
   feed_part(4600, 6000, false, false);
   segcal_get_counters(device, &good);
-  TEST_ASSERT_GREATER_OR_EQUAL_INT(before + 3, condensed_segments(device));   // 7 s of segments of 2 s
-  TEST_ASSERT_EQUAL_UINT32(dark.calibrations_published, good.calibrations_published);   // the database did not collect
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(before + 3, condensed_segments(device));            // 7 s of segments of 2 s
+  TEST_ASSERT_EQUAL_UINT32(dark.calibrations_published, good.calibrations_published);  // the database did not collect
 }
 
 /// While a calibration that was asked for moves the kept segments, they are in nobody's hash.
@@ -209,8 +211,8 @@ void test_a_joint_filter_calibrates_no_segments() {
   TEST_ASSERT_EQUAL_UINT32(0, counters.calibrations);
 }
 
-/// Parts of 7.5 s, each a session of its own: the device calibrates again of its own when it has condensed three times what the last one
-/// was made from, however many sessions that took.
+/// Parts of 7.5 s, each a session of its own: the device calibrates again of its own when it has condensed three times
+/// what the last one was made from, however many sessions that took.
 void test_short_sessions_add_up() {
   Storage storage(0);
   segcal_config_t c = config(true);
@@ -241,7 +243,7 @@ int column_of(segcal_t* device, const char* name) {
 
 /// The principal point is somewhere else in the second session.
 void test_a_change_is_followed_and_dated() {
-  constexpr double kStep = 3;   // px
+  constexpr double kStep = 3;  // px
   Storage storage(0);
   segcal_t* device = create(&storage, config(true));
   segcal_change_t change;
@@ -264,7 +266,8 @@ void test_a_change_is_followed_and_dated() {
   feed_keyframes(device, 3500, 6000, kStep);
   const segcal_result_t after = result_of(device);
   TEST_ASSERT_EQUAL_INT(SEGCAL_CALIBRATED, after.status);
-  check_between(Id(), "error of cx, sigmas", -4, (after.parameter[cx].value - after.parameter[cx].initial - kStep) / after.parameter[cx].sigma, 4);
+  check_between(Id(), "error of cx, sigmas", -4,
+                (after.parameter[cx].value - after.parameter[cx].initial - kStep) / after.parameter[cx].sigma, 4);
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_get_change(device, -1, &change));
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_change(device, 0, &change));
   TEST_ASSERT_EQUAL_INT(0, change.open);
@@ -275,28 +278,28 @@ void test_a_change_is_followed_and_dated() {
   check_between(Id(), "step of cx, px", kStep - 4 * change.sigma[cx], change.step[cx], kStep + 4 * change.sigma[cx]);
   segcal_counters_t counters;
   segcal_get_counters(device, &counters);
-  TEST_ASSERT_GREATER_OR_EQUAL_UINT32(4, counters.segments_outdated);   // what the first release was made from
+  TEST_ASSERT_GREATER_OR_EQUAL_UINT32(4, counters.segments_outdated);  // what the first release was made from
 }
 
-/// A contradiction, and then a hand over the lens for much longer than segments are waited for: nothing says that what was known before
-/// still holds, and nothing may confirm it.
+/// A contradiction, and then a hand over the lens for much longer than segments are waited for: nothing says that what
+/// was known before still holds, and nothing may confirm it.
 void test_nothing_seen_decides_nothing() {
   Storage storage(0);
   segcal_config_t c = config(true);
-  c.keep_segments = 5;   // nothing is condensed before the change: it is the kept ones that are contradicted
+  c.keep_segments = 5;  // nothing is condensed before the change: it is the kept ones that are contradicted
   segcal_t* device = create(&storage, c);
   segcal_new_session(device);
   feed_keyframes(device, 0, 2020, 0);
   TEST_ASSERT_EQUAL_INT(0, condensed_segments(device));
   segcal_new_session(device);
-  feed_keyframes(device, 2020, 2440, 3);   // the one that contradicts, and none after it
+  feed_keyframes(device, 2020, 2440, 3);  // the one that contradicts, and none after it
   segcal_change_t change;
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_change(device, -1, &change));
   TEST_ASSERT_EQUAL_UINT32(1, change.before_session);
   TEST_ASSERT_EQUAL_UINT32(2, change.after_session);
   segcal_counters_t before, after;
   segcal_get_counters(device, &before);
-  for (int lap = 0; lap < 2; ++lap) {   // 30 segments; three times five are waited for
+  for (int lap = 0; lap < 2; ++lap) {  // 30 segments; three times five are waited for
     segcal_new_session(device);
     for (std::size_t i = 0; i < stream_of_30_s().imu.size(); ++i) {
       segcal_push_imu(device, &stream_of_30_s().imu[i]);
@@ -326,7 +329,7 @@ void test_no_change_is_none() {
   for (int i = -1; i < 1; ++i) TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_get_change(device, i, &change));
   segcal_epoch_t first, second;
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_epoch(device, 0, &first));
-  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_epoch(device, 1, &second));   // each session its own
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_epoch(device, 1, &second));  // each session its own
   TEST_ASSERT_EQUAL_INT(SEGCAL_CALIBRATED, result_of(device).status);
 }
 

@@ -43,7 +43,9 @@ void test_own_odometry_keeps_its_frame_over_a_gap() {
   TEST_ASSERT_EQUAL_INT(1, calibrate(Way::keyframes, Break::gap).partitions);
 }
 
-void test_the_filter_has_a_new_frame_after_a_gap() { TEST_ASSERT_EQUAL_INT(2, calibrate(Way::tracks, Break::gap).partitions); }
+void test_the_filter_has_a_new_frame_after_a_gap() {
+  TEST_ASSERT_EQUAL_INT(2, calibrate(Way::tracks, Break::gap).partitions);
+}
 
 void test_a_new_session_is_a_new_frame() {
   TEST_ASSERT_EQUAL_INT(2, calibrate(Way::keyframes, Break::session).partitions);

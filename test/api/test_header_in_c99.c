@@ -1,8 +1,7 @@
 /* The public header in plain C99 with -pedantic: it must compile, link, and need nothing before it. */
-#include <segcal/segcal.h>
 #include <segcal/clock.h>
+#include <segcal/segcal.h>
 #include <segcal/store.h>
-
 #include <unity.h>
 
 void setUp(void) {}
@@ -26,7 +25,7 @@ static void test_zeroes_are_defaults(void) {
     unsigned char bytes[SEGCAL_STORAGE_BYTES];
   } storage;
   static segcal_config_t config;
-  segcal_t *device = NULL;
+  segcal_t* device = NULL;
   config.camera[0].model = SEGCAL_RADTAN;
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_CONFIG, segcal_create(&device, &config, storage.bytes, sizeof storage.bytes));
   config.camera[0].intrinsics[0] = config.camera[0].intrinsics[1] = 400;

@@ -17,13 +17,13 @@ struct Broken {
   bool imu = true, frames = true;
   void (*sample)(segcal_imu_t*) = [](segcal_imu_t*) {};
   void (*frame)(SyntheticStream::Frame*) = [](SyntheticStream::Frame*) {};
-  double every_s = 0;   ///< frames at least so far apart
-  double from = 0;      ///< s of a good stream before
+  double every_s = 0;  ///< frames at least so far apart
+  double from = 0;     ///< s of a good stream before
   double seconds = kSeconds;
   double gyro_range = 0, accel_range = 0, imu_rate_hz = 0;
-  int every_sample = 1;        ///< of those at 200 Hz
+  int every_sample = 1;  ///< of those at 200 Hz
   Way way = Way::tracks;
-  int every_keyframe = 1;      ///< of those at 10 Hz
+  int every_keyframe = 1;  ///< of those at 10 Hz
 };
 
 /// The device's answer after the whole stream.
@@ -48,7 +48,8 @@ int health_after(const Broken& how) {
     segcal_imu_t sample = long_stream<kSeconds>().imu[i];
     if (broken) how.sample(&sample);
     if ((how.imu || !broken) && i % std::size_t(how.every_sample) == 0) segcal_push_imu(device, &sample);
-    if (how.way == Way::keyframes && i % std::size_t(20 * how.every_keyframe) == 0) push_frame(device, long_stream<kSeconds>().frames[i / 20], how.way);
+    if (how.way == Way::keyframes && i % std::size_t(20 * how.every_keyframe) == 0)
+      push_frame(device, long_stream<kSeconds>().frames[i / 20], how.way);
     segcal_background(device, 8);
   }
   return segcal_get_health(device);
@@ -56,7 +57,8 @@ int health_after(const Broken& how) {
 
 void check(const char* what, int expected, const Broken& how) {
   const int health = health_after(how);
-  test::check_true(Id().add(what, 1).add("from", how.from).add("health", health), segcal_health_words(health), health == expected);
+  test::check_true(Id().add(what, 1).add("from", how.from).add("health", health), segcal_health_words(health),
+                   health == expected);
 }
 
 /// Each from the beginning, and after eight seconds in which the odometry ran.
@@ -71,11 +73,13 @@ void test_each_cause_has_its_name() {
     check("nothing is wrong", SEGCAL_HEALTH_RUNNING, broken([](Broken*) {}));
     check("no samples", SEGCAL_HEALTH_NO_IMU, broken([](Broken* b) { b->imu = false; }));
     check("no frames", SEGCAL_HEALTH_NO_FRAMES, broken([](Broken* b) { b->frames = false; }));
-    check("samples without values", SEGCAL_HEALTH_IMU_REFUSED,
-          broken([](Broken* b) { b->sample = [](segcal_imu_t* s) { s->accel[0] = std::numeric_limits<float>::quiet_NaN(); }; }));
+    check("samples without values", SEGCAL_HEALTH_IMU_REFUSED, broken([](Broken* b) {
+            b->sample = [](segcal_imu_t* s) { s->accel[0] = std::numeric_limits<float>::quiet_NaN(); };
+          }));
     check("frames of another clock", SEGCAL_HEALTH_CLOCKS_APART,
           broken([](Broken* b) { b->frame = [](SyntheticStream::Frame* f) { f->state.t_ns += 3600000000000; }; }));
-    check("a covered lens", SEGCAL_HEALTH_FEW_TRACKS, broken([](Broken* b) { b->frame = [](SyntheticStream::Frame* f) { f->points.resize(3); }; }));
+    check("a covered lens", SEGCAL_HEALTH_FEW_TRACKS,
+          broken([](Broken* b) { b->frame = [](SyntheticStream::Frame* f) { f->points.resize(3); }; }));
     check("a mirrored image", SEGCAL_HEALTH_NO_START, broken([](Broken* b) {
             b->frame = [](SyntheticStream::Frame* f) {
               for (segcal_point_t& p : f->points) p.u = 640 - p.u;
@@ -102,7 +106,9 @@ void test_what_is_no_matter_of_time() {
   how.accel_range = 8;
   check("a range in g", SEGCAL_HEALTH_SATURATED, how);
   how = {};
-  how.sample = [](segcal_imu_t* s) { for (float& a : s->accel) a *= 102; };
+  how.sample = [](segcal_imu_t* s) {
+    for (float& a : s->accel) a *= 102;
+  };
   check("accelerations in mg", SEGCAL_HEALTH_SATURATED, how);
   how = {};
   how.every_sample = 4;
@@ -110,7 +116,7 @@ void test_what_is_no_matter_of_time() {
   how = {};
   how.imu_rate_hz = 1000;
   check("five times the rate is stated", SEGCAL_HEALTH_IMU_RATE, how);
-  if (SEGCAL_IMU_HISTORY < 1000) {   // what is kept is meant to last ten times as long
+  if (SEGCAL_IMU_HISTORY < 1000) {  // what is kept is meant to last ten times as long
     how = {};
     how.imu_rate_hz = 20;
     how.every_s = 0.4;
@@ -124,14 +130,13 @@ void test_what_is_no_matter_of_time() {
   check("an odometry of the caller's", SEGCAL_HEALTH_RUNNING, how);
 }
 
-void test_bad_handles() {
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_get_health(nullptr));
-}
+void test_bad_handles() { TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_get_health(nullptr)); }
 
 /// Every code has words of its own, and unknown ones are said to be unknown.
 void test_words() {
   for (int a = SEGCAL_HEALTH_RUNNING; a <= SEGCAL_HEALTH_NO_SEGMENTS; ++a) {
-    for (int b = SEGCAL_HEALTH_RUNNING; b < a; ++b) TEST_ASSERT_NOT_EQUAL(0, std::strcmp(segcal_health_words(a), segcal_health_words(b)));
+    for (int b = SEGCAL_HEALTH_RUNNING; b < a; ++b)
+      TEST_ASSERT_NOT_EQUAL(0, std::strcmp(segcal_health_words(a), segcal_health_words(b)));
     TEST_ASSERT_NOT_EQUAL(0, std::strcmp(segcal_health_words(a), "unknown"));
   }
   TEST_ASSERT_EQUAL_STRING("unknown", segcal_health_words(-1));

@@ -1,5 +1,5 @@
-// Data that must not harm: repeated tracks, stamps from another time, sensors with a FIFO, places far from the origin, counts below
-// zero. Where the bad data carry nothing, the result is that of the good ones alone, bit by bit.
+// Data that must not harm: repeated tracks, stamps from another time, sensors with a FIFO, places far from the origin,
+// counts below zero. Where the bad data carry nothing, the result is that of the good ones alone, bit by bit.
 #include <limits>
 
 #include "api_fixture.h"
@@ -23,8 +23,8 @@ segcal_counters_t counters_of(const segcal_t* device) {
 struct Feed {
   void (*frame)(SyntheticStream::Frame*) = [](SyntheticStream::Frame*) {};
   bool (*bad_sample)(int i, segcal_imu_t*) = [](int, segcal_imu_t*) { return false; };  ///< fed before sample i
-  void (*change)(int i, segcal_imu_t*) = [](int, segcal_imu_t*) {};   ///< of sample i
-  int block = 1;   ///< samples come in blocks of so many, after the frames of their time
+  void (*change)(int i, segcal_imu_t*) = [](int, segcal_imu_t*) {};                     ///< of sample i
+  int block = 1;  ///< samples come in blocks of so many, after the frames of their time
   Way way = Way::tracks;
 };
 
@@ -74,7 +74,7 @@ void repeat_points(SyntheticStream::Frame* frame, int copies) {
   for (std::size_t i = 0; i < once.size() && frame->points.size() + copies <= SEGCAL_MAX_TRACKS; ++i) {
     for (int c = 0; c < copies; ++c) {
       frame->points.push_back(once[i]);
-      frame->points.back().u += float(c);   // another place: taken twice, it would be another measurement
+      frame->points.back().u += float(c);  // another place: taken twice, it would be another measurement
     }
   }
 }
@@ -141,7 +141,8 @@ void test_a_clock_that_was_set_is_followed() {
       segcal_push_imu(device, &sample);
       if (i % 20 != 0) continue;
       const SyntheticStream::Frame& frame = long_stream<kSeconds>().frames[i / 20];
-      segcal_push_tracks(device, frame.state.t_ns + by, frame.points.data(), std::min(int(frame.points.size()), SEGCAL_MAX_TRACKS));
+      segcal_push_tracks(device, frame.state.t_ns + by, frame.points.data(),
+                         std::min(int(frame.points.size()), SEGCAL_MAX_TRACKS));
     }
     const segcal_counters_t after = counters_of(device);
     const Id id = Id().add("by_ns", by);
@@ -179,13 +180,13 @@ void test_the_first_image_from_another_time() {
     const segcal_counters_t after = counters_of(device);
     check_near(id, "frame_stamps_far", 1, after.frame_stamps_far - before.frame_stamps_far, 0);
     check_near(id, "frame_stamps_back", 0, after.frame_stamps_back - before.frame_stamps_back, 0);
-    check_true(id, "images are used", after.frames_used > before.frames_used + 30);   // of 50
+    check_true(id, "images are used", after.frames_used > before.frames_used + 30);  // of 50
   }
 }
 
 /// No chip has such a temperature: the sample's values count, its warmth does not.
 void test_impossible_temperatures_change_nothing() {
-  if (SEGCAL_MAX_EFFECT_ESTIMATES < 3) return;   // not in profile mcu
+  if (SEGCAL_MAX_EFFECT_ESTIMATES < 3) return;  // not in profile mcu
   segcal_config_t config = SyntheticStream::config();
   config.has_temperature = 1;
   config.estimate_effects = SEGCAL_EFFECT_GYRO_TEMPERATURE;
@@ -265,7 +266,8 @@ void check_bridged() {
   const segcal_counters_t counters = counters_of_stream(spiked<kFirst, kWidth>());
   TEST_ASSERT_EQUAL_UINT(kWidth, counters.imu_spikes);
   TEST_ASSERT_EQUAL_UINT(counters_of_stream({}).frames_used, counters.frames_used);
-  const segcal_state_t bridged = state_after(spiked<kFirst, kWidth>(), 1100), left_out = state_after(clipped<kFirst, kWidth>(), 1100);
+  const segcal_state_t bridged = state_after(spiked<kFirst, kWidth>(), 1100),
+                       left_out = state_after(clipped<kFirst, kWidth>(), 1100);
   TEST_ASSERT_EQUAL_MEMORY(&left_out, &bridged, sizeof bridged);
 }
 
@@ -277,8 +279,8 @@ void check_started_again() {
   TEST_ASSERT_EQUAL_UINT(0, counters.imu_gaps);
 }
 
-/// Readings that stand alone, one or two, are known as such when the next one has come. They are taken out again, and the filter goes on; if a
-/// frame has used one (frames come with every twentieth), the filter starts again.
+/// Readings that stand alone, one or two, are known as such when the next one has come. They are taken out again, and
+/// the filter goes on; if a frame has used one (frames come with every twentieth), the filter starts again.
 void test_a_spike_is_taken_out_of_the_stream() {
   check_bridged<1007, 1>();
   check_bridged<1007, 2>();
@@ -317,7 +319,8 @@ void test_keyframes_far_from_the_origin_give_the_same_result() {
   check_between(Id(), "difference in sigmas", 0, difference_in_sigmas(near_device, far_device), 0.02);
   segcal_state_t state;
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_state(far_device, &state));
-  check_near(Id().add("place", "far"), "p_GI.x", long_stream<kSeconds>().frames.back().state.p_GI[0] + 7e6, state.p_GI[0], 1e-4);
+  check_near(Id().add("place", "far"), "p_GI.x", long_stream<kSeconds>().frames.back().state.p_GI[0] + 7e6,
+             state.p_GI[0], 1e-4);
 }
 
 void test_counts_below_zero_are_refused() {
@@ -340,7 +343,8 @@ void test_counts_below_zero_are_refused() {
                        segcal_get_segment_directions(device, as((segcal_direction_t*)nullptr), -3),
                        segcal_get_effect_scores(device, as((segcal_effect_score_t*)nullptr), -3),
                        segcal_get_terms(device, as((segcal_term_t*)nullptr), as((double*)nullptr), -3)};
-  for (std::size_t i = 0; i < sizeof codes / sizeof *codes; ++i) check_near(Id().add("getter", i), "code", SEGCAL_ERROR_SIZE, codes[i], 0);
+  for (std::size_t i = 0; i < sizeof codes / sizeof *codes; ++i)
+    check_near(Id().add("getter", i), "code", SEGCAL_ERROR_SIZE, codes[i], 0);
 }
 
 }  // namespace

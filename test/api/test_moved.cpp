@@ -1,5 +1,5 @@
-// A device whose memory moves: after each slice of its work, or kept as bytes between two sessions, in one block or two, it comes to the same
-// bits as one that stays; no address is in its memory; and what is no device is refused.
+// A device whose memory moves: after each slice of its work, or kept as bytes between two sessions, in one block or
+// two, it comes to the same bits as one that stays; no address is in its memory; and what is no device is refused.
 #include <segcal/blocks.h>
 
 #include <functional>
@@ -22,16 +22,38 @@ struct Kind {
 const Kind kKinds[] = {
     {"plain", [](segcal_config_t*) {}, Way::tracks},
     {"odometry", [](segcal_config_t*) {}, Way::keyframes},
-    {"averaged", [](segcal_config_t* c) { c->segment_s = 4; }, Way::tracks},   // profile mcu: two IMU samples become one
-    {"set_d", [](segcal_config_t* c) { c->metric = SEGCAL_METRIC_SET_D; c->keep_segments = 3; }, Way::tracks},
-    {"time_offset", [](segcal_config_t* c) { if (SEGCAL_MAX_EFFECT_ESTIMATES >= 1) c->estimate_effects = SEGCAL_EFFECT_TIME_OFFSET; }, Way::tracks},
-    {"g_sensitivity", [](segcal_config_t* c) { if (SEGCAL_MAX_EFFECT_ESTIMATES >= 9) c->estimate_effects = SEGCAL_EFFECT_GYRO_G_SENSITIVITY; }, Way::tracks},
-    {"condensing", [](segcal_config_t* c) { c->condense = SEGCAL_MAX_EPOCHS > 0 ? 1 : 0; c->calibration_window = 1; }, Way::tracks},
-    {"watching", [](segcal_config_t* c) { if (SEGCAL_MAX_EFFECT_COLUMNS >= 3) c->watch_effects = SEGCAL_EFFECT_ROLLING_SHUTTER; }, Way::tracks}};
+    {"averaged", [](segcal_config_t* c) { c->segment_s = 4; }, Way::tracks},  // profile mcu: two IMU samples become one
+    {"set_d",
+     [](segcal_config_t* c) {
+       c->metric = SEGCAL_METRIC_SET_D;
+       c->keep_segments = 3;
+     },
+     Way::tracks},
+    {"time_offset",
+     [](segcal_config_t* c) {
+       if (SEGCAL_MAX_EFFECT_ESTIMATES >= 1) c->estimate_effects = SEGCAL_EFFECT_TIME_OFFSET;
+     },
+     Way::tracks},
+    {"g_sensitivity",
+     [](segcal_config_t* c) {
+       if (SEGCAL_MAX_EFFECT_ESTIMATES >= 9) c->estimate_effects = SEGCAL_EFFECT_GYRO_G_SENSITIVITY;
+     },
+     Way::tracks},
+    {"condensing",
+     [](segcal_config_t* c) {
+       c->condense = SEGCAL_MAX_EPOCHS > 0 ? 1 : 0;
+       c->calibration_window = 1;
+     },
+     Way::tracks},
+    {"watching",
+     [](segcal_config_t* c) {
+       if (SEGCAL_MAX_EFFECT_COLUMNS >= 3) c->watch_effects = SEGCAL_EFFECT_ROLLING_SHUTTER;
+     },
+     Way::tracks}};
 
 segcal_config_t config(const Kind& kind) {
   segcal_config_t c = SyntheticStream::config();
-  c.outdated_level = 0.1;   // often: comparing is work too
+  c.outdated_level = 0.1;  // often: comparing is work too
   kind.change(&c);
   return c;
 }
@@ -39,13 +61,16 @@ segcal_config_t config(const Kind& kind) {
 /// A device that moves between two pieces of memory, each of one block or of two.
 class Mover {
  public:
-  Mover(const segcal_config_t& config, bool two_blocks) : two_blocks_(two_blocks), place_{{Storage(0x5A), Storage(0xA5)}, {Storage(0x3C, 16), Storage(0xC3)}} {
-    const int code = two_blocks ? segcal_create_in_blocks(&device, &config, hot(), segcal_hot_bytes(), cold(), segcal_cold_bytes())
-                                : segcal_create(&device, &config, hot(), segcal_storage_bytes());
+  Mover(const segcal_config_t& config, bool two_blocks)
+      : two_blocks_(two_blocks), place_{{Storage(0x5A), Storage(0xA5)}, {Storage(0x3C, 16), Storage(0xC3)}} {
+    const int code =
+        two_blocks ? segcal_create_in_blocks(&device, &config, hot(), segcal_hot_bytes(), cold(), segcal_cold_bytes())
+                   : segcal_create(&device, &config, hot(), segcal_storage_bytes());
     TEST_ASSERT_EQUAL_INT(SEGCAL_OK, code);
     segcal_work_when_due(device, 1);
   }
-  /// As bytes, to another place; nothing is left at the old one. With two blocks: the hot one, the cold one or both, in turns.
+  /// As bytes, to another place; nothing is left at the old one. With two blocks: the hot one, the cold one or both, in
+  /// turns.
   int move() {
     const int which = two_blocks_ ? 1 + moves % 3 : 1;
     ++moves;
@@ -53,7 +78,8 @@ class Mover {
       if ((which >> block & 1) == 0) continue;
       unsigned char* from = place_[block][at_[block]].data;
       at_[block] ^= 1;
-      const std::size_t bytes = two_blocks_ ? (block == 0 ? segcal_hot_bytes() : segcal_cold_bytes()) : segcal_storage_bytes();
+      const std::size_t bytes =
+          two_blocks_ ? (block == 0 ? segcal_hot_bytes() : segcal_cold_bytes()) : segcal_storage_bytes();
       std::memcpy(place_[block][at_[block]].data, from, bytes);
       std::memset(from, 0xEE, bytes);
     }
@@ -169,12 +195,15 @@ void test_what_is_no_device_is_refused() {
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_attach(nullptr, m.hot(), nullptr));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_attach(&device, nullptr, nullptr));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_ALIGNMENT, segcal_attach(&device, static_cast<char*>(m.hot()) + 4, nullptr));
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_ALIGNMENT, segcal_attach(&device, apart.hot(), static_cast<char*>(apart.cold()) + 4));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_ALIGNMENT,
+                        segcal_attach(&device, apart.hot(), static_cast<char*>(apart.cold()) + 4));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_attach(&device, apart.hot(), nullptr));
   Mover other(config(kKinds[0]), true);
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_attach(&device, apart.hot(), other.cold()));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_attach(&device, apart.cold(), apart.hot()));
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_attach(&device, m.hot(), static_cast<char*>(m.hot()) + (SEGCAL_HOT_BYTES + 15) / 16 * 16));
+  TEST_ASSERT_EQUAL_INT(
+      SEGCAL_ERROR_STATE,
+      segcal_attach(&device, m.hot(), static_cast<char*>(m.hot()) + (SEGCAL_HOT_BYTES + 15) / 16 * 16));
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_attach(&device, apart.hot(), apart.cold()));
   Storage random(0);
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_attach(&device, apart.hot(), random.data));
@@ -183,10 +212,15 @@ void test_what_is_no_device_is_refused() {
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_attach(&device, random.data, nullptr));
   TEST_ASSERT_NULL(device);
   const segcal_config_t c = config(kKinds[0]);
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_create_in_blocks(&device, &c, m.hot(), segcal_hot_bytes() - 1, apart.cold(), segcal_cold_bytes()));
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_create_in_blocks(&device, &c, m.hot(), segcal_hot_bytes(), apart.cold(), segcal_cold_bytes() - 1));
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_create_in_blocks(&device, &c, random.data, segcal_hot_bytes(), random.data, segcal_cold_bytes()));
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_create_in_blocks(&device, &c, random.data, segcal_hot_bytes(), random.data + segcal_hot_bytes() / 32 * 16, segcal_cold_bytes()));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_create_in_blocks(&device, &c, m.hot(), segcal_hot_bytes() - 1,
+                                                                   apart.cold(), segcal_cold_bytes()));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_create_in_blocks(&device, &c, m.hot(), segcal_hot_bytes(),
+                                                                   apart.cold(), segcal_cold_bytes() - 1));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_create_in_blocks(&device, &c, random.data, segcal_hot_bytes(),
+                                                                   random.data, segcal_cold_bytes()));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE,
+                        segcal_create_in_blocks(&device, &c, random.data, segcal_hot_bytes(),
+                                                random.data + segcal_hot_bytes() / 32 * 16, segcal_cold_bytes()));
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_attach(&device, m.hot(), nullptr));
 }
 

@@ -1,5 +1,5 @@
-// Whose deadlines they are, for a processor that has time for one slice a sample: with windows that allow it, every schedule of the
-// background gives the same bits.
+// Whose deadlines they are, for a processor that has time for one slice a sample: with windows that allow it, every
+// schedule of the background gives the same bits.
 #include "api_fixture.h"
 
 extern "C" void setUp() {}
@@ -9,15 +9,17 @@ namespace {
 
 using namespace test;
 
-// A score takes up to 1180 slices (320 in profile mcu): a segment lasts so many samples. A calibration takes up to 52,000 from three and four
-// segments in profile mobile, 28,000 from eight in mcu: so many segments its window has. Where it starts in motion, profile mcu does that
-// in slices that have half a second (SEGCAL_START_DELAY_MS): it starts at rest.
+// A score takes up to 1180 slices (320 in profile mcu): a segment lasts so many samples. A calibration takes up to
+// 52,000 from three and four segments in profile mobile, 28,000 from eight in mcu: so many segments its window has.
+// Where it starts in motion, profile mcu does that in slices that have half a second (SEGCAL_START_DELAY_MS): it starts
+// at rest.
 constexpr bool kMcu = SEGCAL_PROFILE == SEGCAL_PROFILE_MCU;
 constexpr double kSegmentSeconds = 6, kRestSeconds = 2;
 constexpr int kSegments = kMcu ? 8 : 3;
 constexpr int kWindow = kMcu ? 26 : 46;
 constexpr int kSeconds = kMcu ? 450 : 640;
-constexpr std::size_t kRequest = (kMcu ? 240 : 320) * 200;   ///< the first one, from 25 or 55 s on, has taken effect by then
+constexpr std::size_t kRequest =
+    (kMcu ? 240 : 320) * 200;  ///< the first one, from 25 or 55 s on, has taken effect by then
 
 const SyntheticStream& stream() {
   static const SyntheticStream instance(7, kSeconds, kRestSeconds);
@@ -25,7 +27,7 @@ const SyntheticStream& stream() {
 }
 
 struct Schedule {
-  int slices, every;   ///< so many, after each `every`-th sample
+  int slices, every;  ///< so many, after each `every`-th sample
 };
 
 struct Run {
@@ -40,7 +42,7 @@ Run run(const Schedule& schedule) {
   config.segment_s = kSegmentSeconds;
   config.calibration_window = kWindow;
   segcal_t* device = create(&storage, config);
-  segcal_work_when_due(device, 0);   // as segcal_create leaves it
+  segcal_work_when_due(device, 0);  // as segcal_create leaves it
   Run out{14695981039346656037ull, 0, {}};
   for (std::size_t i = 0; i < stream().imu.size(); ++i) {
     if (i == kRequest) TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_request_calibration(device));

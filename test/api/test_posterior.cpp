@@ -17,8 +17,8 @@ struct Posterior {
   Matrix covariance;
 };
 
-/// A device that has lived the stream with its keyframes; with `known_gyro` it has a gyroscope whose scale (columns 11 to 13) is
-/// known beforehand, better than the stream tells.
+/// A device that has lived the stream with its keyframes; with `known_gyro` it has a gyroscope whose scale (columns 11
+/// to 13) is known beforehand, better than the stream tells.
 segcal_t* calibrated(Storage* storage, bool known_gyro = false) {
   segcal_config_t config = SyntheticStream::config();
   config.trigger_fraction = -1;
@@ -43,8 +43,8 @@ Posterior posterior_of(const segcal_t* device) {
   return p;
 }
 
-/// Covariance over small rotations and the other entries as they are, from the rows of segcal_linearise and the prior, for the
-/// noise that the fit shows.
+/// Covariance over small rotations and the other entries as they are, from the rows of segcal_linearise and the prior,
+/// for the noise that the fit shows.
 Matrix independent_covariance(segcal_t* device, const segcal_result_t& result) {
   std::uint8_t use[SEGCAL_MAX_SEGMENTS + 1];
   for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
@@ -59,7 +59,8 @@ Matrix independent_covariance(segcal_t* device, const segcal_result_t& result) {
     for (int c = r; c <= n; ++c) R(r, c) = packed[k++];
   }
   Matrix information = R.topLeftCorner(n, n).transpose() * R.topLeftCorner(n, n);
-  for (int i = 0; i < n; ++i) information(i, i) += 1 / (result.parameter[i].prior_sigma * result.parameter[i].prior_sigma);
+  for (int i = 0; i < n; ++i)
+    information(i, i) += 1 / (result.parameter[i].prior_sigma * result.parameter[i].prior_sigma);
   return result.noise_scale * result.noise_scale * information.inverse();
 }
 
@@ -70,11 +71,13 @@ void test_covariance_is_that_of_the_rows() {
   const int n = p.result.n_parameters;
   for (int i = 0; i < n; ++i) {
     const double variance = p.result.parameter[i].sigma * p.result.parameter[i].sigma;
-    check_near(Id().add("parameter", p.result.parameter[i].name), "variance", variance, p.covariance(i, i), 1e-6 * variance);
+    check_near(Id().add("parameter", p.result.parameter[i].name), "variance", variance, p.covariance(i, i),
+               1e-6 * variance);
   }
   const Matrix expected = independent_covariance(device, p.result);
-  // All but r_CI and r_AI, whose components are not the small rotations that the rows are over. The core works in float: its
-  // triangle differs from the one that is solved here in double, by 2 % of a correlation where the prior tells most.
+  // All but r_CI and r_AI, whose components are not the small rotations that the rows are over. The core works in
+  // float: its triangle differs from the one that is solved here in double, by 2 % of a correlation where the prior
+  // tells most.
   int compared = 0;
   double largest = 0;
   for (int i = 0; i < n; ++i) {
@@ -82,7 +85,8 @@ void test_covariance_is_that_of_the_rows() {
       if (std::strstr(p.result.parameter[i].name, ".r_") || std::strstr(p.result.parameter[j].name, ".r_")) continue;
       const double found = p.covariance(i, j) / std::sqrt(p.covariance(i, i) * p.covariance(j, j));
       const double correlation = expected(i, j) / std::sqrt(expected(i, i) * expected(j, j));
-      check_near(Id().add("of", p.result.parameter[i].name).add("and", p.result.parameter[j].name), "correlation", correlation, found, 0.02);
+      check_near(Id().add("of", p.result.parameter[i].name).add("and", p.result.parameter[j].name), "correlation",
+                 correlation, found, 0.02);
       largest = std::fmax(largest, std::fabs(correlation));
       ++compared;
     }
@@ -93,8 +97,8 @@ void test_covariance_is_that_of_the_rows() {
   TEST_ASSERT_TRUE(solver.eigenvalues().minCoeff() > 0);
 }
 
-/// Where nothing is held the mean is the value, but for the last step of the fit, a small part of a sigma. The mean of what is held
-/// is what the fit said, not the start.
+/// Where nothing is held the mean is the value, but for the last step of the fit, a small part of a sigma. The mean of
+/// what is held is what the fit said, not the start.
 void test_mean_is_the_fit_with_nothing_held() {
   for (const bool known_gyro : {false, true}) {
     Storage storage(0xFF);
@@ -107,7 +111,8 @@ void test_mean_is_the_fit_with_nothing_held() {
     }
     const Id id = Id().add("known_gyro", known_gyro);
     check_near(id, "fixed parameters", known_gyro ? 3 : 0, held, 0);
-    check_between(id, "of these, with a mean that is not the start", known_gyro ? 1 : 0, moved, held);  // the prior is tight
+    check_between(id, "of these, with a mean that is not the start", known_gyro ? 1 : 0, moved,
+                  held);  // the prior is tight
     for (int i = 0; i < p.result.n_parameters && held == 0; ++i) {
       const segcal_parameter_t& q = p.result.parameter[i];
       // A fit has settled where its last step was below 0.02 sigma (calibration_fit.h).

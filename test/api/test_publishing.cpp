@@ -1,4 +1,5 @@
-// Results are published whole, whoever asks and whenever: getters between any two slices change no bit and see no half-done work.
+// Results are published whole, whoever asks and whenever: getters between any two slices change no bit and see no
+// half-done work.
 #include "api_fixture.h"
 
 extern "C" void setUp() {}
@@ -15,7 +16,7 @@ const std::vector<int> kSlices = {3};
 constexpr double kSeconds = 30;
 const std::vector<int> kSlices = {1, 3, 20, 1000000};
 #endif
-constexpr std::int64_t kLate = 4000000;   // ns, of the images' stamps
+constexpr std::int64_t kLate = 4000000;  // ns, of the images' stamps
 const SyntheticStream& long_stream() {
   static const SyntheticStream instance(11, kSeconds);
   return instance;
@@ -46,7 +47,8 @@ void ask_everything(segcal_t* device) {
   segcal_get_camera(device, 0, as((segcal_camera_t*)nullptr));
   segcal_get_imu_calibration(device, as((segcal_imu_calibration_t*)nullptr));
   segcal_get_result(device, as((segcal_result_t*)nullptr));
-  segcal_get_posterior(device, as((double*)nullptr), as((double*)nullptr) + SEGCAL_MAX_PARAMETERS, SEGCAL_MAX_PARAMETERS * SEGCAL_MAX_PARAMETERS);
+  segcal_get_posterior(device, as((double*)nullptr), as((double*)nullptr) + SEGCAL_MAX_PARAMETERS,
+                       SEGCAL_MAX_PARAMETERS * SEGCAL_MAX_PARAMETERS);
   segcal_get_epoch(device, 0, as((segcal_epoch_t*)nullptr));
   segcal_get_change(device, 0, as((segcal_change_t*)nullptr));
   segcal_get_direction(device, 0, as((segcal_direction_t*)nullptr));
@@ -67,7 +69,8 @@ void ask_everything(segcal_t* device) {
     segcal_get_link(device, slot, as((segcal_link_t*)nullptr));
   }
   static std::uint8_t use[SEGCAL_MAX_SEGMENTS + 1];
-  for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) use[slot] = segcal_get_segment(device, slot, as((segcal_segment_t*)nullptr)) == SEGCAL_OK;
+  for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot)
+    use[slot] = segcal_get_segment(device, slot, as((segcal_segment_t*)nullptr)) == SEGCAL_OK;
   std::int32_t a, b, c;
   segcal_linearise(device, use, nullptr, 0, as((double*)nullptr), sizeof out / sizeof(double), &a, &b, &c);
   segcal_result_hash(device);
@@ -83,7 +86,7 @@ void check_whole(const segcal_t* device, const Id& id) {
 }
 
 struct Run {
-  std::uint64_t at_the_end, on_the_way;   ///< hashes; the second one over those at each half second
+  std::uint64_t at_the_end, on_the_way;  ///< hashes; the second one over those at each half second
   std::uint32_t calibrations;
 };
 
@@ -118,7 +121,7 @@ Run run(int slices, bool ask, const Id& id, bool due = true) {
 
 void test_getters_and_slices_change_no_bit() {
   const Run expected = run(0, false, Id().add("slices", 0));
-  TEST_ASSERT_GREATER_OR_EQUAL_UINT(2, expected.calibrations);   // one of its own, and the one at the end
+  TEST_ASSERT_GREATER_OR_EQUAL_UINT(2, expected.calibrations);  // one of its own, and the one at the end
   for (const int slices : kSlices) {
     for (const bool ask : {false, true}) {
       const Id id = Id().add("slices", slices).add("ask", ask);
@@ -139,8 +142,8 @@ void test_getters_change_no_bit_with_deadlines() {
   }
 }
 
-/// All keyframes of a segment stand at their image's stamp plus one shift, also where a calibration with another time offset took
-/// effect while the stream went on; and each segment holds the samples since the one before.
+/// All keyframes of a segment stand at their image's stamp plus one shift, also where a calibration with another time
+/// offset took effect while the stream went on; and each segment holds the samples since the one before.
 void test_a_new_time_offset_begins_with_a_segment() {
   Storage storage(0xFF);
   segcal_config_t c = config();
@@ -164,13 +167,16 @@ void test_a_new_time_offset_begins_with_a_segment() {
       newest = segment.start_ns;
       segcal_link_t link;
       if (segment.serial > 1 && segcal_get_link(device, slot, &link) == SEGCAL_OK) {
-        check_near(Id().add("serial", segment.serial), "samples since the last keyframe of the segment before, ns", double(keyframe[1].t_ns - keyframe[0].t_ns), double(link.lead_ns),
-                   kLate);
+        check_near(Id().add("serial", segment.serial), "samples since the last keyframe of the segment before, ns",
+                   double(keyframe[1].t_ns - keyframe[0].t_ns), double(link.lead_ns), kLate);
         ++joined;
       }
-      const auto shift = [](const segcal_state_t& k) { return (k.t_ns - kLate - long_stream().frames[0].state.t_ns + 50000000) % 100000000 - 50000000; };
+      const auto shift = [](const segcal_state_t& k) {
+        return (k.t_ns - kLate - long_stream().frames[0].state.t_ns + 50000000) % 100000000 - 50000000;
+      };
       for (int k = 1; k < n; ++k) {
-        check_near(Id().add("serial", segment.serial).add("keyframe", k), "shift, ns", double(shift(keyframe[0])), double(shift(keyframe[k])), 1000);
+        check_near(Id().add("serial", segment.serial).add("keyframe", k), "shift, ns", double(shift(keyframe[0])),
+                   double(shift(keyframe[k])), 1000);
       }
       shifted += shift(keyframe[0]) < -kLate / 2 ? 1 : 0;
     }
@@ -189,14 +195,16 @@ void test_other_capacities_are_refused_by_name() {
   for (int i = 0; i < SEGCAL_N_CAPACITIES; ++i) {
     ++capacities[i];
     segcal_t* device = nullptr;
-    TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_CAPACITY, segcal_create_for(&device, &c, storage.data, segcal_storage_bytes(), capacities));
+    TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_CAPACITY,
+                          segcal_create_for(&device, &c, storage.data, segcal_storage_bytes(), capacities));
     TEST_ASSERT_NULL(device);
     TEST_ASSERT_EQUAL_INT(1, segcal_explain_capacities(capacities, line, sizeof line));
     --capacities[i];
   }
   ++capacities[0];
   segcal_explain_capacities(capacities, line, sizeof line);
-  std::snprintf(expected, sizeof expected, "SEGCAL_MAX_CAMERAS: the program has %d, the library %d", SEGCAL_MAX_CAMERAS + 1, SEGCAL_MAX_CAMERAS);
+  std::snprintf(expected, sizeof expected, "SEGCAL_MAX_CAMERAS: the program has %d, the library %d",
+                SEGCAL_MAX_CAMERAS + 1, SEGCAL_MAX_CAMERAS);
   TEST_ASSERT_EQUAL_STRING(expected, line);
   char small[8];
   segcal_explain_capacities(capacities, small, sizeof small);
@@ -210,7 +218,7 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_getters_and_slices_change_no_bit);
   RUN_TEST(test_getters_change_no_bit_with_deadlines);
-#ifndef PUBLISHING_SHORT   // too short for a second calibration
+#ifndef PUBLISHING_SHORT  // too short for a second calibration
   RUN_TEST(test_a_new_time_offset_begins_with_a_segment);
 #endif
   RUN_TEST(test_other_capacities_are_refused_by_name);

@@ -1,5 +1,5 @@
-// Cameras of few images per second, an odometry of few keyframes, and IMUs that deliver long blocks: they calibrate, or the device says
-// what keeps it from that.
+// Cameras of few images per second, an odometry of few keyframes, and IMUs that deliver long blocks: they calibrate, or
+// the device says what keeps it from that.
 #include <algorithm>
 
 #include "api_fixture.h"

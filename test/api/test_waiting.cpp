@@ -1,5 +1,6 @@
-// Images and keyframes that come before the IMU samples of their time: they wait, and come to the same bits however early they came; what
-// finds no place is counted; and where a spike was taken out meanwhile, no segment has the hole inside.
+// Images and keyframes that come before the IMU samples of their time: they wait, and come to the same bits however
+// early they came; what finds no place is counted; and where a spike was taken out meanwhile, no segment has the hole
+// inside.
 #include "api_fixture.h"
 
 extern "C" void setUp() {}
@@ -11,7 +12,7 @@ using namespace test;
 
 struct Order {
   const char* name;
-  int ahead;   ///< images are pushed so many samples before the one of their stamp (below 0: after it)
+  int ahead;  ///< images are pushed so many samples before the one of their stamp (below 0: after it)
 };
 const Order kOrders[] = {{"two_later", -2}, {"with_its_sample", 0}, {"one_sooner", 1}, {"nearly_an_image_sooner", 19}};
 
@@ -52,10 +53,12 @@ void test_the_same_bits_in_any_order() {
         const Id id = Id().add("way", static_cast<int>(way)).add("segment_s", segment_s).add("order", order.name);
         if (!selected(id.text())) continue;
         const Run found = run(way, segment_s, order.ahead);
-        // Of 140 images: eight before a start in motion and half a second after them (profile mcu), the first ones of a start that failed, and
-        // the last one or two, whose samples are in an average that is not complete.
-        check_true(id, ("images used: " + std::to_string(found.counters.frames_used)).c_str(), found.counters.frames_used >= (way == Way::keyframes ? 136u : 115u));
-        check_true(id, "the same number of segments", found.counters.segments_closed == expected.counters.segments_closed);
+        // Of 140 images: eight before a start in motion and half a second after them (profile mcu), the first ones of a
+        // start that failed, and the last one or two, whose samples are in an average that is not complete.
+        check_true(id, ("images used: " + std::to_string(found.counters.frames_used)).c_str(),
+                   found.counters.frames_used >= (way == Way::keyframes ? 136u : 115u));
+        check_true(id, "the same number of segments",
+                   found.counters.segments_closed == expected.counters.segments_closed);
         if (order.ahead > 0) check_true(id, "the same bits", found.hash == run(way, segment_s, 1).hash);
       }
     }
@@ -68,10 +71,11 @@ void test_what_finds_no_place_is_counted() {
     Storage storage(0);
     segcal_t* device = create(&storage, SyntheticStream::config());
     for (int i = 0; i < 200; ++i) segcal_push_imu(device, &s.imu[i]);
-    for (int i = 10; i < 20; ++i) {   // stamps from 1.0 s on, of which the device has no sample
+    for (int i = 10; i < 20; ++i) {  // stamps from 1.0 s on, of which the device has no sample
       const int n = std::min(static_cast<int>(s.frames[i].points.size()), SEGCAL_MAX_TRACKS);
-      const int code = way == Way::tracks ? segcal_push_tracks(device, s.frames[i].state.t_ns, s.frames[i].points.data(), n)
-                                          : segcal_push_keyframe(device, &s.frames[i].state, s.frames[i].points.data(), n);
+      const int code = way == Way::tracks
+                           ? segcal_push_tracks(device, s.frames[i].state.t_ns, s.frames[i].points.data(), n)
+                           : segcal_push_keyframe(device, &s.frames[i].state, s.frames[i].points.data(), n);
       TEST_ASSERT_EQUAL_INT(i < 10 + SEGCAL_WAITING_FRAMES ? SEGCAL_WAITING : SEGCAL_SKIPPED, code);
     }
     segcal_counters_t counters;
@@ -102,7 +106,8 @@ void test_a_keyframe_before_the_first_sample_is_skipped() {
   TEST_ASSERT_EQUAL_INT(20, counters.frames_used);
 }
 
-/// The largest stamps that are taken, one after the other: no difference overflows, and no images are missing between them.
+/// The largest stamps that are taken, one after the other: no difference overflows, and no images are missing between
+/// them.
 void test_a_pause_of_centuries_drops_no_images() {
   const std::int64_t most = (std::int64_t(1) << 62) - 1;
   const SyntheticStream& s = long_stream<14>();
@@ -110,7 +115,8 @@ void test_a_pause_of_centuries_drops_no_images() {
   segcal_t* device = create(&storage, SyntheticStream::config());
   const int n = std::min(static_cast<int>(s.frames[0].points.size()), SEGCAL_MAX_TRACKS);
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STAMP, segcal_push_tracks(device, -most - 1, s.frames[0].points.data(), n));
-  for (const std::int64_t t : {-most, -most + 100000000, most}) TEST_ASSERT_EQUAL_INT(SEGCAL_WAITING, segcal_push_tracks(device, t, s.frames[0].points.data(), n));
+  for (const std::int64_t t : {-most, -most + 100000000, most})
+    TEST_ASSERT_EQUAL_INT(SEGCAL_WAITING, segcal_push_tracks(device, t, s.frames[0].points.data(), n));
   segcal_counters_t counters;
   segcal_get_counters(device, &counters);
   TEST_ASSERT_EQUAL_INT(0, counters.frames_dropped);
@@ -135,8 +141,8 @@ void test_late_stamps_are_no_missing_images() {
   TEST_ASSERT_EQUAL_INT(3, counters.frames_dropped);
 }
 
-/// Where a spike was taken out a segment ends: none has the hole inside, whichever image waited meanwhile. Forty offsets meet each place of a
-/// group of two and of an image's period.
+/// Where a spike was taken out a segment ends: none has the hole inside, whichever image waited meanwhile. Forty
+/// offsets meet each place of a group of two and of an image's period.
 void test_no_segment_has_a_hole() {
   const SyntheticStream& s = long_stream<14>();
   for (const Way way : {Way::tracks, Way::keyframes}) {
@@ -167,8 +173,12 @@ void test_no_segment_has_a_hole() {
           const int n = segcal_get_samples(device, slot, samples.data(), SEGCAL_MAX_IMU_SAMPLES);
           // 5 ms apart, in groups of two 10 ms.
           for (int k = 1; k < n; ++k) {
-            check_true(Id(id).add("slot", slot), ("ms without a sample: " + std::to_string(1e-6 * static_cast<double>(samples[k].t_ns - samples[k - 1].t_ns))).c_str(),
-                       samples[k].t_ns - samples[k - 1].t_ns < (SEGCAL_PROFILE == SEGCAL_PROFILE_MCU && segment_s > 3 ? 12000000 : 7000000));
+            check_true(Id(id).add("slot", slot),
+                       ("ms without a sample: " +
+                        std::to_string(1e-6 * static_cast<double>(samples[k].t_ns - samples[k - 1].t_ns)))
+                           .c_str(),
+                       samples[k].t_ns - samples[k - 1].t_ns <
+                           (SEGCAL_PROFILE == SEGCAL_PROFILE_MCU && segment_s > 3 ? 12000000 : 7000000));
           }
         }
       }

@@ -1,10 +1,9 @@
 // segcal.hpp and lookup.h: the same bits as the C API, a sentence for each code, parameters by name.
 #include <segcal/segcal.hpp>
-
-#include "api_fixture.h"
-
 #include <set>
 #include <string>
+
+#include "api_fixture.h"
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}
@@ -24,7 +23,8 @@ void test_the_wrapper_is_the_api() {
     if (i % 20 != 0) continue;
     const SyntheticStream::Frame& frame = stream().frames[i / 20];
     const int n = std::min(static_cast<int>(frame.points.size()), SEGCAL_MAX_TRACKS);
-    TEST_ASSERT_EQUAL_INT(segcal_push_tracks(device, frame.state.t_ns, frame.points.data(), n), wrapped.push_tracks(frame.state.t_ns, frame.points.data(), n));
+    TEST_ASSERT_EQUAL_INT(segcal_push_tracks(device, frame.state.t_ns, frame.points.data(), n),
+                          wrapped.push_tracks(frame.state.t_ns, frame.points.data(), n));
     wrapped.background(5);
   }
   segcal_flush(device);
@@ -36,8 +36,10 @@ void test_the_wrapper_is_the_api() {
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_result(device, &a));
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, wrapped.get(&b));
   TEST_ASSERT_EQUAL_MEMORY(a.parameter, b.parameter, sizeof *a.parameter * static_cast<std::size_t>(a.n_parameters));
-  for (int i = 0; i < b.n_parameters; ++i) TEST_ASSERT_EQUAL_PTR(&b.parameter[i], segcal_find_parameter(&b, b.parameter[i].name));
-  for (const char* name : {"", "cam0", "cam0.fx2", "cam0.f", "CAM0.FX"}) TEST_ASSERT_NULL(segcal_find_parameter(&b, name));
+  for (int i = 0; i < b.n_parameters; ++i)
+    TEST_ASSERT_EQUAL_PTR(&b.parameter[i], segcal_find_parameter(&b, b.parameter[i].name));
+  for (const char* name : {"", "cam0", "cam0.fx2", "cam0.f", "CAM0.FX"})
+    TEST_ASSERT_NULL(segcal_find_parameter(&b, name));
 }
 
 void test_a_refused_configuration_is_no_device() {

@@ -16,8 +16,8 @@
 
 namespace bench {
 
-/// What all benchmarks run on: 100 tracks of 6 to 45 frames, IMU 200 Hz, camera 10 Hz, so that the filter's window of 11 poses
-/// is always full.
+/// What all benchmarks run on: 100 tracks of 6 to 45 frames, IMU 200 Hz, camera 10 Hz, so that the filter's window of
+/// 11 poses is always full.
 inline host::SimulationResult simulated_session() {
   host::SimulationOptions options;
   options.scenario = "rich";
@@ -83,16 +83,19 @@ inline std::vector<Portion> portions_of(const host::SimulationResult& session) {
 class BenchDevice {
  public:
   explicit BenchDevice(const host::SimulationResult& session)
-      : bytes_((segcal_storage_bytes() + SEGCAL_STORAGE_ALIGNMENT - 1) / SEGCAL_STORAGE_ALIGNMENT * SEGCAL_STORAGE_ALIGNMENT),
+      : bytes_((segcal_storage_bytes() + SEGCAL_STORAGE_ALIGNMENT - 1) / SEGCAL_STORAGE_ALIGNMENT *
+               SEGCAL_STORAGE_ALIGNMENT),
         storage_(std::aligned_alloc(SEGCAL_STORAGE_ALIGNMENT, bytes_)) {
     const segcal_config_t config = config_of(session);
-    if (segcal_create(&device_, &config, storage_.get(), bytes_) != SEGCAL_OK) throw std::runtime_error("segcal_create");
+    if (segcal_create(&device_, &config, storage_.get(), bytes_) != SEGCAL_OK)
+      throw std::runtime_error("segcal_create");
   }
 
   /// The background has all the time: a segment that ends is scored here.
   int feed(const Portion& portion) {
     for (const segcal_imu_t& sample : portion.imu) segcal_push_imu(device_, &sample);
-    const int answer = segcal_push_tracks(device_, portion.t_ns, portion.points.data(), static_cast<std::int32_t>(portion.points.size()));
+    const int answer = segcal_push_tracks(device_, portion.t_ns, portion.points.data(),
+                                          static_cast<std::int32_t>(portion.points.size()));
     segcal_background(device_, INT32_MAX);
     return answer;
   }

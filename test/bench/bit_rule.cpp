@@ -1,5 +1,5 @@
-// What the rule "the same bits from every build" costs: the CPU time of a frame, a score and a calibration. Built twice, with
-// the rule and with all that a compiler may do without it (CMakeLists.txt); run_bit_rule.cmake compares.
+// What the rule "the same bits from every build" costs: the CPU time of a frame, a score and a calibration. Built
+// twice, with the rule and with all that a compiler may do without it (CMakeLists.txt); run_bit_rule.cmake compares.
 #include <algorithm>
 #include <cstdio>
 #include <ctime>

@@ -1,6 +1,7 @@
-// Ceres beside the core, one thread, double precision, its residuals by automatic derivatives (host_tools/src/reference): the
-// information of one segment by ceres::Covariance, against the core's score; the calibration of eight segments by Ceres'
-// Levenberg-Marquardt with the Schur complement, against the core's. The session is that of device_benchmarks.cpp.
+// Ceres beside the core, one thread, double precision, its residuals by automatic derivatives
+// (host_tools/src/reference): the information of one segment by ceres::Covariance, against the core's score; the
+// calibration of eight segments by Ceres' Levenberg-Marquardt with the Schur complement, against the core's. The
+// session is that of device_benchmarks.cpp.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -26,7 +27,9 @@ const host::KeptSegments& kept() {
 /// The largest of them alone.
 void ceres_covariance_segment(benchmark::State& state) {
   host::KeptSegments one = kept();
-  const auto larger = [](const host::CoreKept& a, const host::CoreKept& b) { return a.measured.size() < b.measured.size(); };
+  const auto larger = [](const host::CoreKept& a, const host::CoreKept& b) {
+    return a.measured.size() < b.measured.size();
+  };
   one.segments = {*std::max_element(kept().segments.begin(), kept().segments.end(), larger)};
   one.segments[0].join = "none";
   const host::reference::Problem problem = host::reference::problem_of(one);
@@ -35,8 +38,8 @@ void ceres_covariance_segment(benchmark::State& state) {
 }
 BENCHMARK(ceres_covariance_segment)->Unit(benchmark::kMillisecond);
 
-/// From the data sheet's theta; states and landmarks start where the core's calibration ended, which is kinder to Ceres than
-/// the filter's states that the core starts from.
+/// From the data sheet's theta; states and landmarks start where the core's calibration ended, which is kinder to Ceres
+/// than the filter's states that the core starts from.
 void ceres_calibrate_8_segments(benchmark::State& state) {
   const host::reference::Problem start = host::reference::problem_of(kept());
   int iterations = 0;

@@ -35,7 +35,8 @@ class Lapack {
   }
 
  private:
-  using Geqrf = void (*)(const int* m, const int* n, S* a, const int* lda, S* tau, S* work, const int* lwork, int* info);
+  using Geqrf = void (*)(const int* m, const int* n, S* a, const int* lda, S* tau, S* work, const int* lwork,
+                         int* info);
   Geqrf geqrf_ = nullptr;
   std::vector<S> tau_, work_;
 };

@@ -1,10 +1,10 @@
-// Ten hours of stream through one device, fed and scored but never calibrated: is anything different at the end? A simulated
-// session of some minutes runs in a loop with stamps that go on; between two turns is a gap of a second, over which the
-// device starts its filter again, and keeps its database. `segcal_long_run [hours]`: takes minutes; not part of the target `bench`.
+// Ten hours of stream through one device, fed and scored but never calibrated: is anything different at the end? A
+// simulated session of some minutes runs in a loop with stamps that go on; between two turns is a gap of a second, over
+// which the device starts its filter again, and keeps its database. `segcal_long_run [hours]`: takes minutes; not part
+// of the target `bench`.
 //
-// Limits (exit code 1): the median CPU time of a segment in any hour is within 3 % of the first hour's. CPU time, not wall
-// clock: other programs take turns on this machine. With fewer hours the ten
-// parts that are compared are shorter.
+// Limits (exit code 1): the median CPU time of a segment in any hour is within 3 % of the first hour's. CPU time, not
+// wall clock: other programs take turns on this machine. With fewer hours the ten parts that are compared are shorter.
 #include <time.h>
 
 #include <algorithm>
@@ -46,7 +46,8 @@ struct Run {
 };
 
 /// Feeds one turn and notes what each segment took.
-void feed_session(bench::BenchDevice& device, const std::vector<bench::Portion>& portions, std::vector<double>* segment_s) {
+void feed_session(bench::BenchDevice& device, const std::vector<bench::Portion>& portions,
+                  std::vector<double>* segment_s) {
   std::uint32_t closed = device.closed();
   double start = cpu_seconds();
   bool whole = false;  // the first one of a turn waits for the filter's start
@@ -93,8 +94,8 @@ int main(int argc, char** argv) {
   for (int part = 0; part < kParts; ++part) {
     if (r.segment_s[part].empty()) continue;
     const double ratio = median(r.segment_s[part]) / first;
-    std::printf("%8.2f %10zu %14.3f %12.4f %12zu\n", part * hours / kParts, r.segment_s[part].size(), 1e3 * ratio * first, ratio,
-                r.state_bytes[part]);
+    std::printf("%8.2f %10zu %14.3f %12.4f %12zu\n", part * hours / kParts, r.segment_s[part].size(),
+                1e3 * ratio * first, ratio, r.state_bytes[part]);
     good = good && std::abs(ratio - 1) <= 0.03 && r.state_bytes[part] == r.state_bytes[0];
   }
   std::puts(good ? "within 3 % of the first part, state_bytes the same" : "beyond 3 % of the first part");

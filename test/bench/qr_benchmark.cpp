@@ -1,9 +1,11 @@
-// The QR kernel, in which most of a score is spent, and LAPACK's QR of the same blocks, one thread each. The core folds a
-// block at a time into its triangle, as in firmware, where all rows of a segment never stand together; LAPACK gets them
-// all at once. Rates count the same useful work for all: that of the triangle of the stacked dense rows, 2 n^2 (m - n/3).
+// The QR kernel, in which most of a score is spent, and LAPACK's QR of the same blocks, one thread each. The core folds
+// a block at a time into its triangle, as in firmware, where all rows of a segment never stand together; LAPACK gets
+// them all at once. Rates count the same useful work for all: that of the triangle of the stacked dense rows, 2 n^2 (m
+// - n/3).
 //
-// Two shapes: dense blocks of a typical landmark's rows, and the rows of a segment as they are, each with its own columns:
-// 20 keyframes, 120 landmarks seen for 3 to 20 keyframes, and one camera. LAPACK's QR takes zeros as any other number.
+// Two shapes: dense blocks of a typical landmark's rows, and the rows of a segment as they are, each with its own
+// columns: 20 keyframes, 120 landmarks seen for 3 to 20 keyframes, and one camera. LAPACK's QR takes zeros as any other
+// number.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -16,8 +18,8 @@
 namespace {
 
 using SEGCAL_NS::ColumnGap;
-using SEGCAL_NS::PackedTriangle;
 using SEGCAL_NS::packed_size;
+using SEGCAL_NS::PackedTriangle;
 
 /// Rows that are folded together.
 struct Block {
@@ -45,7 +47,8 @@ void fill(Stack<S>* stack) {
       for (int c = block.first; c < stack->columns; ++c) {
         if (c >= block.last_pose && c < stack->poses) continue;
         number = 1664525u * number + 1013904223u;
-        stack->entry[static_cast<std::size_t>(i * stack->columns + c)] = static_cast<S>(number >> 8) / S(8388608) - S(1);
+        stack->entry[static_cast<std::size_t>(i * stack->columns + c)] =
+            static_cast<S>(number >> 8) / S(8388608) - S(1);
       }
     }
   }
@@ -80,7 +83,8 @@ Stack<S> segment_stack() {
     const int length = 3 + below(kKeyframes - 2), first = below(kKeyframes - length + 1);
     blocks.push_back({0, 2 * length - 2, 6 * first, 6 * (first + length)});
   }
-  std::stable_sort(blocks.begin(), blocks.end(), [](const Block& a, const Block& b) { return a.last_pose < b.last_pose; });
+  std::stable_sort(blocks.begin(), blocks.end(),
+                   [](const Block& a, const Block& b) { return a.last_pose < b.last_pose; });
   for (Block& block : blocks) {
     block.first_row = stack.rows;
     stack.rows += block.rows;
@@ -92,7 +96,8 @@ Stack<S> segment_stack() {
 
 template <class S>
 void report(benchmark::State& state, const Stack<S>& stack) {
-  state.counters["MFLOP_per_s"] = benchmark::Counter(1e-6 * stack.flop(), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["MFLOP_per_s"] =
+      benchmark::Counter(1e-6 * stack.flop(), benchmark::Counter::kIsIterationInvariantRate);
 }
 
 /// Each iteration starts from an empty triangle and pays for the copy of the rows, which are destroyed.
@@ -122,7 +127,8 @@ void run_lapack(benchmark::State& state, const Stack<S>& stack, const char* libr
   std::vector<S> columns(stack.entry.size()), block;
   for (int i = 0; i < stack.rows; ++i) {
     for (int c = 0; c < stack.columns; ++c) {
-      columns[static_cast<std::size_t>(c * stack.rows + i)] = stack.entry[static_cast<std::size_t>(i * stack.columns + c)];
+      columns[static_cast<std::size_t>(c * stack.rows + i)] =
+          stack.entry[static_cast<std::size_t>(i * stack.columns + c)];
     }
   }
   for (auto _ : state) {
@@ -140,7 +146,9 @@ void qr_dense_sgeqrf_reference(benchmark::State& s) { run_lapack(s, dense_stack<
 void qr_segment(benchmark::State& s) { run_core(s, segment_stack<float>()); }
 void qr_segment_sgeqrf(benchmark::State& s) { run_lapack(s, segment_stack<float>(), bench::kOpenBlas); }
 void qr_segment_dgeqrf(benchmark::State& s) { run_lapack(s, segment_stack<double>(), bench::kOpenBlas); }
-void qr_segment_sgeqrf_reference(benchmark::State& s) { run_lapack(s, segment_stack<float>(), bench::kReferenceLapack); }
+void qr_segment_sgeqrf_reference(benchmark::State& s) {
+  run_lapack(s, segment_stack<float>(), bench::kReferenceLapack);
+}
 
 BENCHMARK(qr_dense)->Unit(benchmark::kMillisecond);
 BENCHMARK(qr_dense_sgeqrf)->Unit(benchmark::kMillisecond);

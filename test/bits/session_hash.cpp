@@ -1,5 +1,5 @@
-// Feeds a device log to the core, compiled right here with the options of one variant, and prints the result hash. Neither
-// the input nor the output passes through code that another variant compiles differently.
+// Feeds a device log to the core, compiled right here with the options of one variant, and prints the result hash.
+// Neither the input nor the output passes through code that another variant compiles differently.
 //
 // usage: session_hash LOG [SLICES]      SLICES: of background work after each sample; 0: all is done where it must be
 #include <cstdio>
@@ -101,8 +101,10 @@ int main(int argc, char** argv) {
   }
   if (!device.has_report() || device.database().size() < 2) stop("the session did not come to a calibration");
   if (device.faults().segments_missed == 0) stop("no segment ended while a calibration was under way");
-  std::fprintf(stderr, "%d slices per sample: %u calibrations, %u segments missed, late %u times, at most %u samples long\n",
-               slices_per_sample, device.faults().calibrations, device.faults().segments_missed, device.faults().slices_late, longest_wait);
+  std::fprintf(stderr,
+               "%d slices per sample: %u calibrations, %u segments missed, late %u times, at most %u samples long\n",
+               slices_per_sample, device.faults().calibrations, device.faults().segments_missed,
+               device.faults().slices_late, longest_wait);
   std::printf("result_hash %016llx\n", static_cast<unsigned long long>(device.result_hash()));
   return 0;
 }

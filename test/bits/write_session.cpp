@@ -1,5 +1,5 @@
-// Writes a simulated session as a device log of profile mcu: what the variants of session_hash are fed. The device begins a
-// calibration of its own after four segments, and there is enough left for it to take effect and to be used.
+// Writes a simulated session as a device log of profile mcu: what the variants of session_hash are fed. The device
+// begins a calibration of its own after four segments, and there is enough left for it to take effect and to be used.
 #include <cstdio>
 
 #include "device_log/write_log.h"

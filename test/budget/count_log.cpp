@@ -1,12 +1,13 @@
-// Feeds a device log through the C API, each call between the marks of the instruction counter: what the calls of any recording take.
-// For targets with files.
+// Feeds a device log through the C API, each call between the marks of the instruction counter: what the calls of any
+// recording take. For targets with files.
 //
-// usage: count_log LOG SLICES [REQUESTS]      SLICES: of background work after each sample; REQUESTS: calibrations asked for on the way
+// usage: count_log LOG SLICES [REQUESTS]      SLICES: of background work after each sample; REQUESTS: calibrations
+// asked for on the way
 #include <cstdio>
 #include <cstdlib>
 
 #include "log/config_fields.h"
-extern "C" {   // the counter knows its marks by their names
+extern "C" {  // the counter knows its marks by their names
 #include "feed.h"
 }
 
@@ -34,7 +35,8 @@ void feed_samples(ByteReader in) {
     s.temperature = in.number32();
     feed_sample(device, &s);
     feed_background(device, slices_per_sample);
-    if (requests > 0 && ++samples % (all_samples / static_cast<std::uint32_t>(requests + 1)) == 0) segcal_request_calibration(device);
+    if (requests > 0 && ++samples % (all_samples / static_cast<std::uint32_t>(requests + 1)) == 0)
+      segcal_request_calibration(device);
   }
 }
 
@@ -113,7 +115,7 @@ int main(int argc, char** argv) {
   segcal_counters_t counters;
   if (!device || segcal_get_counters(device, &counters) != SEGCAL_OK) stop("a log without a configuration");
   segcal_get_result(device, &result);
-  std::printf("status %d\ncalibrations %u\nsegments %u\nlate %u\nmissed %u\n", static_cast<int>(result.status), counters.calibrations,
-              counters.segments_closed, counters.slices_late, counters.segments_missed);
+  std::printf("status %d\ncalibrations %u\nsegments %u\nlate %u\nmissed %u\n", static_cast<int>(result.status),
+              counters.calibrations, counters.segments_closed, counters.slices_late, counters.segments_missed);
   return 0;
 }

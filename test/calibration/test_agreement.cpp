@@ -36,7 +36,8 @@ Exceeding exceeding(int loud, double sigma) {
   Exceeding count;
   for (int t = 0; t < kTrials; ++t) {
     Spread<S> spread;
-    for (int i = 0; i < kItems; ++i) spread.add(static_cast<S>(sum_of_squares(&random, kDegrees, loud, sigma)), kDegrees);
+    for (int i = 0; i < kItems; ++i)
+      spread.add(static_cast<S>(sum_of_squares(&random, kDegrees, loud, sigma)), kDegrees);
     const S ratio = static_cast<S>(sum_of_squares(&random, kDegrees, loud, sigma)) / S(kDegrees) / spread.mean();
     const S even = spread.limit(kDegrees, S(1e-3)), uneven = spread.uneven_limit(kDegrees, S(1e-3));
     count.even += even > S(0) && ratio > even ? 1 : 0;
@@ -45,24 +46,31 @@ Exceeding exceeding(int loud, double sigma) {
   return count;
 }
 
-/// 20 are expected where the limit holds. Real IMUs: what segments leave over has a mean square of about 10, in few directions.
+/// 20 are expected where the limit holds. Real IMUs: what segments leave over has a mean square of about 10, in few
+/// directions.
 void test_few_directions_have_long_tails() {
   const Exceeding white = exceeding(0, 1), few = exceeding(3, 8);
-  test::check_between(Id(), "white, even", 1, white.even, 35);   // at most 3.5 sigmas of a count more; fewer, as the yardstick is 1 at least
-  test::check_between(Id(), "white, uneven", 1, white.uneven, white.even);   // a spread that is above 1 by chance makes it careful
+  test::check_between(Id(), "white, even", 1, white.even,
+                      35);  // at most 3.5 sigmas of a count more; fewer, as the yardstick is 1 at least
+  test::check_between(Id(), "white, uneven", 1, white.uneven,
+                      white.even);  // a spread that is above 1 by chance makes it careful
   test::check_between(Id(), "few directions, even", 400, few.even, 20000);
-  test::check_between(Id(), "few directions, uneven", 1, few.uneven, 60);   // Paulson's approximation is poor with three degrees
+  test::check_between(Id(), "few directions, uneven", 1, few.uneven,
+                      60);  // Paulson's approximation is poor with three degrees
 }
 
 /// Columns 0 and 1 are hardly told apart.
 struct World : test::DrawnTheta {
   InformationAnalysis<S> analysis;
-  std::unique_ptr<S[]> W = std::make_unique<S[]>(kMaxTheta * kMaxTheta), scratch = std::make_unique<S[]>(Agreement<S>::kScratch);
+  std::unique_ptr<S[]> W = std::make_unique<S[]>(kMaxTheta * kMaxTheta),
+                       scratch = std::make_unique<S[]>(Agreement<S>::kScratch);
 
   explicit World(std::uint32_t seed) : DrawnTheta(seed) { analysis.W = W.get(); }
 
   SegmentInformation<S> segment() {
-    return information(1, [](int i, int c) { return i == 0 && c < 2 ? kRow : c == i ? (i == 1 ? 0.02 * kRow : kRow) : 0; });
+    return information(1, [](int i, int c) {
+      return i == 0 && c < 2 ? kRow : c == i ? (i == 1 ? 0.02 * kRow : kRow) : 0;
+    });
   }
   static constexpr double kRow = 30;
 };
@@ -71,7 +79,8 @@ struct Verdict {
   int outdated = 0;
   bool changed = false;
 };
-/// Six segments, and six older ones from before theta made a step of `step` sigmas of each: half of it by column 0, half by 1.
+/// Six segments, and six older ones from before theta made a step of `step` sigmas of each: half of it by column 0,
+/// half by 1.
 Verdict judge(std::uint32_t seed, double step) {
   const auto w = std::make_unique<World>(seed);
   Agreement<S> agreement(w->prior, w->theta, S(1e-3 / 11), S(1), &w->analysis, w->scratch.get());
@@ -85,8 +94,8 @@ Verdict judge(std::uint32_t seed, double step) {
   return v;
 }
 
-/// The step is 12 sigmas of a segment in the sum of two columns, and a twentieth of that in either alone: 6 / (30 / 0.6) of the prior's
-/// sigma, where six segments know it to a quarter of it.
+/// The step is 12 sigmas of a segment in the sum of two columns, and a twentieth of that in either alone: 6 / (30 /
+/// 0.6) of the prior's sigma, where six segments know it to a quarter of it.
 void test_what_no_entry_shows_alone_is_a_change() {
   int changed = 0, false_ones = 0;
   for (std::uint32_t seed = 0; seed < 50; ++seed) {

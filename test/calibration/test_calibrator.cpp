@@ -3,8 +3,8 @@
 #include <Eigen/LU>
 #include <memory>
 
-#include "../support/cast.h"
 #include "../support/cases.h"
+#include "../support/cast.h"
 #include "../support/synthetic_segments.h"
 #include "calibration/calibrator.h"
 
@@ -23,7 +23,7 @@ struct Outcome {
   CalibrationFit<double> fit;
   Calibration<double> theta;
   Eigen::VectorXd sigma, prior_sigma;
-  double gauge_moved = 0;   ///< m, the keyframe that holds the gauge
+  double gauge_moved = 0;  ///< m, the keyframe that holds the gauge
 };
 
 template <class S>
@@ -34,7 +34,8 @@ struct Solver {
 
 template <class S>
 CalibrationFit<double> to_double(const CalibrationFit<S>& a) {
-  return {a.converged, a.iterations, a.image_points, double(a.start_cost), double(a.cost), double(a.chi2), double(a.dof)};
+  return {a.converged,    a.iterations,   a.image_points, double(a.start_cost),
+          double(a.cost), double(a.chi2), double(a.dof)};
 }
 
 /// Sigma of each parameter from the triangle R over [theta | rhs].
@@ -70,7 +71,8 @@ Outcome calibrate(const SyntheticSession& session, const CalibratorOptions& opti
   out.theta = test::cast<double>(solver.calibrator.theta());
   out.gauge_moved = static_cast<double>((copies.front()->states.x[0].p_GI - start).norm());
   out.sigma = sigmas(solver.calibrator.theta_triangle());
-  out.prior_sigma = Eigen::Map<Eigen::Matrix<S, Eigen::Dynamic, 1>>(prior.sigma, out.sigma.size()).template cast<double>();
+  out.prior_sigma =
+      Eigen::Map<Eigen::Matrix<S, Eigen::Dynamic, 1>>(prior.sigma, out.sigma.size()).template cast<double>();
   return out;
 }
 
@@ -110,16 +112,20 @@ void test_errors_match_sigmas() {
     const Id id = Id().add("check", "devices").add("seed", seed);
     check_fit(id, out);
     const Eigen::VectorXd normalised = minus(out.theta, session.truth).cwiseQuotient(out.sigma);
-    for (int i = 0; i < normalised.size(); ++i) test::check_near(id.add("column", i), "error in sigmas", 0, normalised(i), 5);
+    for (int i = 0; i < normalised.size(); ++i)
+      test::check_near(id.add("column", i), "error in sigmas", 0, normalised(i), 5);
     squares = squares.size() ? squares + normalised.cwiseAbs2() : normalised.cwiseAbs2().eval();
     chi2 += out.fit.chi2 / out.fit.dof / kDevices;
   }
   test::check_between(Id().add("check", "mean_chi2"), "chi2/dof", 0.95, chi2, 1.05);
-  // The mean of 12 squared normal numbers lies in 0.18..2.9 with a probability of 0.999, here for each of 26 parameters.
+  // The mean of 12 squared normal numbers lies in 0.18..2.9 with a probability of 0.999, here for each of 26
+  // parameters.
   for (int i = 0; i < squares.size(); ++i) {
-    test::check_between(Id().add("check", "honest").add("column", i), "mean squared error", 0.18, squares(i) / kDevices, 2.9);
+    test::check_between(Id().add("check", "honest").add("column", i), "mean squared error", 0.18, squares(i) / kDevices,
+                        2.9);
   }
-  // All parameters of all devices together, as 200 independent numbers (they are correlated): sigma 0.1, three of those.
+  // All parameters of all devices together, as 200 independent numbers (they are correlated): sigma 0.1, three of
+  // those.
   test::check_between(Id().add("check", "honest_overall"), "mean squared error", 0.7, squares.mean() / kDevices, 1.3);
 }
 
@@ -130,7 +136,8 @@ void test_other_camera_models() {
     const Id id = Id().add("check", "model").add("model", int(model));
     check_fit(id, out);
     const Eigen::VectorXd normalised = minus(out.theta, session.truth).cwiseQuotient(out.sigma);
-    for (int i = 0; i < normalised.size(); ++i) test::check_near(id.add("column", i), "error in sigmas", 0, normalised(i), 5);
+    for (int i = 0; i < normalised.size(); ++i)
+      test::check_near(id.add("column", i), "error in sigmas", 0, normalised(i), 5);
   }
 }
 
@@ -145,12 +152,13 @@ void test_far_start() {
     const Id id = Id().add("check", "far").add("seed", seed);
     check_fit(id, out);
     const Eigen::VectorXd normalised = minus(out.theta, session.truth).cwiseQuotient(out.sigma);
-    for (int i = 0; i < normalised.size(); ++i) test::check_near(id.add("column", i), "error in sigmas", 0, normalised(i), 5);
+    for (int i = 0; i < normalised.size(); ++i)
+      test::check_near(id.add("column", i), "error in sigmas", 0, normalised(i), 5);
   }
 }
 
-/// Above a floor, 12 to 25 cm away: the priors on inverse distances pull the world away from their fixed anchors, and only the gauge holds it. A fit
-/// that creeps does not settle.
+/// Above a floor, 12 to 25 cm away: the priors on inverse distances pull the world away from their fixed anchors, and
+/// only the gauge holds it. A fit that creeps does not settle.
 void test_near_landmarks_do_not_drive_the_world_away() {
   for (std::uint32_t seed : {94u, 95u, 96u}) {
     SyntheticOptions options = device(seed);
@@ -162,7 +170,8 @@ void test_near_landmarks_do_not_drive_the_world_away() {
     const Id id = Id().add("check", "near").add("seed", seed);
     test::check_true(id, "did not converge", out.fit.converged);
     test::check_between(id, "iterations", 1, out.fit.iterations, 10);
-    // Each iteration moves it by the pull (some 2400) over the square of the hold: by 0.2 um, and float rounds a metre to 0.1 um.
+    // Each iteration moves it by the pull (some 2400) over the square of the hold: by 0.2 um, and float rounds a metre
+    // to 0.1 um.
     test::check_near(id, "the first keyframe moved, m", 0, out.gauge_moved, 1e-5);
   }
 }
@@ -183,7 +192,8 @@ void test_float_equals_double() {
   }
 }
 
-/// Corner tracks: every third point is off by 3 px more than its noise, so that robust weights change at each iteration.
+/// Corner tracks: every third point is off by 3 px more than its noise, so that robust weights change at each
+/// iteration.
 void add_tails(std::uint32_t seed, SyntheticSession* session) {
   test::Random random(seed);
   for (auto& segment : session->segments) {
@@ -195,8 +205,8 @@ void add_tails(std::uint32_t seed, SyntheticSession* session) {
   }
 }
 
-/// Cut off at each iteration in turn. While the cost falls the fit has not converged; where it is flat, a last step of less
-/// than half a sigma counts, and theta is that near to the minimum. Without `swings` the same fits are refused.
+/// Cut off at each iteration in turn. While the cost falls the fit has not converged; where it is flat, a last step of
+/// less than half a sigma counts, and theta is that near to the minimum. Without `swings` the same fits are refused.
 void test_last_step_on_a_flat_cost() {
   SyntheticSession session(device(74));
   add_tails(74, &session);
@@ -245,7 +255,8 @@ void test_rotation_in_place_says_nothing_of_the_lever_arm() {
   const Id id = Id().add("check", "in_place");
   check_fit(id, out);
   const Eigen::VectorXd normalised = minus(out.theta, session.truth).cwiseQuotient(out.sigma);
-  for (int i = 0; i < normalised.size(); ++i) test::check_near(id.add("column", i), "error in sigmas", 0, normalised(i), 5);
+  for (int i = 0; i < normalised.size(); ++i)
+    test::check_near(id.add("column", i), "error in sigmas", 0, normalised(i), 5);
   // Along the lever arm itself the prior's sigma stays: the sum of the components' sigmas there is at least that of the
   // direction (triangle inequality), less the tenth that noise may feign.
   const Vec3<double> along = session.nominal.camera[0].p_CI.normalized().cwiseAbs();

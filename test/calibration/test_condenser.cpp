@@ -94,9 +94,10 @@ void test_condensed_chain_tells_what_one_fit_tells() {
     const Matrix linked = covariance(condense(f.get(), theta, true), f->prior);
     const Matrix alone = covariance(condense(f.get(), theta, false), f->prior);
     for (int i = 0; i < n; ++i) {
-      // Settled one after the other, without those that follow, states differ from the fit's by their noise, and far corners are
-      // left out: a few per cent.
-      test::check_between(id.add("column", i), "sigma of the chain over that of the fit", 0.95, std::sqrt(linked(i, i) / joint(i, i)), 1.05);
+      // Settled one after the other, without those that follow, states differ from the fit's by their noise, and far
+      // corners are left out: a few per cent.
+      test::check_between(id.add("column", i), "sigma of the chain over that of the fit", 0.95,
+                          std::sqrt(linked(i, i) / joint(i, i)), 1.05);
     }
     // What links say is missing without them: the study of 30 segments lost a third.
     const double lost = std::sqrt((alone.diagonal().array() / joint.diagonal().array()).maxCoeff());
@@ -181,8 +182,8 @@ void test_a_full_ring_merges_the_oldest() {
   TEST_ASSERT_EQUAL_INT(3, epochs.epoch(0).segments);
 }
 
-/// Where the quadratic is believed: up to five of the epoch's own sigmas from theta_0, in each entry; ten, where its segments
-/// scatter by four times their sigmas.
+/// Where the quadratic is believed: up to five of the epoch's own sigmas from theta_0, in each entry; ten, where its
+/// segments scatter by four times their sigmas.
 void test_an_epoch_holds_near_its_theta() {
   const SyntheticSession session(device(4));
   ThetaPrior<double> prior;
@@ -201,7 +202,8 @@ void test_an_epoch_holds_near_its_theta() {
       step(i) = sigmas * std::sqrt(P(i, i));
       Calibration<double> at = session.nominal;
       add_step(&at, step.data());
-      test::check_true(Id().add("column", i).add("sigmas", sigmas), "believed or not", epoch.holds_at(at, prior, scratch.data()) == (std::abs(sigmas) < (scatters ? 10 : 5)));
+      test::check_true(Id().add("column", i).add("sigmas", sigmas), "believed or not",
+                       epoch.holds_at(at, prior, scratch.data()) == (std::abs(sigmas) < (scatters ? 10 : 5)));
     }
   }
 }
@@ -215,7 +217,7 @@ void test_sums_of_a_day_hold_in_float() {
   auto epoch = std::make_unique<Epoch<float>>();
   epoch->begin(theta, 0);
   std::vector<float> data(packed_size(n + 1));
-  for (int s = 0; s < 8000; ++s) {   // segments of 4 s: nine hours
+  for (int s = 0; s < 8000; ++s) {  // segments of 4 s: nine hours
     for (float& v : data) v = static_cast<float>(random.normal(1));
     data.back() = std::sqrt(3000.f);
     epoch->add(PackedTriangle<float>(data.data(), n + 1), 3000, {}, 0, static_cast<std::uint32_t>(s));

@@ -16,7 +16,7 @@ namespace {
 using S = float;
 
 constexpr int kKept = 6;
-constexpr double kRow = 30;   // length of a segment's rows, in units of 1 / (sigma of the prior)
+constexpr double kRow = 30;  // length of a segment's rows, in units of 1 / (sigma of the prior)
 
 /// A device whose theta is the prior's mean plus `offset` sigmas of it, until it moves.
 struct World : test::DrawnTheta {
@@ -27,7 +27,7 @@ struct World : test::DrawnTheta {
   double noise = 1;
 
   explicit World(std::uint32_t seed) : DrawnTheta(seed) {
-    for (double& t : truth) t = random.normal(0.05);   // as near as a release is
+    for (double& t : truth) t = random.normal(0.05);  // as near as a release is
     database.reset(kKept, Metric::A, Strategy::multi_session, S(0), 1);
     for (int i = 0; i < kKept; ++i) {
       database.building().information = segment();
@@ -40,7 +40,9 @@ struct World : test::DrawnTheta {
 
   /// R (theta [-] theta_0) = d with noise; every fifth column is not shown at all.
   SegmentInformation<S> segment() {
-    return information(noise, [this](int i, int c) { return (i % 5 == 4 || c % 5 == 4) ? 0 : c == i ? kRow : random.normal(0.2 * kRow); });
+    return information(noise, [this](int i, int c) {
+      return (i % 5 == 4 || c % 5 == 4) ? 0 : c == i ? kRow : random.normal(0.2 * kRow);
+    });
   }
   bool contradicts(SegmentInformation<S>* s) {
     contradiction.begin(S(1));
@@ -51,7 +53,8 @@ struct World : test::DrawnTheta {
   void take(SegmentInformation<S>* s) { epochs.newest().add(s->triangle(), 1000, contradiction.pull(), 0, 1); }
 };
 
-/// 100 devices that go on for 30 segments: 3000 pairs of comparisons at 1e-4 each make 0.6 false alarms; five would be one in 3000.
+/// 100 devices that go on for 30 segments: 3000 pairs of comparisons at 1e-4 each make 0.6 false alarms; five would be
+/// one in 3000.
 void test_false_alarms_are_as_rare_as_stated() {
   int alarms = 0;
   for (std::uint32_t seed = 0; seed < 100; ++seed) {
@@ -65,8 +68,8 @@ void test_false_alarms_are_as_rare_as_stated() {
   test::check_between(Id(), "false alarms", 0, alarms, 4);
 }
 
-/// A step that a segment shows with 9 of its sigmas adds about 80 to chi-square of 26 degrees: limit 59. Found at once, as this
-/// moment's where the epoch has segments from before.
+/// A step that a segment shows with 9 of its sigmas adds about 80 to chi-square of 26 degrees: limit 59. Found at once,
+/// as this moment's where the epoch has segments from before.
 void test_a_large_step_is_found_at_once() {
   int found = 0, now = 0;
   for (std::uint32_t seed = 0; seed < 50; ++seed) {
@@ -81,12 +84,12 @@ void test_a_large_step_is_found_at_once() {
     found += w->contradicts(&s) ? 1 : 0;
     now += w->contradiction.since_epoch() ? 0 : 1;
   }
-  test::check_between(Id(), "found of 50", 42, found, 50);   // normal: 2.5 sigmas above the limit's noise, nine in ten
+  test::check_between(Id(), "found of 50", 42, found, 50);  // normal: 2.5 sigmas above the limit's noise, nine in ten
   test::check_between(Id(), "dated to the segment", 48, now, 50);
 }
 
-/// A step of half that size shows in no segment alone. Twelve after it against six before: 80 once more, less what the other columns
-/// of a row take of it.
+/// A step of half that size shows in no segment alone. Twelve after it against six before: 80 once more, less what the
+/// other columns of a row take of it.
 void test_a_small_step_is_found_by_the_epoch() {
   int alone = 0, together = 0, since = 0;
   for (std::uint32_t seed = 0; seed < 50; ++seed) {
@@ -125,7 +128,8 @@ void test_pulls_tell_the_noise() {
       expected += static_cast<double>(w->epochs.newest().pulls.expected);
     }
     // What the kept segments said keeps its noise of 1; and chi-square of 600 degrees or so scatters by 6 %.
-    test::check_between(Id().add("noise", noise), "variance found", 0.8 * noise * noise, found / expected, 1.2 * noise * noise);
+    test::check_between(Id().add("noise", noise), "variance found", 0.8 * noise * noise, found / expected,
+                        1.2 * noise * noise);
   }
 }
 

@@ -114,9 +114,11 @@ struct Grouping {
 
 void check_group(const Id& id, const SyntheticSession& session, const std::vector<int>& firsts, int ties) {
   Grouping g(session);
-  for (int i = 0; i < g.count; ++i) test::check_near(id.add("segment", i), "first of its partition", firsts[i], g.firsts()[i], 0);
+  for (int i = 0; i < g.count; ++i)
+    test::check_near(id.add("segment", i), "first of its partition", firsts[i], g.firsts()[i], 0);
   test::check_near(id, "ties", ties, g.ties(), 0);
-  test::check_near(id, "partitions", static_cast<double>(std::set<int>(firsts.begin(), firsts.end()).size()), g.partitions.count(), 0);
+  test::check_near(id, "partitions", static_cast<double>(std::set<int>(firsts.begin(), firsts.end()).size()),
+                   g.partitions.count(), 0);
   for (int t = 0; t < g.ties(); ++t) {
     std::set<std::uint32_t> tracks;
     std::set<int> sets;
@@ -126,10 +128,12 @@ void check_group(const Id& id, const SyntheticSession& session, const std::vecto
       tracks.insert(g.segment[i]->track_id[j]);
       sets.insert(g.partitions.first_of(i));
       const Landmark<double>&a = g.segment[i]->states.landmark[j],
-             &b = g.segment[g.partitions.ties().first_segment(t)]->states.landmark[g.partitions.ties().landmark(t, g.partitions.ties().first_segment(t))];
+            &b = g.segment[g.partitions.ties().first_segment(t)]
+                     ->states.landmark[g.partitions.ties().landmark(t, g.partitions.ties().first_segment(t))];
       test::check_true(id.add("tie", t), "copies differ", a.o == b.o && a.m == b.m && a.rho == b.rho);
     }
-    test::check_true(id.add("tie", t), "a tie is one track, within one partition", tracks.size() == 1 && sets.size() == 1);
+    test::check_true(id.add("tie", t), "a tie is one track, within one partition",
+                     tracks.size() == 1 && sets.size() == 1);
   }
 }
 
@@ -204,8 +208,8 @@ void reject_tracks(Segment<double>* segment, std::uint32_t first) {
   }
 }
 
-/// The map's landmarks are all where the first two of them are, with their image points: nothing fixes the rotation about
-/// the line through these two.
+/// The map's landmarks are all where the first two of them are, with their image points: nothing fixes the rotation
+/// about the line through these two.
 void put_map_in_two_places(Segment<double>* segment) {
   const Segment<double> was = *segment;
   int n = 0;
@@ -261,7 +265,7 @@ void test_a_gap_between_any_two_stamps() {
   segment.session = 1;
   segment.t0_ns = 6200000000;
   const auto link = link_after(SegmentEnd{INT64_MIN, 1, 1}, segment);
-  TEST_ASSERT_TRUE(link.gap_s > 9.2e9f && link.gap_s < 9.3e9f);   // INT64_MAX, ns
+  TEST_ASSERT_TRUE(link.gap_s > 9.2e9f && link.gap_s < 9.3e9f);  // INT64_MAX, ns
 }
 
 }  // namespace

@@ -13,7 +13,8 @@ extern "C" void tearDown() {}
 
 namespace {
 
-/// Where a fit stands: R_CI = Exp(d) R_mean, of whose three printed components two are known to 1e-3 rad and `blind` not at all.
+/// Where a fit stands: R_CI = Exp(d) R_mean, of whose three printed components two are known to 1e-3 rad and `blind`
+/// not at all.
 template <class S>
 struct Fit {
   ThetaPrior<S> prior;
@@ -52,8 +53,8 @@ struct Fit {
   PackedTriangle<S> R_;
 };
 
-/// The released rotation is as near to the fit as the blind component's own step, the blind component stands where it was, and
-/// its verdict says so. Half a turn about an axis of the image plane is how phones carry their cameras.
+/// The released rotation is as near to the fit as the blind component's own step, the blind component stands where it
+/// was, and its verdict says so. Half a turn about an axis of the image plane is how phones carry their cameras.
 template <class S>
 void check_release(std::uint32_t seed) {
   test::Random random(seed);
@@ -70,9 +71,11 @@ void check_release(std::uint32_t seed) {
         const Mat3<S>& R = out.theta.camera[0].R_CI;
         const Vec3<S> before = so3_log<S>(R_mean), after = so3_log_near<S>(R, before);
         // A component of the vector is given back exactly, but for what Exp and Log round: some ulps of pi.
-        test::check_near(id, "blind component", double(before(blind)), double(after(blind)), sizeof(S) == 4 ? 4e-6 : 1e-12);
+        test::check_near(id, "blind component", double(before(blind)), double(after(blind)),
+                         sizeof(S) == 4 ? 4e-6 : 1e-12);
         // It was 0.04 rad off in all; moving one component back moves the rotation by no more than twice that.
-        test::check_between(id, "angle to the fit", 0, double(so3_log<S>(Mat3<S>(R * fit.theta.camera[0].R_CI.transpose())).norm()), 0.08);
+        test::check_between(id, "angle to the fit", 0,
+                            double(so3_log<S>(Mat3<S>(R * fit.theta.camera[0].R_CI.transpose())).norm()), 0.08);
       }
     }
   }

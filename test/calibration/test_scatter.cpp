@@ -1,4 +1,5 @@
-// Scatter of segments against its closed form, and what it is for: sigmas that hold where segments have errors of their own.
+// Scatter of segments against its closed form, and what it is for: sigmas that hold where segments have errors of their
+// own.
 #include <Eigen/Dense>
 #include <vector>
 
@@ -23,7 +24,8 @@ MatrixXd triangle_of(const MatrixXd& A) {
   return Eigen::HouseholderQR<MatrixXd>(A).matrixQR().topRows(A.cols()).triangularView<Eigen::Upper>();
 }
 
-/// Linear segments of unit noise that begin at the common optimum; theta is zero, and segment s believes in an offset of its own.
+/// Linear segments of unit noise that begin at the common optimum; theta is zero, and segment s believes in an offset
+/// of its own.
 struct Problem {
   std::vector<MatrixXd> segment;  ///< triangles [R d; 0 rho]
   MatrixXd T;                     ///< of all with a prior of sigma 10
@@ -36,12 +38,13 @@ struct Problem {
     for (int s = 0; s < kSegments; ++s) {
       MatrixXd A = random->matrix(kRows, kColumns + 1);
       A.col(kColumns) += own_offset * A.leftCols(kColumns) * random->matrix(kColumns, 1);
-      A.col(2) *= 30;   // units differ
+      A.col(2) *= 30;  // units differ
       rows.push_back(A);
       all.middleRows(kColumns + s * kRows, kRows) = A;
     }
     T = triangle_of(all);
-    const VectorXd x = T.topLeftCorner(kColumns, kColumns).triangularView<Eigen::Upper>().solve(T.topRightCorner(kColumns, 1));
+    const VectorXd x =
+        T.topLeftCorner(kColumns, kColumns).triangularView<Eigen::Upper>().solve(T.topRightCorner(kColumns, 1));
     for (MatrixXd& A : rows) {
       A.col(kColumns) -= A.leftCols(kColumns) * x;
       segment.push_back(triangle_of(A));
@@ -49,7 +52,7 @@ struct Problem {
     T.topRightCorner(kColumns, 1).setZero();
     estimate = x;
   }
-  VectorXd estimate;              ///< whose truth is zero
+  VectorXd estimate;  ///< whose truth is zero
 };
 
 template <class S>
@@ -99,9 +102,9 @@ void test_is_the_closed_form() {
   }
 }
 
-/// Over 200 problems of 63 degrees of freedom the mean is 1 to 0.013 where noise is all there is. Where each segment is off by 0.5
-/// in each entry, twice what it knows it to (14 rows), the model's sigmas are too small and those widened by the scatter hold: a variance
-/// from 63 degrees of freedom is right to 0.18, and z^2 over 1800 entries to 0.05.
+/// Over 200 problems of 63 degrees of freedom the mean is 1 to 0.013 where noise is all there is. Where each segment is
+/// off by 0.5 in each entry, twice what it knows it to (14 rows), the model's sigmas are too small and those widened by
+/// the scatter hold: a variance from 63 degrees of freedom is right to 0.18, and z^2 over 1800 entries to 0.05.
 void test_sigmas_hold() {
   for (const double offset : {0.0, 0.5}) {
     constexpr int kRuns = 200;

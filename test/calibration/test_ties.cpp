@@ -1,10 +1,11 @@
-// Segments tied by shared landmarks: the calibrator against a dense QR of the full Jacobian in which a tie is one landmark,
-// one gauge per partition, degrees of freedom, sigmas with and without ties, drift, mistaken tracks, float against double.
+// Segments tied by shared landmarks: the calibrator against a dense QR of the full Jacobian in which a tie is one
+// landmark, one gauge per partition, degrees of freedom, sigmas with and without ties, drift, mistaken tracks, float
+// against double.
 #include <Eigen/LU>
 #include <memory>
 
-#include "../support/cast.h"
 #include "../support/cases.h"
+#include "../support/cast.h"
 #include "../support/dense_problem.h"
 #include "../support/synthetic_segments.h"
 #include "calibration/calibrator.h"
@@ -65,7 +66,8 @@ Calibrator<double>* begin(SyntheticSession* session) {
   return calibrator;
 }
 
-/// The same problem, dense: joins as the calibrator says, each tie one landmark, the gauge of each partition's first segment.
+/// The same problem, dense: joins as the calibrator says, each tie one landmark, the gauge of each partition's first
+/// segment.
 DenseProblem dense_problem(const SyntheticSession& session, Calibrator<double>* calibrator, double damping) {
   std::vector<const Segment<double>*> segments;
   for (const auto& s : session.segments) segments.push_back(s.get());
@@ -140,8 +142,10 @@ void check_step(const Id& id, SyntheticSession* session) {
   for (std::size_t s = 0; s < session->segments.size(); ++s) {
     expected.push_back(*session->segments[s]);
     const int i = static_cast<int>(s);
-    for (int k = 0; k < expected[s].n_keyframes; ++k) expected[s].states.x[k].add(step.data() + dense.state_column(i, k));
-    for (int j = 0; j < expected[s].n_landmarks; ++j) add_step(&expected[s].states.landmark[j], step.data() + dense.landmark_column(i, j));
+    for (int k = 0; k < expected[s].n_keyframes; ++k)
+      expected[s].states.x[k].add(step.data() + dense.state_column(i, k));
+    for (int j = 0; j < expected[s].n_landmarks; ++j)
+      add_step(&expected[s].states.landmark[j], step.data() + dense.landmark_column(i, j));
   }
   Calibration<double> theta = session->nominal;
   add_step(&theta, step.data() + dense.theta_column());
@@ -171,7 +175,8 @@ void check_step(const Id& id, SyntheticSession* session) {
     }
     for (int j = 0; j < actual.n_landmarks; ++j) {
       const Landmark<double>&a = actual.states.landmark[j], &b = expected[s].states.landmark[j];
-      test::check_near(id.add("segment", s).add("landmark", j), "landmark", 0, (a.m - b.m).norm() + std::fabs(a.rho - b.rho), kSame);
+      test::check_near(id.add("segment", s).add("landmark", j), "landmark", 0,
+                       (a.m - b.m).norm() + std::fabs(a.rho - b.rho), kSame);
     }
   }
 }
@@ -195,7 +200,8 @@ SyntheticSession two_frames(std::uint32_t seed, double error) {
   return session;
 }
 
-void check_against_dense(const Id& id, SyntheticSession (*make)(std::uint32_t), std::uint32_t seed, int partitions, int ties) {
+void check_against_dense(const Id& id, SyntheticSession (*make)(std::uint32_t), std::uint32_t seed, int partitions,
+                         int ties) {
   for (double damping : {0.0, 0.7}) {
     SyntheticSession session = make(seed);
     Calibrator<double>* calibrator = begin(&session);
@@ -210,10 +216,15 @@ void check_against_dense(const Id& id, SyntheticSession (*make)(std::uint32_t), 
 void test_against_dense() {
   for (std::uint32_t seed : {41u, 42u}) {
     const Id id = Id().add("seed", seed);
-    check_against_dense(id.add("case", "pair"), [](std::uint32_t s) { return SyntheticSession(small(s, 2, 2)); }, seed, 1, kTiesPerEdge);
-    check_against_dense(id.add("case", "star"), [](std::uint32_t s) { return SyntheticSession(small(s, 3, 2)); }, seed, 1, kTiesPerEdge);
+    check_against_dense(
+        id.add("case", "pair"), [](std::uint32_t s) { return SyntheticSession(small(s, 2, 2)); }, seed, 1,
+        kTiesPerEdge);
+    check_against_dense(
+        id.add("case", "star"), [](std::uint32_t s) { return SyntheticSession(small(s, 3, 2)); }, seed, 1,
+        kTiesPerEdge);
     check_against_dense(id.add("case", "mixed"), mixed, seed, 1, kTiesPerEdge);
-    check_against_dense(id.add("case", "frames"), [](std::uint32_t s) { return two_frames(s, 1); }, seed, 2, 2 * kTiesPerEdge);
+    check_against_dense(
+        id.add("case", "frames"), [](std::uint32_t s) { return two_frames(s, 1); }, seed, 2, 2 * kTiesPerEdge);
   }
 }
 
@@ -241,8 +252,8 @@ void test_one_gauge() {
   const Id id = Id().add("check", "gauge");
   // What is left is rounding of the sums.
   test::check_near(id.add("moved", "partition"), "cost", cost, calibrator->total_cost(), 1e-9 * cost);
-  // One segment with its own landmarks, while the ties stay where the other one sees them: 0.02 rad are ten sigmas of an
-  // image point, over some 30 points.
+  // One segment with its own landmarks, while the ties stay where the other one sees them: 0.02 rad are ten sigmas of
+  // an image point, over some 30 points.
   SyntheticSession apart = two_frames(43, 0);
   calibrator = begin(&apart);
   const SegmentStates<double> was = apart.segments[1]->states;
@@ -252,7 +263,8 @@ void test_one_gauge() {
     const int j = ties.landmark(t, 1);
     if (j >= 0) apart.segments[1]->states.landmark[j] = was.landmark[j];
   }
-  test::check_true(id.add("moved", "segment"), "the cost does not feel the ties", calibrator->total_cost() > cost + 500);
+  test::check_true(id.add("moved", "segment"), "the cost does not feel the ties",
+                   calibrator->total_cost() > cost + 500);
 }
 
 /// Degrees of freedom, counted once more: image residuals and links against all that is estimated.
@@ -282,7 +294,8 @@ void test_degrees_of_freedom() {
   calibrator = begin(&session);
   calibrator->linearise(&solver<double>()->eliminator, 0);
   // Their distances are known to a tenth: the prior's share in each is below (1/3 / (10 rho))^2, hence below 0.05.
-  test::check_near(Id().add("check", "dof_untied"), "difference", 3 * ties - 4, tied - calibrator->fit().dof, 0.05 * ties);
+  test::check_near(Id().add("check", "dof_untied"), "difference", 3 * ties - 4, tied - calibrator->fit().dof,
+                   0.05 * ties);
 }
 
 struct Outcome {
@@ -313,7 +326,8 @@ Outcome calibrate(const SyntheticSession& session, bool tied = true, double outl
   }
   const CalibrationFit<S>& f = calibrator->fit();
   Outcome out;
-  out.fit = {f.converged, f.iterations, f.image_points, double(f.start_cost), double(f.cost), double(f.chi2), double(f.dof)};
+  out.fit = {f.converged,    f.iterations,   f.image_points, double(f.start_cost),
+             double(f.cost), double(f.chi2), double(f.dof)};
   out.partitions = calibrator->partitions();
   out.theta = test::cast<double>(calibrator->theta());
   out.sigma = sigmas(calibrator->theta_triangle());
@@ -338,7 +352,8 @@ void check_outcome(const Id& id, const Outcome& out) {
   test::check_true(id, "did not converge", out.fit.converged);
   const double spread = 5 * std::sqrt(2 / out.fit.dof);  // chi2 of d degrees of freedom has sigma sqrt(2 d)
   test::check_between(id, "chi2/dof", 1 - spread, out.fit.chi2 / out.fit.dof, 1 + spread);
-  for (int i = 0; i < out.normalised.size(); ++i) test::check_near(id.add("column", i), "error in sigmas", 0, out.normalised(i), 5);
+  for (int i = 0; i < out.normalised.size(); ++i)
+    test::check_near(id.add("column", i), "error in sigmas", 0, out.normalised(i), 5);
 }
 
 void test_ties_add_information() {
@@ -371,15 +386,16 @@ void test_drift_of_the_frame() {
 }
 
 void test_mistaken_tracks() {
-  // In the middle segment two pairs of the shared tracks are exchanged. Four of sixteen tell a lie: their points go, the
-  // rest of the ties or others stay.
+  // In the middle segment two pairs of the shared tracks are exchanged. Four of sixteen tell a lie: their points go,
+  // the rest of the ties or others stay.
   for (std::uint32_t seed = 85; seed < 88; ++seed) {
     SyntheticSession session(device(seed));
     for (std::uint32_t& id : session.segments[1]->track_id) id = id < 4 ? id ^ 1u : id;
     const Outcome out = calibrate<float>(session, true, 5);
     const Id id = Id().add("check", "mistaken").add("seed", seed);
     test::check_true(id, "did not converge", out.fit.converged);
-    for (int i = 0; i < out.normalised.size(); ++i) test::check_near(id.add("column", i), "error in sigmas", 0, out.normalised(i), 5);
+    for (int i = 0; i < out.normalised.size(); ++i)
+      test::check_near(id.add("column", i), "error in sigmas", 0, out.normalised(i), 5);
   }
 }
 
@@ -406,7 +422,8 @@ void test_ties_without_points_give_way_to_a_gauge() {
   test::check_between(id, "points left out of those astray", 0.8, double(left_out) / astray, 1.2);
   test::check_true(id, "did not converge", calibrator->fit().converged);
   TEST_ASSERT_EQUAL_INT(2, calibrator->partitions());
-  test::check_true(id, "the lone segment holds its gauge", calibrator->grouping().first_of(1) == 1 && calibrator->grouping().first_of(2) == 0);
+  test::check_true(id, "the lone segment holds its gauge",
+                   calibrator->grouping().first_of(1) == 1 && calibrator->grouping().first_of(2) == 0);
 }
 
 void test_float_equals_double() {
@@ -416,7 +433,8 @@ void test_float_equals_double() {
     const Id id = Id().add("check", "float").add("seed", seed);
     for (int i = 0; i < d.sigma.size(); ++i) {
       // Both stop within 0.03 sigma of the minimum.
-      test::check_near(id.add("column", i), "difference in sigmas", 0, f.normalised(i) - d.normalised(i), 0.05 + 0.01 * std::fabs(d.normalised(i)));
+      test::check_near(id.add("column", i), "difference in sigmas", 0, f.normalised(i) - d.normalised(i),
+                       0.05 + 0.01 * std::fabs(d.normalised(i)));
       test::check_near(id.add("column", i), "ratio of sigmas", 1, f.sigma(i) / d.sigma(i), 0.01);
     }
     test::check_near(id, "chi2", d.fit.chi2, f.fit.chi2, 0.01 * d.fit.chi2);

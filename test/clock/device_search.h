@@ -14,7 +14,9 @@ namespace test {
 
 inline segcal_camera_t camera_of(const host::CameraCalibration& in) {
   segcal_camera_t out = {};
-  out.model = in.model == host::DistortionModel::fov ? SEGCAL_FOV : in.model == host::DistortionModel::radtan ? SEGCAL_RADTAN : SEGCAL_EQUIDISTANT;
+  out.model = in.model == host::DistortionModel::fov      ? SEGCAL_FOV
+              : in.model == host::DistortionModel::radtan ? SEGCAL_RADTAN
+                                                          : SEGCAL_EQUIDISTANT;
   const Eigen::Quaterniond q(in.R_CI);
   const double wxyz[4] = {q.w(), q.x(), q.y(), q.z()};
   for (int i = 0; i < 4; ++i) {
@@ -35,7 +37,8 @@ inline segcal_imu_t sample_of(const host::ImuSample& in) {
 inline std::vector<segcal_point_t> points_of(const host::Frame& frame) {
   std::vector<segcal_point_t> out;
   for (const host::TrackPoint& p : frame.points) {
-    if (out.size() < SEGCAL_MAX_TRACKS) out.push_back({p.track_id, 0, static_cast<float>(p.u), static_cast<float>(p.v)});
+    if (out.size() < SEGCAL_MAX_TRACKS)
+      out.push_back({p.track_id, 0, static_cast<float>(p.u), static_cast<float>(p.v)});
   }
   return out;
 }
@@ -43,20 +46,22 @@ inline std::vector<segcal_point_t> points_of(const host::Frame& frame) {
 /// How a search is fed.
 struct Feed {
   double start_s = 0;
-  double shift_s = 0;      ///< the images' stamps are early by so much: the offset is what the recording has, and this
-  int slices = 1000;       ///< of background after each sample
+  double shift_s = 0;  ///< the images' stamps are early by so much: the offset is what the recording has, and this
+  int slices = 1000;   ///< of background after each sample
   bool stop_when_found = false;
 };
 
 struct DeviceAnswer {
   segcal_clock_result_t result = {};
-  double found_after_s = -1;   ///< of stream; -1: never
-  double worst_of_found = 0;   ///< largest |offset - truth| / sigma of all that was `found` on the way, where the truth was given
-  double worst_s = 0;          ///< the same in seconds
+  double found_after_s = -1;  ///< of stream; -1: never
+  double worst_of_found =
+      0;  ///< largest |offset - truth| / sigma of all that was `found` on the way, where the truth was given
+  double worst_s = 0;  ///< the same in seconds
 };
 
 /// All of cam0. `truth_s`: to judge each answer on the way.
-inline DeviceAnswer searched(const host::Recording& recording, const segcal_camera_t& camera, const Feed& feed, double truth_s) {
+inline DeviceAnswer searched(const host::Recording& recording, const segcal_camera_t& camera, const Feed& feed,
+                             double truth_s) {
   const auto clock = std::make_unique<segcal_clock_t>();
   std::memset(clock.get(), 0xA5, sizeof *clock);
   DeviceAnswer out;
@@ -69,7 +74,8 @@ inline DeviceAnswer searched(const host::Recording& recording, const segcal_came
     segcal_clock_push_imu(clock.get(), &sample);
     for (; k < frames.size() && frames[k].t_ns <= sample.t_ns; ++k) {
       const std::vector<segcal_point_t> points = points_of(frames[k]);
-      segcal_clock_push_tracks(clock.get(), frames[k].t_ns - shift_ns, points.data(), static_cast<std::int32_t>(points.size()));
+      segcal_clock_push_tracks(clock.get(), frames[k].t_ns - shift_ns, points.data(),
+                               static_cast<std::int32_t>(points.size()));
     }
     segcal_clock_background(clock.get(), feed.slices);
     if (i % 100 != 0 && i + 1 < samples.size()) continue;

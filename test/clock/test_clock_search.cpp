@@ -12,8 +12,8 @@ namespace {
 
 using test::Id;
 
-/// Rotation of images past near points is good to some milliseconds: near enough for the filter, which estimates on. From the
-/// data sheet's camera, 1 px and some milliradians beside the true one.
+/// Rotation of images past near points is good to some milliseconds: near enough for the filter, which estimates on.
+/// From the data sheet's camera, 1 px and some milliradians beside the true one.
 void test_offsets_are_found() {
   for (const char* scenario : {"rich", "arvr", "nav"}) {
     for (const std::uint64_t seed : {1, 2}) {

@@ -17,12 +17,12 @@ namespace {
 using test::Id;
 
 struct Log {
-  std::vector<double> measured;         ///< s, when the sensor measured
-  std::vector<std::int64_t> stamps;     ///< ns, when the callback ran
+  std::vector<double> measured;      ///< s, when the sensor measured
+  std::vector<std::int64_t> stamps;  ///< ns, when the callback ran
 };
 
-/// An even clock, whose period may change in the middle, as automatic exposure does; callbacks late by 4 ms on average, one
-/// in fifty by 50 ms; events follow each other in order. `missing` events in a row are lost at three places.
+/// An even clock, whose period may change in the middle, as automatic exposure does; callbacks late by 4 ms on average,
+/// one in fifty by 50 ms; events follow each other in order. `missing` events in a row are lost at three places.
 Log callbacks(std::uint32_t seed, double period, double late, int missing, double slower = 1) {
   test::Random random(seed);
   Log out;
@@ -51,8 +51,8 @@ double rms_about_mean(const std::vector<std::int64_t>& stamps, const std::vector
   return std::sqrt(squares / n - sum / n * sum / n);
 }
 
-/// 30 images and 200 samples a second. Exponential delays of 4 ms scatter by 4 ms; a line through 60 of them is good to 0.6 ms,
-/// at the ends and at the change of the period to 1.5 ms.
+/// 30 images and 200 samples a second. Exponential delays of 4 ms scatter by 4 ms; a line through 60 of them is good to
+/// 0.6 ms, at the ends and at the change of the period to 1.5 ms.
 void test_smoothed_stamps_are_the_sensors() {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     for (const double period : {1.0 / 30, 0.005}) {
@@ -61,11 +61,13 @@ void test_smoothed_stamps_are_the_sensors() {
         const Log log = callbacks(seed, period, 0.05, missing);
         const host::SmoothedStamps out = host::smooth_stamps(log.stamps);
         test::check_between(id, "jitter before", 0.004, rms_about_mean(log.stamps, log.measured), 0.02);
-        // How many of 200 events a second are missing where delays reach ten periods is told to one event: 5 ms, smoothed over 2 s.
+        // How many of 200 events a second are missing where delays reach ten periods is told to one event: 5 ms,
+        // smoothed over 2 s.
         const double allowed = period < 0.02 && missing > 0 ? 0.0025 : 0.0015;
         test::check_between(id, "jitter after", 0, rms_about_mean(out.t_ns, log.measured), allowed);
         if (period > 0.02) test::check_near(id, "events missing", 3 * missing, static_cast<double>(out.missing), 0);
-        for (std::size_t i = 1; i < out.t_ns.size(); ++i) test::check_true(id, "stamps increase", out.t_ns[i] > out.t_ns[i - 1]);
+        for (std::size_t i = 1; i < out.t_ns.size(); ++i)
+          test::check_true(id, "stamps increase", out.t_ns[i] > out.t_ns[i - 1]);
       }
     }
   }
@@ -87,7 +89,8 @@ void test_two_streams_are_one_imu() {
   gyro << "#timestamp [ns],x,y,z\n";
   accel << "#timestamp [ns],x,y,z\n";
   for (int i = 0; i < 200; ++i) gyro << 1000000000 + i * 5000000LL << "," << 0.001 * i << ",0,0\n";
-  for (int i = 0; i < 120; ++i) accel << 1102000000 + i * 7000000LL << "," << 0.1 * (102 + 7 * i) << ",0,9.8\n";  // 0.1 a ms
+  for (int i = 0; i < 120; ++i)
+    accel << 1102000000 + i * 7000000LL << "," << 0.1 * (102 + 7 * i) << ",0,9.8\n";  // 0.1 a ms
   test::write_text(folder.path() / "mav0/imu0/gyro.csv", gyro.str());
   test::write_text(folder.path() / "mav0/imu0/accel.csv", accel.str());
   test::write_text(folder.path() / "mav0/imu0/sensor.yaml",

@@ -27,7 +27,8 @@ host::Pose path_at(double t) {
   host::Pose pose;
   pose.t_ns = start_ns + std::llround(t * 1e9);
   pose.p_GI = {2 * std::sin(0.5 * t), 1.5 * std::cos(0.7 * t), 0.3 * std::sin(1.1 * t)};
-  pose.q_GI = Eigen::AngleAxisd(0.4 * t, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(0.3 * std::sin(t), Eigen::Vector3d::UnitX());
+  pose.q_GI = Eigen::AngleAxisd(0.4 * t, Eigen::Vector3d::UnitZ()) *
+              Eigen::AngleAxisd(0.3 * std::sin(t), Eigen::Vector3d::UnitX());
   return pose;
 }
 
@@ -48,11 +49,13 @@ host::Poses moved(host::Poses poses, const Eigen::Matrix3d& R, const Eigen::Vect
 /// Straight ahead along x with one metre per second, 10 Hz.
 host::Poses straight(double seconds) {
   host::Poses out;
-  for (int k = 0; k <= 10 * seconds; ++k) out.push_back({start_ns + 100000000ll * k, {0.1 * k, 0, 0}, Eigen::Quaterniond::Identity()});
+  for (int k = 0; k <= 10 * seconds; ++k)
+    out.push_back({start_ns + 100000000ll * k, {0.1 * k, 0, 0}, Eigen::Quaterniond::Identity()});
   return out;
 }
 
-host::TrajectoryError error_of(const host::Poses& estimate, const host::Poses& reference, const host::ErrorOptions& options) {
+host::TrajectoryError error_of(const host::Poses& estimate, const host::Poses& reference,
+                               const host::ErrorOptions& options) {
   const auto error = host::trajectory_error(estimate, reference, options);
   TEST_ASSERT_TRUE_MESSAGE(error.has_value(), "no poses in common");
   return *error;
@@ -69,8 +72,9 @@ void test_alignment_takes_away_what_it_may() {
     const Eigen::Matrix3d& R;
     bool vanishes;
   };
-  for (const Case& c : {Case{host::Alignment::yaw, yaw, true}, Case{host::Alignment::se3, any, true}, Case{host::Alignment::se3, yaw, true},
-                        Case{host::Alignment::yaw, any, false}, Case{host::Alignment::none, yaw, false}}) {
+  for (const Case& c : {Case{host::Alignment::yaw, yaw, true}, Case{host::Alignment::se3, any, true},
+                        Case{host::Alignment::se3, yaw, true}, Case{host::Alignment::yaw, any, false},
+                        Case{host::Alignment::none, yaw, false}}) {
     options.alignment = c.alignment;
     const host::TrajectoryError e = error_of(moved(truth, c.R, shift), truth, options);
     const Id id = Id().add("alignment", static_cast<int>(c.alignment)).add("angle", &c.R == &yaw ? "yaw" : "any");
@@ -88,7 +92,8 @@ void test_position_statistics() {
   for (std::size_t i = 0; i < estimate.size(); ++i) {
     const double a = 1.3 * static_cast<double>(i);
     estimate[i].p_GI += 0.01 * static_cast<double>(1 + i % 4) * Eigen::Vector3d(std::cos(a), std::sin(a), 0);
-    estimate[i].q_GI = estimate[i].q_GI * Eigen::Quaterniond(Eigen::AngleAxisd(i % 2 ? 0.03 : -0.01, Eigen::Vector3d::UnitY()));
+    estimate[i].q_GI =
+        estimate[i].q_GI * Eigen::Quaterniond(Eigen::AngleAxisd(i % 2 ? 0.03 : -0.01, Eigen::Vector3d::UnitY()));
   }
   host::ErrorOptions options;
   options.alignment = host::Alignment::none;
@@ -103,8 +108,8 @@ void test_position_statistics() {
 }
 
 void test_time_shift_is_found() {
-  // The reference at 200 Hz between its samples is off by a acceleration * step^2 / 8, about 3 um: the shift by far less
-  // than 10 us, at a metre per second.
+  // The reference at 200 Hz between its samples is off by a acceleration * step^2 / 8, about 3 um: the shift by far
+  // less than 10 us, at a metre per second.
   const host::Poses truth = path(30, 0.005);
   for (const double shift : {0.0234, -0.0817, 0.0}) {
     host::Poses estimate;
@@ -150,7 +155,9 @@ void test_gaps_are_not_bridged() {
 }
 
 void test_differences_in_sigmas() {
-  const host::ParameterList a = {{"cam0.fx", "px", 256.3, 0.3, "observed"}, {"gyro.sx", "-", 1.002, 0.001, "observed"}, {"only.a", "", 1, 1.0, ""}};
+  const host::ParameterList a = {{"cam0.fx", "px", 256.3, 0.3, "observed"},
+                                 {"gyro.sx", "-", 1.002, 0.001, "observed"},
+                                 {"only.a", "", 1, 1.0, ""}};
   const host::ParameterList b = {{"gyro.sx", "-", 1.0, std::nullopt, ""}, {"cam0.fx", "px", 255.8, 0.4, "observed"}};
   const auto d = host::differences(a, b);
   const Id id = Id().add("check", "sigmas");
@@ -164,7 +171,8 @@ void test_differences_in_sigmas() {
 
 void test_a_rotation_is_one_rotation() {
   // 3.1 rad about an axis is 2 pi - 3.1 about its opposite.
-  const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -2) / 3, v = 3.1 * axis, w = -(2 * pi - 3.1) * axis + Eigen::Vector3d(0.001, 0, 0);
+  const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -2) / 3, v = 3.1 * axis,
+                        w = -(2 * pi - 3.1) * axis + Eigen::Vector3d(0.001, 0, 0);
   host::ParameterList a, b;
   const char* const name[] = {"cam0.r_CI.x", "cam0.r_CI.y", "cam0.r_CI.z"};
   for (int i = 0; i < 3; ++i) {
@@ -179,7 +187,10 @@ void test_a_rotation_is_one_rotation() {
 /// A folder with one parameter, 100 +- 1 px off by `offset`, and a trajectory.
 void write_result(const fs::path& dir, double offset, const std::string& tum) {
   char text[256];
-  std::snprintf(text, sizeof text, R"({"format":1,"status":"calibrated","parameters":[{"name":"cam0.fx","value":%.3f,"sigma":1,"unit":"px"}]})", 100 + offset);
+  std::snprintf(
+      text, sizeof text,
+      R"({"format":1,"status":"calibrated","parameters":[{"name":"cam0.fx","value":%.3f,"sigma":1,"unit":"px"}]})",
+      100 + offset);
   write_text(dir / "result.json", text);
   if (!tum.empty()) write_text(dir / "trajectory.tum", tum);
 }
@@ -210,20 +221,24 @@ void test_exit_codes() {
   const auto of = [&root](const std::string& b, const std::string& more = "") {
     return "compare \"" + (root / "a").string() + "\" \"" + (root / b).string() + "\" " + more;
   };
-  for (const Case& c : {Case{of("near"), 0, "within tolerance"}, Case{of("near", "--sigmas 1"), 1, "above tolerance"}, Case{of("far"), 1, "above tolerance"},
-                        Case{of("near", "--truth \"" + (root / "truth.json").string() + "\""), 1, "A against truth"},
-                        Case{of("near", "--sigma-of b --sigmas 1.9"), 1, "2 sigma, tolerance 1.9"},
-                        Case{of("near", "--position-rmse 0.001"), 0, "within tolerance"}, Case{of("bad"), 2, "result.json:3: expected JSON"},
-                        Case{of("empty"), 2, "expected result.json"}, Case{of("nowhere"), 2, "expected a folder"},
-                        Case{of("torn"), 2, "trajectory.tum:52: expected timestamp"}, Case{of("late"), 2, "overlap in time"},
-                        Case{of("near", "--align yaaw"), 2, "--align"}}) {
+  for (const Case& c :
+       {Case{of("near"), 0, "within tolerance"}, Case{of("near", "--sigmas 1"), 1, "above tolerance"},
+        Case{of("far"), 1, "above tolerance"},
+        Case{of("near", "--truth \"" + (root / "truth.json").string() + "\""), 1, "A against truth"},
+        Case{of("near", "--sigma-of b --sigmas 1.9"), 1, "2 sigma, tolerance 1.9"},
+        Case{of("near", "--position-rmse 0.001"), 0, "within tolerance"},
+        Case{of("bad"), 2, "result.json:3: expected JSON"}, Case{of("empty"), 2, "expected result.json"},
+        Case{of("nowhere"), 2, "expected a folder"}, Case{of("torn"), 2, "trajectory.tum:52: expected timestamp"},
+        Case{of("late"), 2, "overlap in time"}, Case{of("near", "--align yaaw"), 2, "--align"}}) {
     const test::Outcome outcome = test::run_program(c.arguments, root);
     const Id id = Id().add("case", c.says);
     test::check_near(id, c.arguments.c_str(), c.code, outcome.code, 0);
-    test::check_true(id, ("says: " + outcome.out + outcome.err).c_str(), (outcome.out + outcome.err).find(c.says) != std::string::npos);
+    test::check_true(id, ("says: " + outcome.out + outcome.err).c_str(),
+                     (outcome.out + outcome.err).find(c.says) != std::string::npos);
   }
   test::run_program(of("near", "--out \"" + (root / "written").string() + "\""), root);
-  test::check_true(Id().add("case", "out"), "compare.json was not written", fs::exists(root / "written" / "compare.json"));
+  test::check_true(Id().add("case", "out"), "compare.json was not written",
+                   fs::exists(root / "written" / "compare.json"));
 }
 
 }  // namespace

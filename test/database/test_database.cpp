@@ -58,7 +58,8 @@ std::set<std::uint32_t> kept_serials() {
 }
 
 std::set<std::uint32_t> best_serials(std::vector<Offer> offers, int count, Metric metric) {
-  std::sort(offers.begin(), offers.end(), [&](const Offer& a, const Offer& b) { return value(a, metric) < value(b, metric); });
+  std::sort(offers.begin(), offers.end(),
+            [&](const Offer& a, const Offer& b) { return value(a, metric) < value(b, metric); });
   std::set<std::uint32_t> serials;
   for (int i = 0; i < std::min<int>(count, static_cast<int>(offers.size())); ++i) serials.insert(offers[i].serial);
   return serials;
@@ -73,7 +74,8 @@ void test_keeps_the_best_of_a_stream() {
       for (const Offer& o : offers) {
         offer(o);
         seen.push_back(o);
-        const Id id = Id().add("check", "best").add("metric", int(metric)).add("capacity", capacity).add("after", seen.size());
+        const Id id =
+            Id().add("check", "best").add("metric", int(metric)).add("capacity", capacity).add("after", seen.size());
         test::check_true(id, "not the best set", kept_serials() == best_serials(seen, capacity, metric));
       }
     }
@@ -118,9 +120,9 @@ void test_equal_values_keep_the_first() {
 
 void offer_two_sessions(Strategy strategy) {
   database().reset(3, Metric::A, strategy, kLeastGain, 1);
-  for (std::uint32_t i = 0; i < 4; ++i) offer({i, 0, 1.0f + float(i), 1, 1, 30});   // 1 2 3 4
+  for (std::uint32_t i = 0; i < 4; ++i) offer({i, 0, 1.0f + float(i), 1, 1, 30});  // 1 2 3 4
   database().begin_session();
-  for (std::uint32_t i = 4; i < 7; ++i) offer({i, 1, 6.5f - float(i), 1, 1, 30});   // 2.5 1.5 0.5
+  for (std::uint32_t i = 4; i < 7; ++i) offer({i, 1, 6.5f - float(i), 1, 1, 30});  // 2.5 1.5 0.5
 }
 
 void test_single_session_forgets() {
@@ -160,7 +162,8 @@ void test_random_is_fair() {
   for (std::uint64_t seed = 0; seed < 4000; ++seed) {
     for (std::uint32_t serial : random_set(seed, 40)) ++counts[serial];
   }
-  for (int i = 0; i < 40; ++i) test::check_between(Id().add("check", "fair").add("serial", i), "times kept", 395, counts[i], 605);
+  for (int i = 0; i < 40; ++i)
+    test::check_between(Id().add("check", "fair").add("serial", i), "times kept", 395, counts[i], 605);
 }
 
 }  // namespace

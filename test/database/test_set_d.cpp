@@ -1,5 +1,5 @@
-// Selection of the set that tells most together: sums without one segment against Eigen in double, each exchange against
-// all subsets, and what the sum over single segments gets wrong.
+// Selection of the set that tells most together: sums without one segment against Eigen in double, each exchange
+// against all subsets, and what the sum over single segments gets wrong.
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <memory>
@@ -89,7 +89,8 @@ void check_sums(const char* scalar, double tolerance) {
     std::vector<int> everything;
     for (int left_out = 0; left_out < count; ++left_out) {
       std::vector<int> subset;
-      for (int i = 0; i < count; ++i) if (i != left_out) subset.push_back(i);
+      for (int i = 0; i < count; ++i)
+        if (i != left_out) subset.push_back(i);
       const Id id = Id().add("scalar", scalar).add("count", count).add("without", left_out);
       test::check_near(id, "nats", gain(all, subset), without[left_out], tolerance);
       everything.push_back(left_out);
@@ -134,12 +135,14 @@ struct Stream {
 };
 
 /// The best subset of `count` out of `from`, all tried.
-double best_gain(const std::vector<Eigen::MatrixXd>& all, const std::vector<int>& from, int count, std::vector<int>* best) {
+double best_gain(const std::vector<Eigen::MatrixXd>& all, const std::vector<int>& from, int count,
+                 std::vector<int>* best) {
   double most = -1;
   for (unsigned mask = 0; mask < 1u << from.size(); ++mask) {
     if (__builtin_popcount(mask) != count) continue;
     std::vector<int> subset;
-    for (std::size_t i = 0; i < from.size(); ++i) if (mask >> i & 1) subset.push_back(from[i]);
+    for (std::size_t i = 0; i < from.size(); ++i)
+      if (mask >> i & 1) subset.push_back(from[i]);
     const double value = gain(all, subset);
     if (value > most) *best = subset;
     most = std::max(most, value);

@@ -69,7 +69,8 @@ class LoggedCalls {
     TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_log_tracks(&log_, t_ns, points.data(), static_cast<int>(points.size())));
     calls.push_back({1, static_cast<std::uint64_t>(t_ns)});
     for (const segcal_point_t& p : points) {
-      for (std::uint64_t bits : {std::uint64_t(p.track_id), std::uint64_t(p.camera), bits_of(p.u), bits_of(p.v)}) calls.back().push_back(bits);
+      for (std::uint64_t bits : {std::uint64_t(p.track_id), std::uint64_t(p.camera), bits_of(p.u), bits_of(p.v)})
+        calls.back().push_back(bits);
     }
   }
   void mark(int mark) {
@@ -109,7 +110,7 @@ inline void log_session(LoggedCalls* log, std::uint32_t seed, int frames) {
       if (f == 1 && i == 5) s.gyro[1] = std::numeric_limits<float>::quiet_NaN();
       if (f == 1 && i == 6) s.accel[2] = -0.0f;
       if (f == 1 && i == 7) s.accel[0] = std::numeric_limits<float>::denorm_min();
-      if (f == 2 && i == 4) t += 7000000000;                     // beyond what a block's stamps span
+      if (f == 2 && i == 4) t += 7000000000;  // beyond what a block's stamps span
       if (f == 2 && i == 6) s.t_ns = std::numeric_limits<std::int64_t>::min();
       if (f == 2 && i == 7) s.t_ns = std::numeric_limits<std::int64_t>::max();
       log->imu(s);
@@ -141,14 +142,17 @@ inline std::vector<Bits> calls_of(const host::DeviceLog& log) {
         out.push_back({1, static_cast<std::uint64_t>(session.cameras[0].frames[frame].t_ns)});
         for (std::size_t c = 0; c < session.cameras.size(); ++c) {
           for (const host::TrackPoint& p : session.cameras[c].frames[frame].points) {
-            for (std::uint64_t bits : {std::uint64_t(p.track_id), std::uint64_t(c), bits_of(static_cast<float>(p.u)), bits_of(static_cast<float>(p.v))}) out.back().push_back(bits);
+            for (std::uint64_t bits : {std::uint64_t(p.track_id), std::uint64_t(c), bits_of(static_cast<float>(p.u)),
+                                       bits_of(static_cast<float>(p.v))})
+              out.back().push_back(bits);
           }
         }
         ++frame;
       } else if (call.what == host::DeviceCall::hash) {
         out.push_back({3, call.hash_value});
       } else {
-        out.push_back({2, std::uint64_t(call.what == host::DeviceCall::flush ? SEGCAL_LOG_FLUSH : SEGCAL_LOG_CALIBRATE)});
+        out.push_back(
+            {2, std::uint64_t(call.what == host::DeviceCall::flush ? SEGCAL_LOG_FLUSH : SEGCAL_LOG_CALIBRATE)});
       }
     }
   }

@@ -49,7 +49,8 @@ void test_configuration_comes_back() {
   TEST_ASSERT_TRUE(read.noise.rate_hz == 200);  // zero in the configuration: the default
 }
 
-/// Whatever changes the bits of a result is in the header: a build that differs in one of its numbers is none of the profiles.
+/// Whatever changes the bits of a result is in the header: a build that differs in one of its numbers is none of the
+/// profiles.
 void test_every_capacity_counts() {
   LoggedCalls log;
   log.end();
@@ -74,8 +75,9 @@ std::vector<std::uint8_t> encoded(const segcal_config_t& config) {
 }
 
 /// A byte of the structure that leaves the log as it is belongs to no field in it: only the padding behind lone 32-bit
-/// numbers may do that (n_cameras, each camera's model and height, the three choices, joint_filter, term[]: 4 bytes each at
-/// most; calibration_window at its end), and the one place of term[] and term_value[] that is there so that neither is empty.
+/// numbers may do that (n_cameras, each camera's model and height, the three choices, joint_filter, term[]: 4 bytes
+/// each at most; calibration_window at its end), and the one place of term[] and term_value[] that is there so that
+/// neither is empty.
 void test_no_field_is_forgotten() {
   segcal_config_t config = log_config();
   const std::vector<std::uint8_t> before = encoded(config);
@@ -91,7 +93,7 @@ void test_no_field_is_forgotten() {
 void test_older_configuration_has_defaults_behind_its_end() {
   const std::vector<std::uint8_t> bytes = encoded(log_config());
   segcal_config_t config;
-  const std::size_t newest = 4 + 8 + 4 + 4;   // has_temperature, track_walk, calibration_window, condense
+  const std::size_t newest = 4 + 8 + 4 + 4;  // has_temperature, track_walk, calibration_window, condense
   TEST_ASSERT_TRUE(SEGCAL_NS::read_config(bytes.data(), bytes.size() - newest, &config));
   TEST_ASSERT_EQUAL_INT(0, config.has_temperature);
   TEST_ASSERT_EQUAL_DOUBLE(0, config.track_walk);
@@ -141,7 +143,8 @@ void test_arguments_are_checked() {
   const int most = SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS;
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_log_imu(&log, &sample));  // not begun
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_log_end(&log));
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_log_begin(&log, &config, block.data(), SEGCAL_LOG_BLOCK_BYTES - 1, append, &out));
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE,
+                        segcal_log_begin(&log, &config, block.data(), SEGCAL_LOG_BLOCK_BYTES - 1, append, &out));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_log_begin(&log, nullptr, block.data(), block.size(), append, &out));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_log_begin(&log, &config, nullptr, block.size(), append, &out));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_log_begin(&log, &config, block.data(), block.size(), nullptr, &out));

@@ -1,5 +1,5 @@
-// Damaged device logs: a torn end is survived, damage in the middle is named and refused or left out, and no value that was
-// not written ever comes out.
+// Damaged device logs: a torn end is survived, damage in the middle is named and refused or left out, and no value that
+// was not written ever comes out.
 #include <algorithm>
 #include <random>
 #include <set>
@@ -73,7 +73,8 @@ void test_torn_at_every_byte() {
     check_true(id, "the calls before the cut", is_prefix(calls_of(log), whole().calls));
     const std::vector<std::size_t> at = heads();
     const std::size_t last = *std::prev(std::upper_bound(at.begin(), at.end(), n));
-    if (n > last) check_says(id, log.notes[0], {"byte " + std::to_string(last), "the last " + std::to_string(n - last) + " bytes"});
+    if (n > last)
+      check_says(id, log.notes[0], {"byte " + std::to_string(last), "the last " + std::to_string(n - last) + " bytes"});
     if (n == last) check_says(id, log.notes[0], {"did not close it"});
   }
 }
@@ -94,16 +95,23 @@ void test_damage_is_named() {
   const std::size_t block = heads()[3];
   Bytes bytes = whole().bytes;
   bytes[block + 30] ^= 4;
-  check_says(Id().add("case", "payload"), refusal(bytes), {"x.segcal: byte " + std::to_string(block) + ": expected CRC 0x", ", found 0x", "--salvage"});
+  check_says(Id().add("case", "payload"), refusal(bytes),
+             {"x.segcal: byte " + std::to_string(block) + ": expected CRC 0x", ", found 0x", "--salvage"});
   bytes = whole().bytes;
   bytes[block + 9] ^= 1;  // the length
-  check_says(Id().add("case", "length"), refusal(bytes), {"byte " + std::to_string(block) + ": expected the head of a block with CRC 0x", ", found 0x"});
+  check_says(Id().add("case", "length"), refusal(bytes),
+             {"byte " + std::to_string(block) + ": expected the head of a block with CRC 0x", ", found 0x"});
   bytes = whole().bytes;
-  bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(block), bytes.begin() + static_cast<std::ptrdiff_t>(heads()[4]));
-  check_says(Id().add("case", "missing"), refusal(bytes), {"byte " + std::to_string(block) + ": expected block 3, found block 4"});
+  bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(block),
+              bytes.begin() + static_cast<std::ptrdiff_t>(heads()[4]));
+  check_says(Id().add("case", "missing"), refusal(bytes),
+             {"byte " + std::to_string(block) + ": expected block 3, found block 4"});
   bytes = whole().bytes;
-  bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(block), whole().bytes.begin() + static_cast<std::ptrdiff_t>(heads()[2]), whole().bytes.begin() + static_cast<std::ptrdiff_t>(block));
-  check_says(Id().add("case", "twice"), refusal(bytes), {"byte " + std::to_string(block) + ": expected block 3, found block 2"});
+  bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(block),
+               whole().bytes.begin() + static_cast<std::ptrdiff_t>(heads()[2]),
+               whole().bytes.begin() + static_cast<std::ptrdiff_t>(block));
+  check_says(Id().add("case", "twice"), refusal(bytes),
+             {"byte " + std::to_string(block) + ": expected block 3, found block 2"});
   bytes = whole().bytes;
   bytes[0] = 0x88;
   check_says(Id().add("case", "magic"), refusal(bytes), {"byte 0: expected the eight bytes"});
@@ -136,7 +144,8 @@ void test_whole_blocks_with_wrong_content_are_refused() {
   point[8] = 1;
   TEST_ASSERT_EQUAL_STRING("", refusal(with_block(3, point)).c_str());
   point[16] = 2;
-  check_says(Id().add("case", "camera"), refusal(with_block(3, point)), {"expected cameras below 2, found a point of camera 2"});
+  check_says(Id().add("case", "camera"), refusal(with_block(3, point)),
+             {"expected cameras below 2, found a point of camera 2"});
   check_says(Id().add("case", "type"), refusal(with_block(9, {})), {"expected a block type from 0 to 6, found 9"});
   check_says(Id().add("case", "mark"), refusal(with_block(4, {9, 0, 0, 0})), {"expected a mark from 1 to 5, found 9"});
   check_says(Id().add("case", "short"), refusal(with_block(5, {1, 2})), {"expected another number of bytes"});
@@ -191,7 +200,8 @@ void test_random_damage() {
     bool moved = false;
     for (int k = 1 + static_cast<int>(random() % 3); k > 0 && !bytes.empty(); --k) {
       const std::size_t from = random() % bytes.size(), n = 1 + random() % 200, to = std::min(from + n, bytes.size());
-      const auto first = bytes.begin() + static_cast<std::ptrdiff_t>(from), last = bytes.begin() + static_cast<std::ptrdiff_t>(to);
+      const auto first = bytes.begin() + static_cast<std::ptrdiff_t>(from),
+                 last = bytes.begin() + static_cast<std::ptrdiff_t>(to);
       switch (random() % 5) {
         case 0: bytes[from] ^= static_cast<std::uint8_t>(1 << random() % 8); break;
         case 1: std::generate(first, last, [&random] { return static_cast<std::uint8_t>(random()); }); break;

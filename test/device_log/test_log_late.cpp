@@ -1,11 +1,11 @@
 // A device whose background is too slow: its log says where work was late, and the host comes to the same bits.
+#include <algorithm>
+
 #include "../support/cases.h"
 #include "../support/synthetic_stream.h"
 #include "device_log/device_log.h"
 #include "replay/replay.h"
 #include "segcal/log.h"
-
-#include <algorithm>
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}
@@ -87,7 +87,8 @@ void test_a_late_device_replays_to_its_bits() {
     test::check_near(id, "other hashes", 0, others(bytes), 0);
     test::check_true(id, "late with few slices", (late > 0) == (slices < 64));
     // Without the notes the host does what the device did not.
-    if (late > 0) test::check_between(id, "other hashes without notes", 1, others(log_of_device(slices, false, &late)), 13);
+    if (late > 0)
+      test::check_between(id, "other hashes without notes", 1, others(log_of_device(slices, false, &late)), 13);
   }
 }
 

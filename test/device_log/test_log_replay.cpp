@@ -44,7 +44,8 @@ void test_log_replays_as_the_recording_does() {
     const Id id = Id().add("profile", profile);
     test::check_true(id, "a calibration ran", log.calibrated && log.result.iterations > 0);
     test::check_true(id, "the same hash", direct.result_hash == log.result_hash);
-    test::check_near(id, "calibrations", static_cast<double>(direct.calibrations.size()), static_cast<double>(log.calibrations.size()), 0);
+    test::check_near(id, "calibrations", static_cast<double>(direct.calibrations.size()),
+                     static_cast<double>(log.calibrations.size()), 0);
   }
 }
 
@@ -66,7 +67,7 @@ void test_hash_covers_what_was_found() {
   const std::uint64_t calibrated = host::replay({session().recording}, options).result_hash;
   TEST_ASSERT_TRUE(odometry != calibrated);
   options.calibrate = false;
-  options.core.segments = 3;   // the trajectory is the same, the kept segments are fewer
+  options.core.segments = 3;  // the trajectory is the same, the kept segments are fewer
   TEST_ASSERT_TRUE(odometry != host::replay({session().recording}, options).result_hash);
 }
 
@@ -81,7 +82,8 @@ void test_program_verifies_a_device() {
     read.sessions[0].device->calls.push_back({host::DeviceCall::hash, written});
     bytes = host::device_log_of(read.sessions, options_of(session()), "mcu");
     test::write_text(log, std::string(bytes.begin(), bytes.end()));
-    const std::string common = "replay " + log.string() + " --out " + (folder.path() / "out").string() + " --hash --verify-hash ";
+    const std::string common =
+        "replay " + log.string() + " --out " + (folder.path() / "out").string() + " --hash --verify-hash ";
     const test::Outcome outcome = test::run_program(common + log.string(), folder.path());
     TEST_ASSERT_EQUAL_INT_MESSAGE(written == hash ? 0 : 1, outcome.code, outcome.err.c_str());
     TEST_ASSERT_TRUE(outcome.out.find("result_hash " + host::hash_text(hash)) != std::string::npos);
@@ -93,7 +95,9 @@ void test_program_verifies_a_device() {
   const fs::path text = folder.path() / "hash.txt";
   for (const std::uint64_t written : {hash, hash ^ 1}) {
     test::write_text(text, "result_hash " + host::hash_text(written) + "\n");
-    const test::Outcome outcome = test::run_program("replay " + log.string() + " --out " + (folder.path() / "out").string() + " --verify-hash " + text.string(), folder.path());
+    const test::Outcome outcome = test::run_program(
+        "replay " + log.string() + " --out " + (folder.path() / "out").string() + " --verify-hash " + text.string(),
+        folder.path());
     TEST_ASSERT_EQUAL_INT_MESSAGE(written == hash ? 0 : 1, outcome.code, outcome.err.c_str());
   }
 }
@@ -119,7 +123,8 @@ void test_program_converts_both_ways() {
     const host::Frame &x = a.sessions[0].cameras[0].frames[i], &y = b.sessions[0].cameras[0].frames[i];
     TEST_ASSERT_TRUE(x.t_ns == y.t_ns && x.points.size() == y.points.size());
     for (std::size_t k = 0; k < x.points.size(); ++k) {
-      TEST_ASSERT_TRUE(x.points[k].track_id == y.points[k].track_id && x.points[k].u == y.points[k].u && x.points[k].v == y.points[k].v);
+      TEST_ASSERT_TRUE(x.points[k].track_id == y.points[k].track_id && x.points[k].u == y.points[k].u &&
+                       x.points[k].v == y.points[k].v);
     }
   }
 }

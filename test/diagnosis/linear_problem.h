@@ -11,11 +11,11 @@
 namespace test {
 
 struct LinearRecording {
-  static constexpr double kShare = 0.9 / 5;      ///< of the error level: five candidates share nine tenths
+  static constexpr double kShare = 0.9 / 5;  ///< of the error level: five candidates share nine tenths
   int n_theta = 6, segments = 12, rows = 120;
   std::vector<host::diagnosis::Candidate> candidates;
-  Eigen::VectorXd truth;                         ///< of the terms
-  double noise = 1;                              ///< sigma of the residuals
+  Eigen::VectorXd truth;  ///< of the terms
+  double noise = 1;       ///< sigma of the residuals
   /// Adds what no candidate explains to a segment's residuals; may be empty.
   std::function<void(int segment, const Eigen::MatrixXd& J, Eigen::VectorXd* r)> outside;
   /// theta changes by this from segment `step_at` on; empty: it does not.

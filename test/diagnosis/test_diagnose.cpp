@@ -14,8 +14,8 @@ namespace {
 
 using host::Diagnosis;
 
-Diagnosis diagnosed(const std::string& scenario, double seconds, std::uint64_t seed, const std::string& effect, double pixel_noise_px = 0.5,
-                   double stated_offset_s = 0) {
+Diagnosis diagnosed(const std::string& scenario, double seconds, std::uint64_t seed, const std::string& effect,
+                    double pixel_noise_px = 0.5, double stated_offset_s = 0) {
   host::SimulationOptions options;
   options.scenario = scenario;
   options.seconds = seconds;
@@ -42,8 +42,10 @@ double value_of(const Diagnosis& d, const std::string& name, double* sigma) {
   return 0;
 }
 
-/// The name and no other, the value within 3 sigma and what the model leaves out at second order, nine tenths of the gap.
-void expect_named(const std::string& effect, const std::string& name, const std::string& parameter, double truth, double second_order) {
+/// The name and no other, the value within 3 sigma and what the model leaves out at second order, nine tenths of the
+/// gap.
+void expect_named(const std::string& effect, const std::string& name, const std::string& parameter, double truth,
+                  double second_order) {
   const Diagnosis d = diagnosed("rich", 40, 1, effect);
   TEST_ASSERT_EQUAL_STRING_MESSAGE("explained", d.verdict.c_str(), d.sentence.c_str());
   TEST_ASSERT_EQUAL_INT_MESSAGE(1, static_cast<int>(d.effects.size()), d.sentence.c_str());
@@ -128,7 +130,8 @@ void test_heading_has_words_of_its_own() {
   TEST_ASSERT_EQUAL_STRING_MESSAGE("explained", d.verdict.c_str(), d.sentence.c_str());
   double squares[2] = {0, 0};
   for (const host::ModelTerm& t : d.model) {
-    TEST_ASSERT_TRUE_MESSAGE(t.effect.empty() && t.parameter.name.find("yaw") != std::string::npos, t.parameter.name.c_str());
+    TEST_ASSERT_TRUE_MESSAGE(t.effect.empty() && t.parameter.name.find("yaw") != std::string::npos,
+                             t.parameter.name.c_str());
     const bool single = t.parameter.name.find('*') == std::string::npos;
     if (single) squares[t.parameter.name[5] == 'x' ? 0 : 1] += t.parameter.value * t.parameter.value;
   }
@@ -152,7 +155,8 @@ void test_odometry_that_diverges() {
   TEST_ASSERT_TRUE_MESSAGE(d.sentence.find("odometry diverges") != std::string::npos, d.sentence.c_str());
 }
 
-/// Dropped samples end a diagnosis, unless they are accepted: then the effect beside them is found, and they are named too.
+/// Dropped samples end a diagnosis, unless they are accepted: then the effect beside them is found, and they are named
+/// too.
 void test_accepted_faults_are_said() {
   host::SimulationOptions options;
   options.scenario = "rich";
@@ -160,7 +164,8 @@ void test_accepted_faults_are_said() {
   options.effects.push_back(host::sim::parse_effect("time_offset=0.003"));
   host::SimulationResult session = host::simulate(options);
   std::vector<host::ImuSample>& samples = session.recording.imu.samples;
-  for (long at = 7600; at > 0; at -= 400) samples.erase(samples.begin() + at, samples.begin() + at + 5);   // 25 ms every 2 s
+  for (long at = 7600; at > 0; at -= 400)
+    samples.erase(samples.begin() + at, samples.begin() + at + 5);  // 25 ms every 2 s
   host::DiagnoseOptions diagnose;
   diagnose.core.calibration = session.nominal;
   diagnose.core.noise = session.recording.imu.noise;

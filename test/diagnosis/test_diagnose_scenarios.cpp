@@ -1,5 +1,5 @@
-// Diagnosis on motions other than `rich`: a headset (arvr) and a ground robot (nav), whose images move slowly. Each kind on one of them;
-// where SEGCAL_LONG is set, on both.
+// Diagnosis on motions other than `rich`: a headset (arvr) and a ground robot (nav), whose images move slowly. Each
+// kind on one of them; where SEGCAL_LONG is set, on both.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -18,7 +18,8 @@ namespace {
 
 using host::Diagnosis;
 
-Diagnosis diagnosed(const std::string& scenario, std::uint64_t seed, const std::string& effect, const host::sim::TrackOptions& tracks = {}) {
+Diagnosis diagnosed(const std::string& scenario, std::uint64_t seed, const std::string& effect,
+                    const host::sim::TrackOptions& tracks = {}) {
   host::SimulationOptions options;
   options.scenario = scenario;
   options.seconds = 60;
@@ -41,7 +42,8 @@ std::vector<const char*> scenarios(const char* always, const char* in_long_runs)
   return long_run() ? std::vector<const char*>{always, in_long_runs} : std::vector<const char*>{always};
 }
 
-/// The name, no other, and the value: within 4 sigma (one of 16,000) and a share of it that the linear model leaves out.
+/// The name, no other, and the value: within 4 sigma (one of 16,000) and a share of it that the linear model leaves
+/// out.
 void expect_only(const Diagnosis& d, const std::string& name, double truth, double share) {
   TEST_ASSERT_EQUAL_STRING_MESSAGE("explained", d.verdict.c_str(), d.sentence.c_str());
   TEST_ASSERT_EQUAL_INT_MESSAGE(1, static_cast<int>(d.effects.size()), d.sentence.c_str());
@@ -58,8 +60,8 @@ void test_nothing_missing() {
   }
 }
 
-/// The largest that is an effect and not a fault, and one that is small for a slow robot. 1 %: the pose is taken along its
-/// velocity, which changes in 90 ms.
+/// The largest that is an effect and not a fault, and one that is small for a slow robot. 1 %: the pose is taken along
+/// its velocity, which changes in 90 ms.
 void test_time_offsets() {
   expect_only(diagnosed("arvr", 105, "time_offset=0.09"), "time_offset", 0.09, 0.01);
   expect_only(diagnosed("nav", 106, "time_offset=0.003"), "time_offset", 0.003, 0);
@@ -72,7 +74,8 @@ void test_rolling_shutter() {
   }
 }
 
-/// Without the drift in the weights both are `unexplained`. The second also where image motion is read from points that drift.
+/// Without the drift in the weights both are `unexplained`. The second also where image motion is read from points that
+/// drift.
 void test_tracks_that_drift() {
   if (long_run()) {
     const Diagnosis nothing = diagnosed("rich", 131, "", host::sim::drifting_tracks());
@@ -80,7 +83,8 @@ void test_tracks_that_drift() {
   }
   const Diagnosis d = diagnosed("arvr", 120103, "rolling_shutter=1.6e-5", host::sim::drifting_tracks());
   expect_only(d, "rolling_shutter", 1.6e-5, 0.01);
-  TEST_ASSERT_DOUBLE_WITHIN(0.03, 0.1, d.tracks.white_px);          // a twentieth of it at 15,000 points, and what the fit leaves
+  TEST_ASSERT_DOUBLE_WITHIN(0.03, 0.1,
+                            d.tracks.white_px);  // a twentieth of it at 15,000 points, and what the fit leaves
   TEST_ASSERT_DOUBLE_WITHIN(0.09, 0.9, d.tracks.walk_px_per_sqrt_s);
 }
 

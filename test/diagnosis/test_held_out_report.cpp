@@ -14,7 +14,8 @@ using host::diagnosis::Structure;
 /// Two effects that have closed a gap of 1 together, the gyroscope's lag four fifths of it.
 Diagnosis explained() {
   Diagnosis d;
-  for (const auto& [name, kind, statistic] : {std::tuple{"gyro_lag", 11, 400.0}, std::tuple{"radial_residual", 9, 100.0}}) {
+  for (const auto& [name, kind, statistic] :
+       {std::tuple{"gyro_lag", 11, 400.0}, std::tuple{"radial_residual", 9, 100.0}}) {
     host::DiagnosedEffect e;
     e.name = name;
     e.statistic = statistic;
@@ -27,7 +28,9 @@ Diagnosis explained() {
   return d;
 }
 
-Structure structure(const char* against, double log10_p) { return {"camera", "u", against, "", 0.03, log10_p, {}, {}, {}}; }
+Structure structure(const char* against, double log10_p) {
+  return {"camera", "u", against, "", 0.03, log10_p, {}, {}, {}};
+}
 
 void test_no_structure_takes_nothing() {
   Diagnosis d = explained();

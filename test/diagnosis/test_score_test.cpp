@@ -1,4 +1,5 @@
-// The score test against ordinary least squares: what the cost falls by, estimates and covariances, in float and double.
+// The score test against ordinary least squares: what the cost falls by, estimates and covariances, in float and
+// double.
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <vector>
@@ -68,7 +69,8 @@ EffectScore<S> score_of(const MatrixXd& A, const TermGroup& effect, const std::v
 }
 
 template <class S>
-void check_against_least_squares(const MatrixXd& A, const TermGroup& effect, const std::vector<TermGroup>& accepted, double relative) {
+void check_against_least_squares(const MatrixXd& A, const TermGroup& effect, const std::vector<TermGroup>& accepted,
+                                 double relative) {
   std::vector<int> columns = theta_columns();
   for (const TermGroup& g : accepted) add_group(g, &columns);
   VectorXd x;
@@ -91,8 +93,8 @@ void check_against_least_squares(const MatrixXd& A, const TermGroup& effect, con
   }
 }
 
-// 1e-6: float's rounding (6e-8) over 200 rows; of the cost, and of the residual's length for estimates in units of sigma.
-// Covariances of columns that theta explains four fifths of: 100 times that.
+// 1e-6: float's rounding (6e-8) over 200 rows; of the cost, and of the residual's length for estimates in units of
+// sigma. Covariances of columns that theta explains four fifths of: 100 times that.
 void test_agrees_with_least_squares() {
   test::Random random(1);
   VectorXd truth = VectorXd::Zero(kTheta + kTerms);
@@ -124,11 +126,13 @@ void test_null_distribution() {
   for (int g = 0; g < 4; ++g) {
     const double dof = kGroups[g].count, mean = sum[g] / kDraws, variance = squares[g] / kDraws - mean * mean;
     TEST_ASSERT_DOUBLE_WITHIN(4 * std::sqrt(2 * dof / kDraws), dof, mean);
-    TEST_ASSERT_DOUBLE_WITHIN(0.4 * 2 * dof + 0.4, 2 * dof, variance);  // 4 sigma of a variance of 400 chi-squares with 1 dof
+    TEST_ASSERT_DOUBLE_WITHIN(0.4 * 2 * dof + 0.4, 2 * dof,
+                              variance);  // 4 sigma of a variance of 400 chi-squares with 1 dof
   }
 }
 
-/// A column that is a combination of theta's, and one that is a multiple of an accepted column: no direction, no statistic.
+/// A column that is a combination of theta's, and one that is a multiple of an accepted column: no direction, no
+/// statistic.
 void test_collinear_columns_say_nothing() {
   test::Random random(3);
   VectorXd truth = VectorXd::Zero(kTheta + kTerms);

@@ -65,21 +65,23 @@ void test_tail_probabilities() {
   TEST_ASSERT_DOUBLE_WITHIN(1e-6, 60, upper_quantile(log10_upper_tail(60, 9), 9));
 }
 
-/// F of 1 and n degrees is Student's t squared: n = 1 is Cauchy's, n = 2 has 1 - t / sqrt(2 + t^2) outside +-t; of 2 and n it
-/// is (1 + 2 f / n)^(-n/2); and with many degrees chi-square's.
+/// F of 1 and n degrees is Student's t squared: n = 1 is Cauchy's, n = 2 has 1 - t / sqrt(2 + t^2) outside +-t; of 2
+/// and n it is (1 + 2 f / n)^(-n/2); and with many degrees chi-square's.
 void test_tail_of_a_ratio() {
   for (const double f : {0.01, 0.5, 1.0, 3.0, 40.0, 1e4, 1e8}) {
     const double t = std::sqrt(f), cauchy = 2 / M_PI * std::atan(1 / t), two = 2 / (2 + f + t * std::sqrt(2 + f));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, std::log10(cauchy), log10_upper_tail_of_ratio(f, 1, 1));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, std::log10(two), log10_upper_tail_of_ratio(f, 1, 2));
-    for (const int n : {3, 14, 120}) TEST_ASSERT_DOUBLE_WITHIN(1e-9, -0.5 * n * std::log10(1 + 2 * f / n), log10_upper_tail_of_ratio(f, 2, n));
+    for (const int n : {3, 14, 120})
+      TEST_ASSERT_DOUBLE_WITHIN(1e-9, -0.5 * n * std::log10(1 + 2 * f / n), log10_upper_tail_of_ratio(f, 2, n));
   }
   TEST_ASSERT_DOUBLE_WITHIN(0.01, log10_upper_tail(30, 3), log10_upper_tail_of_ratio(10, 3, 1000000));
   TEST_ASSERT_EQUAL_DOUBLE(0, log10_upper_tail_of_ratio(0, 1, 4));
 }
 
-/// Five stretches, in each of which an effect has another value, of mean zero: nothing that holds for the recording. Judged by
-/// chi-square seven of these would get a name, for the halves refuse the rest. With F, 300 * 2e-3 are allowed.
+/// Five stretches, in each of which an effect has another value, of mean zero: nothing that holds for the recording.
+/// Judged by chi-square seven of these would get a name, for the halves refuse the rest. With F, 300 * 2e-3 are
+/// allowed.
 void test_few_stretches_that_disagree() {
   int named = 0;
   for (int seed = 0; seed < 300; ++seed) {
@@ -87,7 +89,9 @@ void test_few_stretches_that_disagree() {
     recording.add("offset", 1, 1);
     recording.segments = 5;
     test::Random value(5000 + seed);
-    recording.outside = [&value](int, const Eigen::MatrixXd& J, Eigen::VectorXd* r) { *r += 0.5 * value.normal() * J.col(6); };
+    recording.outside = [&value](int, const Eigen::MatrixXd& J, Eigen::VectorXd* r) {
+      *r += 0.5 * value.normal() * J.col(6);
+    };
     named += selected(recording, 1500 + seed).accepted.empty() ? 0 : 1;
   }
   std::printf("values that scatter over five stretches: %d of 300 named\n", named);
@@ -133,11 +137,13 @@ void test_one_effect() {
       const Selection s = selected(recording, 40 * c + seed);
       if (names(s) != std::vector<std::string>{recording.candidates[c].name}) continue;
       ++right;
-      for (int i = 0; i < g.count; ++i, ++values) within += std::abs(s.accepted[0].test.value(i) - value) < 3 * s.accepted[0].test.sigma(i);
+      for (int i = 0; i < g.count; ++i, ++values)
+        within += std::abs(s.accepted[0].test.value(i) - value) < 3 * s.accepted[0].test.sigma(i);
       closed += held_out_gap(s.problem, s.candidates, s.accepted, {}, 0).closed() >= 0.9;
     }
   }
-  std::printf("one effect: %d of %d named, %d of %d values within 3 sigma, gap closed in %d\n", right, runs, within, values, closed);
+  std::printf("one effect: %d of %d named, %d of %d values within 3 sigma, gap closed in %d\n", right, runs, within,
+              values, closed);
   TEST_ASSERT_GREATER_OR_EQUAL_INT(95 * runs / 100, right);
   TEST_ASSERT_GREATER_OR_EQUAL_INT(95 * values / 100, within);
   TEST_ASSERT_GREATER_OR_EQUAL_INT(95 * right / 100, closed);
@@ -160,7 +166,9 @@ void test_confounded_pair() {
   for (const double alike : {0.995, 0.7}) {
     LinearRecording recording = catalogue();
     const int a = recording.n_theta, b = recording.n_theta + 13;
-    recording.shape = [=](Eigen::MatrixXd* J) { J->col(b) = alike * J->col(a) + std::sqrt(1 - alike * alike) * J->col(b); };
+    recording.shape = [=](Eigen::MatrixXd* J) {
+      J->col(b) = alike * J->col(a) + std::sqrt(1 - alike * alike) * J->col(b);
+    };
     recording.truth(0) = value_for(recording, 100, 1);
     int paired = 0, named = 0;
     for (int seed = 0; seed < 40; ++seed) {
@@ -221,8 +229,8 @@ void test_step_of_theta() {
   int right = 0;
   for (int seed = 0; seed < 40; ++seed) {
     const Selection s = selected(recording, 1200 + seed);
-    right += names(s) == std::vector<std::string>{"calibration_shift"} && s.shift.block.name == "first" && s.shift.time_s == 28 &&
-             held_out_gap(s.problem, s.candidates, s.accepted, {}, 0).closed() >= 0.9;
+    right += names(s) == std::vector<std::string>{"calibration_shift"} && s.shift.block.name == "first" &&
+             s.shift.time_s == 28 && held_out_gap(s.problem, s.candidates, s.accepted, {}, 0).closed() >= 0.9;
   }
   TEST_ASSERT_GREATER_OR_EQUAL_INT(38, right);
 }
@@ -240,12 +248,14 @@ void test_step_beside_an_effect() {
   TEST_ASSERT_GREATER_OR_EQUAL_INT(38, right);
 }
 
-/// A step that says a fiftieth (a statistic is over the dispersion without the effect: 5000 counts as 1100) of what an effect does may be what that effect leaves: no name, but it is not forgotten.
+/// A step that says a fiftieth (a statistic is over the dispersion without the effect: 5000 counts as 1100) of what an
+/// effect does may be what that effect leaves: no name, but it is not forgotten.
 void test_small_step_beside_a_strong_effect() {
   LinearRecording recording = catalogue();
   recording.truth(1) = value_for(recording, 5000, 1);
   recording.step = Eigen::VectorXd::Zero(recording.n_theta);
-  recording.step.head(3) << 0.26, 0, 0;  // theta takes half of it: of 1440 rows a statistic of about 24, just significant or not
+  recording.step.head(3) << 0.26, 0,
+      0;  // theta takes half of it: of 1440 rows a statistic of about 24, just significant or not
   recording.step_at = 6;
   int left = 0;
   for (int seed = 0; seed < 40; ++seed) {
@@ -259,8 +269,9 @@ void test_small_step_beside_a_strong_effect() {
   TEST_ASSERT_GREATER_OR_EQUAL_INT(20, left);
 }
 
-/// Real recordings have a dispersion of 2 to 6. What is left over and what was closed are compared in one unit: with noise, effect
-/// and step three times as large everything is nine times as large, and the share that is left is the same.
+/// Real recordings have a dispersion of 2 to 6. What is left over and what was closed are compared in one unit: with
+/// noise, effect and step three times as large everything is nine times as large, and the share that is left is the
+/// same.
 void test_what_is_left_counts_in_full() {
   double share[2] = {0, 0};
   for (int k = 0; k < 2; ++k) {
@@ -276,11 +287,12 @@ void test_what_is_left_counts_in_full() {
     TEST_ASSERT_TRUE(s.leftover.chi2 > 0);
     share[k] = gap.rest / gap.before;
   }
-  TEST_ASSERT_DOUBLE_WITHIN(0.3 * share[0], share[0], share[1]);  // theta's prior does not scale, 14 %; divided it would be a ninth
+  TEST_ASSERT_DOUBLE_WITHIN(0.3 * share[0], share[0],
+                            share[1]);  // theta's prior does not scale, 14 %; divided it would be a ninth
 }
 
-/// A strong effect whose value scatters as long as it is not in the fit, and a step that is gone when it is: the step goes, and
-/// nothing of it stays behind.
+/// A strong effect whose value scatters as long as it is not in the fit, and a step that is gone when it is: the step
+/// goes, and nothing of it stays behind.
 void test_step_that_is_dropped() {
   LinearRecording far = catalogue(), fitted = catalogue();
   far.truth(0) = fitted.truth(0) = 0.4;
@@ -290,10 +302,14 @@ void test_step_that_is_dropped() {
   int right = 0;
   for (int seed = 0; seed < 40; ++seed) {
     test::Random random(1400 + seed);
-    far.outside = [&random](int, const Eigen::MatrixXd& J, Eigen::VectorXd* r) { *r += 0.2 * random.normal() * J.col(6); };
+    far.outside = [&random](int, const Eigen::MatrixXd& J, Eigen::VectorXd* r) {
+      *r += 0.2 * random.normal() * J.col(6);
+    };
     const Problem first = problem_of(far, &random), second = problem_of(fitted, &random);
-    const Selection s = select_effects(far.candidates, {}, [&](const std::vector<int>& accepted) { return accepted.empty() ? first : second; });
-    if (s.candidates.size() == far.candidates.size() || s.shifted) continue;  // the step was never in, or is all there is
+    const Selection s = select_effects(
+        far.candidates, {}, [&](const std::vector<int>& accepted) { return accepted.empty() ? first : second; });
+    if (s.candidates.size() == far.candidates.size() || s.shifted)
+      continue;  // the step was never in, or is all there is
     ++right;
     TEST_ASSERT_TRUE(names(s) == std::vector<std::string>{"offset"});
     TEST_ASSERT_EQUAL_DOUBLE(0, s.leftover.chi2);

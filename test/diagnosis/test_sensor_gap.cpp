@@ -26,15 +26,17 @@ using host::Diagnosis;
 constexpr int kTheta = 5, kEffects = 2, kSegments = 16;
 constexpr int kRows[kSensors] = {200, 40, 60};
 
-/// Rows of three sensors without states, noise of factors `f`; effect 0 shows in sensor `seen_by` alone. `theta`: not 0, and the device is that far
-/// from its data sheet, in sigmas of the prior, and only the last sensor sees it, in a fold as well as the prior knows it.
+/// Rows of three sensors without states, noise of factors `f`; effect 0 shows in sensor `seen_by` alone. `theta`: not
+/// 0, and the device is that far from its data sheet, in sigmas of the prior, and only the last sensor sees it, in a
+/// fold as well as the prior knows it.
 struct SensorRecording {
   Problem problem;
   SensorPieces pieces;
   std::vector<Candidate> candidates{{"offset", {0, 1}, {1}, 0.4}, {"lag", {1, 1}, {1}, 0.4}};
 };
 
-SensorRecording recording_of(int seed, double value, int seen_by, const std::array<double, kSensors>& f, double theta = 0) {
+SensorRecording recording_of(int seed, double value, int seen_by, const std::array<double, kSensors>& f,
+                             double theta = 0) {
   test::Random random(seed);
   SensorRecording out;
   out.problem.n_theta = kTheta;
@@ -47,7 +49,8 @@ SensorRecording recording_of(int seed, double value, int seen_by, const std::arr
       MatrixXd rows = random.matrix(kRows[s], kTheta + kEffects + 1);
       if (s != seen_by) rows.col(kTheta).setZero();
       if (theta != 0) rows.leftCols(kTheta) *= s + 1 == kSensors ? 1 / std::sqrt(kSegments / 4.0 * kRows[s]) : 0;
-      rows.rightCols(1) = f[s] * rows.rightCols(1) + value * rows.col(kTheta) + theta * rows.leftCols(kTheta).rowwise().sum();
+      rows.rightCols(1) =
+          f[s] * rows.rightCols(1) + value * rows.col(kTheta) + theta * rows.leftCols(kTheta).rowwise().sum();
       sensors.push_back({rows, static_cast<double>(kRows[s])});
     }
     for (const Rows& r : sensors) pointers.push_back(&r);
@@ -86,7 +89,8 @@ Measured measured(const SensorRecording& r, const std::array<Floor, kSensors>& n
   return out;
 }
 
-/// Nothing there: means of many recordings are zero, and their spread is the sigma that is told. Noise of other sizes, known, changes nothing.
+/// Nothing there: means of many recordings are zero, and their spread is the sigma that is told. Noise of other sizes,
+/// known, changes nothing.
 void test_nothing_there_is_nothing_open() {
   const std::array<double, kSensors> f{1, 2, 0.5};
   VectorXd sum = VectorXd::Zero(kSensors), squares = VectorXd::Zero(kSensors);
@@ -106,8 +110,8 @@ void test_nothing_there_is_nothing_open() {
   }
 }
 
-/// A device three sigmas from its data sheet, whose last sensor tells as much about it as the prior does: a prior that pulls would leave
-/// 3^2 / 4 of chi2 in each of the directions, one sigma of the gap in all.
+/// A device three sigmas from its data sheet, whose last sensor tells as much about it as the prior does: a prior that
+/// pulls would leave 3^2 / 4 of chi2 in each of the directions, one sigma of the gap in all.
 void test_data_sheet_opens_nothing() {
   constexpr int kRuns = 60;
   double mean = 0;
@@ -157,8 +161,8 @@ host::DiagnoseOptions options_of(const host::SimulationResult& session) {
   return out;
 }
 
-/// The sensors' rows and the core's elimination are the same squares, with terms of the IMU and of the image, some of them in the fit: the
-/// core's are float.
+/// The sensors' rows and the core's elimination are the same squares, with terms of the IMU and of the image, some of
+/// them in the fit: the core's are float.
 void test_rows_are_the_core_s() {
   const host::SimulationResult session = simulated("time_offset=0.003");
   const host::DiagnoseOptions options = options_of(session);
@@ -183,7 +187,8 @@ void test_rows_are_the_core_s() {
     for (int s = 0; s < kSensors; ++s) TEST_ASSERT_TRUE(pieces.shared[i].row(s).minCoeff() >= 0);
   }
   std::printf("degrees of freedom: %.1f of the sensors, %.0f counted\n", dof, residuals_less_unknowns);
-  TEST_ASSERT_DOUBLE_WITHIN(0.6 * static_cast<double>(problem.pieces.size()), residuals_less_unknowns, dof);  // the core rounds each segment's
+  TEST_ASSERT_DOUBLE_WITHIN(0.6 * static_cast<double>(problem.pieces.size()), residuals_less_unknowns,
+                            dof);  // the core rounds each segment's
 }
 
 Diagnosis diagnosed(const std::string& effect) {
@@ -216,11 +221,12 @@ void test_without_effect() {
 
 /// What an effect takes away: noise is the same in both.
 host::SensorShares closed_by(const Diagnosis& d) {
-  return {d.before.total - d.after.total, d.before.camera - d.after.camera, d.before.gyro - d.after.gyro, d.before.accel - d.after.accel};
+  return {d.before.total - d.after.total, d.before.camera - d.after.camera, d.before.gyro - d.after.gyro,
+          d.before.accel - d.after.accel};
 }
 
-/// Effects of the gyroscope are hardly anything that images see in themselves, and they close. One that is a clock's as well, a lag, turns the attitude
-/// that the accelerometer is held against; g-sensitivity is the gyroscope's first.
+/// Effects of the gyroscope are hardly anything that images see in themselves, and they close. One that is a clock's as
+/// well, a lag, turns the attitude that the accelerometer is held against; g-sensitivity is the gyroscope's first.
 void test_effects_of_the_gyroscope() {
   for (const char* effect : {"gyro_g_sensitivity=3e-4,0,0,0,3e-4,0,0,0,3e-4", "gyro_lag=0.004"}) {
     const Diagnosis d = diagnosed(effect);

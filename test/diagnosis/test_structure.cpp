@@ -1,4 +1,5 @@
-// Structure in residuals: white noise has none, a dependence on a cause is found and named, slow noise is not taken for one.
+// Structure in residuals: white noise has none, a dependence on a cause is found and named, slow noise is not taken for
+// one.
 #include <cmath>
 #include <vector>
 
@@ -60,8 +61,8 @@ void test_dependence_is_named() {
   }
 }
 
-/// A segment of a camera that turns slowly, so that corners move by less than their noise from image to image: points fitted
-/// by straight lines along each track, as landmarks and poses are, and what that leaves.
+/// A segment of a camera that turns slowly, so that corners move by less than their noise from image to image: points
+/// fitted by straight lines along each track, as landmarks and poses are, and what that leaves.
 host::CoreKept slow_tracks(test::Random* random, double pixel_sigma, double follows_motion_s) {
   constexpr int kImages = 16, kTracks = 60;
   constexpr double kPeriod = 0.1;
@@ -70,7 +71,8 @@ host::CoreKept slow_tracks(test::Random* random, double pixel_sigma, double foll
   for (int k = 0; k < kImages; ++k) out.keyframes[k].t_ns = static_cast<std::int64_t>(1e9 * kPeriod * k);
   for (int landmark = 0; landmark < kTracks; ++landmark) {
     double noise[2][kImages], mean[2] = {0, 0}, slope[2] = {0, 0};
-    const double start[2] = {320 + random->normal(120), 240 + random->normal(90)}, rate[2] = {random->normal(6), random->normal(6)};
+    const double start[2] = {320 + random->normal(120), 240 + random->normal(90)},
+                 rate[2] = {random->normal(6), random->normal(6)};
     double spread = 0;
     for (int k = 0; k < kImages; ++k) spread += (k - 7.5) * (k - 7.5);
     for (int axis = 0; axis < 2; ++axis) {
@@ -84,7 +86,8 @@ host::CoreKept slow_tracks(test::Random* random, double pixel_sigma, double foll
       double measured[2], residual[2];
       for (int axis = 0; axis < 2; ++axis) {
         measured[axis] = start[axis] + rate[axis] * kPeriod * k + noise[axis][k];
-        residual[axis] = (mean[axis] + slope[axis] * (k - 7.5) - noise[axis][k] + follows_motion_s * rate[axis]) / pixel_sigma;
+        residual[axis] =
+            (mean[axis] + slope[axis] * (k - 7.5) - noise[axis][k] + follows_motion_s * rate[axis]) / pixel_sigma;
       }
       host::CorePoint point;
       point.landmark = landmark;
@@ -116,10 +119,11 @@ int follow_image_motion(int sessions, double follows_motion_s) {
   return found;
 }
 
-/// A motion that is read from the very points that are tested holds their noise: each slow, clean recording would follow it.
+/// A motion that is read from the very points that are tested holds their noise: each slow, clean recording would
+/// follow it.
 void test_slow_images_do_not_follow_their_own_noise() {
   TEST_ASSERT_LESS_OR_EQUAL_INT(1, follow_image_motion(30, 0));  // 0.03 expected
-  TEST_ASSERT_EQUAL_INT(30, follow_image_motion(30, 0.01));     // 10 ms at 6 px/s: 0.06 px, 0.12 sigma, of 7680 points
+  TEST_ASSERT_EQUAL_INT(30, follow_image_motion(30, 0.01));      // 10 ms at 6 px/s: 0.06 px, 0.12 sigma, of 7680 points
 }
 
 void test_autocorrelation() {

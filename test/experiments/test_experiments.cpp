@@ -25,7 +25,8 @@ using test::Id;
 using test::text_of;
 
 const Experiment& named(const std::string& name) {
-  return *std::find_if(experiments().begin(), experiments().end(), [&name](const Experiment& e) { return name == e.name; });
+  return *std::find_if(experiments().begin(), experiments().end(),
+                       [&name](const Experiment& e) { return name == e.name; });
 }
 
 /// A few short cells of the degenerate study.
@@ -33,7 +34,8 @@ std::vector<Cell> few_cells() {
   std::vector<Cell> cells;
   for (const char* scenario : {"planar", "line"}) {
     for (int seed = 1; seed <= 2; ++seed) {
-      cells.push_back({std::string(scenario) + std::to_string(seed), {{"scenario", scenario}, {"seconds", 15}, {"seed", seed}}});
+      cells.push_back(
+          {std::string(scenario) + std::to_string(seed), {{"scenario", scenario}, {"seconds", 15}, {"seed", seed}}});
     }
   }
   return cells;
@@ -49,7 +51,8 @@ void test_a_study_is_reproducible() {
   for (const Cell& c : cells) {
     const Id id = Id().add("cell", c.name);
     test::check_true(id, "no result", text_of(cell_file(one.path(), c)).size() > 500);
-    test::check_true(id, "another result with other jobs", text_of(cell_file(one.path(), c)) == text_of(cell_file(two.path(), c)));
+    test::check_true(id, "another result with other jobs",
+                     text_of(cell_file(one.path(), c)) == text_of(cell_file(two.path(), c)));
   }
 }
 
@@ -60,18 +63,23 @@ void test_a_study_goes_on_where_it_was() {
   const auto marked = fs::file_time_type::clock::now() - std::chrono::hours(24);
   std::vector<std::string> before;
   for (const Cell& c : cells) before.push_back(text_of(cell_file(scratch.path(), c)));
-  test::write_text(cell_file(scratch.path(), cells[1]), before[1].substr(0, before[1].size() / 2));  // torn by a power cut
+  test::write_text(cell_file(scratch.path(), cells[1]),
+                   before[1].substr(0, before[1].size() / 2));  // torn by a power cut
   fs::remove(cell_file(scratch.path(), cells[2]));
   cells[3].parameters["seed"] = 9;  // another study in the same folder
   for (const Cell& c : cells) {
     if (fs::exists(cell_file(scratch.path(), c))) fs::last_write_time(cell_file(scratch.path(), c), marked);
   }
   const auto results = run_cells(named("degenerate"), cells, scratch.path(), 2);
-  const auto untouched = [&](std::size_t i) { return fs::last_write_time(cell_file(scratch.path(), cells[i])) == marked; };
+  const auto untouched = [&](std::size_t i) {
+    return fs::last_write_time(cell_file(scratch.path(), cells[i])) == marked;
+  };
   test::check_true(Id().add("cell", 0), "run again though it was there", untouched(0));
-  test::check_true(Id().add("cell", 1), "a torn file was taken", !untouched(1) && text_of(cell_file(scratch.path(), cells[1])) == before[1]);
+  test::check_true(Id().add("cell", 1), "a torn file was taken",
+                   !untouched(1) && text_of(cell_file(scratch.path(), cells[1])) == before[1]);
   test::check_true(Id().add("cell", 2), "not run again", text_of(cell_file(scratch.path(), cells[2])) == before[2]);
-  test::check_true(Id().add("cell", 3), "a result of other parameters was taken", !untouched(3) && results[3].result != host::experiments::Json::parse(before[3])["result"]);
+  test::check_true(Id().add("cell", 3), "a result of other parameters was taken",
+                   !untouched(3) && results[3].result != host::experiments::Json::parse(before[3])["result"]);
   TEST_ASSERT_EQUAL_UINT(cells.size(), results.size());
 }
 
@@ -91,8 +99,10 @@ void test_a_failing_cell_is_named_and_the_others_stay() {
   } catch (const host::InputError& error) {
     complaint = error.what();
   }
-  test::check_true(Id().add("check", "complaint"), complaint.c_str(), complaint.find("1 cells failed, the first is cell2") != std::string::npos);
-  test::check_true(Id().add("check", "others"), "lost", fs::exists(cell_file(scratch.path(), cells[0])) && fs::exists(cell_file(scratch.path(), cells[2])));
+  test::check_true(Id().add("check", "complaint"), complaint.c_str(),
+                   complaint.find("1 cells failed, the first is cell2") != std::string::npos);
+  test::check_true(Id().add("check", "others"), "lost",
+                   fs::exists(cell_file(scratch.path(), cells[0])) && fs::exists(cell_file(scratch.path(), cells[2])));
 }
 
 void test_findings_have_units_and_a_page() {
@@ -101,12 +111,16 @@ void test_findings_have_units_and_a_page() {
   const Findings findings = degenerate.gather(run_cells(degenerate, few_cells(), scratch.path(), 2));
   write_findings(degenerate, findings, {}, scratch.path());
   const std::string csv = text_of(scratch.path() / "degenerate.csv"), page = text_of(scratch.path() / "report.html");
-  test::check_true(Id().add("file", "csv"), "no unit in the header", csv.find("largest error [sigma]") < csv.find('\n'));
+  test::check_true(Id().add("file", "csv"), "no unit in the header",
+                   csv.find("largest error [sigma]") < csv.find('\n'));
   // 26 parameters of two motions, and the header.
-  test::check_near(Id().add("file", "csv"), "lines", 53, static_cast<double>(std::count(csv.begin(), csv.end(), '\n')), 0);
-  test::check_true(Id().add("file", "page"), "no table of limits", page.find("blind parameters released, planar") != std::string::npos);
+  test::check_near(Id().add("file", "csv"), "lines", 53, static_cast<double>(std::count(csv.begin(), csv.end(), '\n')),
+                   0);
+  test::check_true(Id().add("file", "page"), "no table of limits",
+                   page.find("blind parameters released, planar") != std::string::npos);
   const Json json = Json::parse(text_of(scratch.path() / "degenerate.json"));
-  test::check_true(Id().add("file", "json"), "limits", json.at("limits").size() == findings.limits.size() && !findings.limits.empty());
+  test::check_true(Id().add("file", "json"), "limits",
+                   json.at("limits").size() == findings.limits.size() && !findings.limits.empty());
 }
 
 void test_the_command() {
@@ -119,15 +133,17 @@ void test_the_command() {
   };
   const std::string rec = "\"" + (scratch.path() / "rec").string() + "\"";
   test::run_program("simulate --scenario rich --seconds 20 --out " + rec, scratch.path());
-  for (const Case& c : {Case{"experiments --list", 0, "database_size"}, Case{"experiments" + out, 2, "expected a name"},
-                        Case{"experiments basin", 2, "expected --out DIR"}, Case{"experiments nothing" + out, 2, "found 'nothing'"},
-                        Case{"experiments basin " + rec + out, 2, "expected no recordings"},
-                        Case{"experiments sigma_ref " + rec + out, 0, "report.html"},
-                        Case{"experiments sigma_ref " + rec + out, 0, "1 of 1 cells, 1 were there"}}) {
+  for (const Case& c :
+       {Case{"experiments --list", 0, "database_size"}, Case{"experiments" + out, 2, "expected a name"},
+        Case{"experiments basin", 2, "expected --out DIR"}, Case{"experiments nothing" + out, 2, "found 'nothing'"},
+        Case{"experiments basin " + rec + out, 2, "expected no recordings"},
+        Case{"experiments sigma_ref " + rec + out, 0, "report.html"},
+        Case{"experiments sigma_ref " + rec + out, 0, "1 of 1 cells, 1 were there"}}) {
     const test::Outcome outcome = test::run_program(c.arguments, scratch.path());
     const Id id = Id().add("case", c.arguments);
     test::check_near(id, "exit code", c.code, outcome.code, 0);
-    test::check_true(id, ("says: " + outcome.out + outcome.err).c_str(), (outcome.out + outcome.err).find(c.says) != std::string::npos);
+    test::check_true(id, ("says: " + outcome.out + outcome.err).c_str(),
+                     (outcome.out + outcome.err).find(c.says) != std::string::npos);
   }
 }
 
@@ -143,10 +159,12 @@ void test_sigmas_of_a_segment_make_its_metric() {
   TEST_ASSERT_GREATER_THAN_UINT(2, plain.segments.size());
   for (std::size_t s = 0; s < plain.segments.size(); ++s) {
     double A = 0;
-    for (std::size_t i = 0; i < plain.result.parameters.size(); ++i) A += std::pow(plain.segments[s].sigma[i] / plain.result.parameters[i].prior_sigma, 2);
+    for (std::size_t i = 0; i < plain.result.parameters.size(); ++i)
+      A += std::pow(plain.segments[s].sigma[i] / plain.result.parameters[i].prior_sigma, 2);
     // float: 26 squares of 7 digits.
     test::check_near(Id().add("segment", s), "A from sigmas", plain.segments[s].A, A, 1e-4 * A);
-    test::check_near(Id().add("segment", s), "A against twice the prior", plain.segments[s].A / 4, halved.segments[s].A, 1e-4 * A);
+    test::check_near(Id().add("segment", s), "A against twice the prior", plain.segments[s].A / 4, halved.segments[s].A,
+                     1e-4 * A);
   }
 }
 
@@ -159,7 +177,8 @@ void test_the_true_calibration_serves_odometry_better() {
     truth += odometry_error(session, session.truth, Odometry::held).position_m / 3;
     estimating += odometry_error(session, session.nominal, Odometry::estimating).position_m / 3;
   }
-  std::printf("position RMSE: nominal %.1f mm, true %.1f mm; nominal and estimated %.1f mm\n", 1e3 * nominal, 1e3 * truth, 1e3 * estimating);
+  std::printf("position RMSE: nominal %.1f mm, true %.1f mm; nominal and estimated %.1f mm\n", 1e3 * nominal,
+              1e3 * truth, 1e3 * estimating);
   test::check_between(Id().add("check", "held"), "true / nominal", 0, truth / nominal, 0.5);
   test::check_between(Id().add("check", "estimating"), "estimating / nominal", 0, estimating / nominal, 0.7);
 }
@@ -177,7 +196,8 @@ void test_methods_are_those_of_the_core() {
   std::vector<std::string> names;
   for (const Method& m : methods()) names.push_back(m.name);
   for (const char* name : {"initial", "batch", "all", "A", "D", "E", "set_d", "random", "condensed", "joint_ekf"}) {
-    test::check_true(Id().add("method", name), "not offered", std::find(names.begin(), names.end(), name) != names.end());
+    test::check_true(Id().add("method", name), "not offered",
+                     std::find(names.begin(), names.end(), name) != names.end());
   }
   bool refused = false;
   try {

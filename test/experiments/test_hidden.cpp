@@ -26,7 +26,8 @@ void cases_are_complete_and_reproducible() {
     for (const Json& text : cell.parameters.at("effects")) {
       const auto effect = host::sim::parse_effect(text);  // throws what is wrong with it
       const std::string scenario = cell.parameters.at("scenario");
-      if (cell.parameters.at("group") == "one" || cell.parameters.at("group") == "fault") ++effects[scenario + " " + effect->truth().name];
+      if (cell.parameters.at("group") == "one" || cell.parameters.at("group") == "fault")
+        ++effects[scenario + " " + effect->truth().name];
     }
   }
   TEST_ASSERT_EQUAL_INT(150, groups["none"]);
@@ -35,9 +36,11 @@ void cases_are_complete_and_reproducible() {
   TEST_ASSERT_EQUAL_INT(40, groups["weak"]);
   for (const auto& entry : host::sim::effect_entries()) {
     if (entry.kind != host::sim::EffectKind::catalogue) continue;
-    const bool fault = effects.count(std::string("rich ") + entry.name) && !effects.count(std::string("nav ") + entry.name);
+    const bool fault =
+        effects.count(std::string("rich ") + entry.name) && !effects.count(std::string("nav ") + entry.name);
     for (const char* scenario : {"rich ", "arvr ", "nav "}) {
-      if (!fault || scenario[0] == 'r') TEST_ASSERT_EQUAL_INT_MESSAGE(10, effects[std::string(scenario) + entry.name], entry.name);
+      if (!fault || scenario[0] == 'r')
+        TEST_ASSERT_EQUAL_INT_MESSAGE(10, effects[std::string(scenario) + entry.name], entry.name);
     }
   }
   const auto again = host::experiments::hidden_cells({});
@@ -48,7 +51,8 @@ void cases_are_complete_and_reproducible() {
 void saturation_clips_in_every_session() {
   int seen = 0;
   for (const auto& cell : host::experiments::hidden_cells({})) {
-    const std::string effect = cell.parameters.at("effects").empty() ? "" : std::string(cell.parameters.at("effects")[0]);
+    const std::string effect =
+        cell.parameters.at("effects").empty() ? "" : std::string(cell.parameters.at("effects")[0]);
     if (effect.rfind("saturation=", 0) != 0 || ++seen > 2) continue;
     const host::SimulationResult session = host::experiments::hidden_session(cell.parameters);
     const bool gyro = effect.substr(effect.size() - 2) == ",0";
@@ -63,17 +67,29 @@ void saturation_clips_in_every_session() {
 
 /// An answer as `diagnosed` gives it.
 Json answer(const std::string& verdict, const std::vector<std::string>& named, const Json& values = Json::object()) {
-  return {{"verdict", verdict}, {"judged", true}, {"named", named}, {"values", values}, {"pairs", Json::array()}, {"gap_closed", 0.97},
-          {"cannot_tell", 0}, {"faults", Json::array()}, {"statistics", {{"time_offset", 300}, {"gyro_lag", 20}}}, {"seconds", 12.0}};
+  return {{"verdict", verdict}, {"judged", true},          {"named", named},
+          {"values", values},   {"pairs", Json::array()},  {"gap_closed", 0.97},
+          {"cannot_tell", 0},   {"faults", Json::array()}, {"statistics", {{"time_offset", 300}, {"gyro_lag", 20}}},
+          {"seconds", 12.0}};
 }
 
-host::experiments::CellResult cell(const std::string& group, const std::vector<std::string>& there, const Json& values, const Json& said) {
-  return {{{"group", group}, {"scenario", "rich"}, {"distortion", "fov"}, {"tracks", "white"}, {"images_per_s", 10}, {"effects", there}, {"seed", 1}}, {{"truth", {{"names", there}, {"values", values}}}, {"answer", said}}};
+host::experiments::CellResult cell(const std::string& group, const std::vector<std::string>& there, const Json& values,
+                                   const Json& said) {
+  return {{{"group", group},
+           {"scenario", "rich"},
+           {"distortion", "fov"},
+           {"tracks", "white"},
+           {"images_per_s", 10},
+           {"effects", there},
+           {"seed", 1}},
+          {{"truth", {{"names", there}, {"values", values}}}, {"answer", said}}};
 }
 
 void right_and_wrong_answers_are_told_apart() {
   const Json truth = {{"time_offset.t_d", 3e-3}};
-  const auto judge = [&truth](const Json& said) { return host::experiments::judged(cell("one", {"time_offset"}, truth, said)); };
+  const auto judge = [&truth](const Json& said) {
+    return host::experiments::judged(cell("one", {"time_offset"}, truth, said));
+  };
   auto j = judge(answer("explained", {"time_offset"}, {{"time_offset.t_d", {3.02e-3, 1e-5}}}));
   TEST_ASSERT_TRUE(j.exact && j.in_three_sigma && !j.false_name);
   TEST_ASSERT_DOUBLE_WITHIN(1e-9, 2, j.worst_sigmas);
@@ -103,22 +119,25 @@ const host::experiments::Limit& limit_of(const host::experiments::Findings& find
 void only_what_is_visible_must_be_named() {
   const Json none = Json::object();
   const std::string named = "one visible effect: share named", wrong = "one effect, visible or not: false names";
-  std::vector<host::experiments::CellResult> cells = {cell("one", {"time_offset"}, none, answer("explained", {"time_offset"})),
-                                                      cell("one", {"gyro_lag"}, none, answer("consistent", {}))};
+  std::vector<host::experiments::CellResult> cells = {
+      cell("one", {"time_offset"}, none, answer("explained", {"time_offset"})),
+      cell("one", {"gyro_lag"}, none, answer("consistent", {}))};
   TEST_ASSERT_TRUE(limit_of(host::experiments::hidden_gather(cells), named).met());
   cells.push_back(cell("one", {"gyro_lag"}, none, answer("explained", {"time_offset"})));
   TEST_ASSERT_TRUE(limit_of(host::experiments::hidden_gather(cells), named).met());
   TEST_ASSERT_FALSE(limit_of(host::experiments::hidden_gather(cells), wrong).met());
   cells.push_back(cell("one", {"time_offset"}, none, answer("unexplained", {})));
   TEST_ASSERT_FALSE(limit_of(host::experiments::hidden_gather(cells), named).met());
-  cells = {cell("one", {"calibration_shift"}, none, answer("consistent", {}))};  // without a score statistic: always asked for
+  cells = {cell("one", {"calibration_shift"}, none,
+                answer("consistent", {}))};  // without a score statistic: always asked for
   TEST_ASSERT_FALSE(limit_of(host::experiments::hidden_gather(cells), named).met());
 }
 
 /// The gap counts whether a name was given or not.
 void the_gap_of_what_has_no_name_counts() {
   const Json none = Json::object();
-  std::vector<host::experiments::CellResult> cells(2, cell("one", {"time_offset"}, none, answer("explained", {"time_offset"})));
+  std::vector<host::experiments::CellResult> cells(
+      2, cell("one", {"time_offset"}, none, answer("explained", {"time_offset"})));
   TEST_ASSERT_TRUE(limit_of(host::experiments::hidden_gather(cells), "median").met());
   Json open = answer("unexplained", {});
   open["gap_closed"] = 0.2;
@@ -129,7 +148,10 @@ void the_gap_of_what_has_no_name_counts() {
 void limits_follow_from_the_answers() {
   const Json none = Json::object();
   std::vector<host::experiments::CellResult> cells;
-  for (int k = 0; k < 200; ++k) cells.push_back(cell("none", {}, none, answer(k < 1 ? "explained" : "consistent", k < 1 ? std::vector<std::string>{"gyro_lag"} : std::vector<std::string>{})));
+  for (int k = 0; k < 200; ++k)
+    cells.push_back(cell("none", {}, none,
+                         answer(k < 1 ? "explained" : "consistent",
+                                k < 1 ? std::vector<std::string>{"gyro_lag"} : std::vector<std::string>{})));
   cells.push_back(cell("outside", {"outside:gyro_hysteresis"}, none, answer("unexplained", {})));
   cells.push_back(cell("outside", {"outside:gyro_hysteresis"}, none, answer("explained", {"unlisted"})));
   TEST_ASSERT_TRUE(limit_of(host::experiments::hidden_gather(cells), "no effect").met());
@@ -155,7 +177,8 @@ void a_lens_is_described_by_another_model() {
   const double off = host::experiments::lens_difference(fov, camera);
   TEST_ASSERT_TRUE(off > 0.1 && off < 3);  // px: wrong enough to be seen, right enough to start from
   const host::CameraCalibration same = host::experiments::as_fov(fov);
-  TEST_ASSERT_DOUBLE_WITHIN(1e-5, fov.distortion[0], same.distortion[0]);  // the inversion of the lens stops at 1e-7 or so
+  TEST_ASSERT_DOUBLE_WITHIN(1e-5, fov.distortion[0],
+                            same.distortion[0]);  // the inversion of the lens stops at 1e-7 or so
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ const CellResult& short_run() {
 
 void test_a_short_run_is_counted_and_right() {
   const Json& first = short_run().result.at("parts").at(0);
-  const Json& second = short_run().result.at("parts").at(6);   // of twelve
+  const Json& second = short_run().result.at("parts").at(6);  // of twelve
   TEST_ASSERT_EQUAL_INT(601, first.at("frames").get<int>());
   TEST_ASSERT_EQUAL_INT(1, first.at("clean").at("sessions").get<int>());
   TEST_ASSERT_EQUAL_INT(1, first.at("clean").at("calibrated").get<int>());
@@ -30,7 +30,8 @@ void test_a_short_run_is_counted_and_right() {
   // A minute of shaking determines all 26; their mean square is below 2.3 in 999 of 1000 honest runs.
   TEST_ASSERT_EQUAL_INT(26, first.at("clean").at("entries").get<int>());
   TEST_ASSERT_TRUE(first.at("clean").at("sum_of_squares").get<double>() < 2.3 * 26);
-  // The filter's tilt is known to some mrad (test/vio); a frame of reference that is mixed up would be tenths of a radian.
+  // The filter's tilt is known to some mrad (test/vio); a frame of reference that is mixed up would be tenths of a
+  // radian.
   TEST_ASSERT_TRUE(first.at("tilt_mrad").get<double>() < 20);
   TEST_ASSERT_TRUE(second.at("frames").get<int>() < 601);
   TEST_ASSERT_TRUE(short_run().result.at("counters").contains("imu_gaps"));
@@ -57,7 +58,8 @@ void test_each_limit_can_be_missed() {
   TEST_ASSERT_TRUE(missed([](Json* j) { (*j)["parts"][0]["clean"]["sum_of_squares"] = 1.3 * 26; }));
   TEST_ASSERT_TRUE(missed([](Json* j) { (*j)["parts"][0]["clean"]["sum_of_squares"] = 0.7 * 26; }));
   TEST_ASSERT_TRUE(missed([](Json* j) { (*j)["parts"][0]["clean"]["wrong"] = 1; }));
-  TEST_ASSERT_TRUE(missed([](Json* j) { (*j)["parts"][6]["frame_ms"] = 1.2 * (*j)["parts"][0]["frame_ms"].get<double>(); }));
+  TEST_ASSERT_TRUE(
+      missed([](Json* j) { (*j)["parts"][6]["frame_ms"] = 1.2 * (*j)["parts"][0]["frame_ms"].get<double>(); }));
   TEST_ASSERT_TRUE(missed([](Json* j) { (*j)["peak_kb"] = (*j)["peak_kb"].get<double>() + 40000; }));
 }
 

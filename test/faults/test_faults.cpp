@@ -13,8 +13,8 @@
 
 namespace {
 
-host::SimulationResult simulated(const std::string& scenario, std::uint64_t seed, const std::vector<std::string>& effects = {},
-                                 double seconds = 60) {
+host::SimulationResult simulated(const std::string& scenario, std::uint64_t seed,
+                                 const std::vector<std::string>& effects = {}, double seconds = 60) {
   host::SimulationOptions options;
   options.scenario = scenario;
   options.seconds = seconds;
@@ -35,10 +35,12 @@ void check_none(const test::Id& id, const host::Recording& recording, const host
 }
 
 /// Exactly one fault, or several of the same kind on different axes.
-const host::Fault only(const test::Id& id, const std::vector<host::Fault>& faults, const std::string& kind, const std::string& sensor) {
+const host::Fault only(const test::Id& id, const std::vector<host::Fault>& faults, const std::string& kind,
+                       const std::string& sensor) {
   if (faults.empty()) test::fail_case(id, "nothing was found");
   for (const host::Fault& f : faults)
-    if (f.kind != kind || f.sensor.rfind(sensor, 0) != 0) test::fail_case(id, "found something else: " + listed(faults));
+    if (f.kind != kind || f.sensor.rfind(sensor, 0) != 0)
+      test::fail_case(id, "found something else: " + listed(faults));
   test::check_true(id, "says what to do", faults[0].words.find('.') != std::string::npos && faults[0].count > 0);
   test::check_true(id, "says where", faults[0].first_ns > 0 && faults[0].last_ns >= faults[0].first_ns);
   return faults[0];
@@ -59,7 +61,8 @@ void sound_recordings_have_no_fault() {
 void effects_are_no_faults() {
   for (const auto& entry : host::sim::effect_entries()) {
     const std::string name = entry.name;
-    const bool fault = entry.kind == host::sim::EffectKind::fault || name == "saturation" || name == "dropped_samples" || name == "stamp_jitter";
+    const bool fault = entry.kind == host::sim::EffectKind::fault || name == "saturation" ||
+                       name == "dropped_samples" || name == "stamp_jitter";
     const auto id = test::Id().add("effect", name);
     if (fault || !test::selected(id.text())) continue;
     const auto session = simulated("rich", 31, {name + "=" + entry.example});
@@ -73,7 +76,7 @@ struct Case {
 
 void each_fault_is_found_alone() {
   const Case cases[] = {
-      {"rich", "saturation=4,0", "saturation", "gyro"},           // a tenth of a percent of the samples of one axis
+      {"rich", "saturation=4,0", "saturation", "gyro"},  // a tenth of a percent of the samples of one axis
       {"rich", "saturation=0,16", "saturation", "accel"},
       {"arvr", "saturation=1,0", "saturation", "gyro"},
       {"rich", "dropped_samples=50", "dropped_samples", "imu"},
@@ -154,7 +157,8 @@ void other_faults_of_the_log_are_found() {
   recording.imu.noise.rate_hz = 100;
   only(id.add("case", "rate"), host::find_faults(recording, clean.nominal), "rate", "imu");
   recording = clean.recording;
-  for (std::size_t k = 0; k + 1 < recording.imu.samples.size(); k += 50) std::swap(recording.imu.samples[k].t_ns, recording.imu.samples[k + 1].t_ns);
+  for (std::size_t k = 0; k + 1 < recording.imu.samples.size(); k += 50)
+    std::swap(recording.imu.samples[k].t_ns, recording.imu.samples[k + 1].t_ns);
   bool back = false;
   for (const auto& f : host::find_faults(recording, clean.nominal)) back = back || f.kind == "stamps_back";
   TEST_ASSERT_TRUE(back);
@@ -165,7 +169,8 @@ void other_faults_of_the_log_are_found() {
   host::disturb::scale(recording, host::disturb::Sensor::accel, Eigen::Vector3d::Constant(0.5));
   only(id.add("case", "half"), host::find_faults(recording, clean.nominal), "gravity_norm", "accel");
   recording = clean.recording;
-  for (std::size_t k = 1000; k < 1500; ++k) recording.imu.samples[k].gyro[2] = recording.imu.samples[1000].gyro[2];  // one channel of three
+  for (std::size_t k = 1000; k < 1500; ++k)
+    recording.imu.samples[k].gyro[2] = recording.imu.samples[1000].gyro[2];  // one channel of three
   const auto dead = only(id.add("case", "channel"), host::find_faults(recording, clean.nominal), "frozen", "gyro.z");
   TEST_ASSERT_EQUAL_size_t(500, dead.count);
 }
@@ -178,7 +183,8 @@ void other_image_sizes_are_found() {
     for (auto& frame : recording.cameras[0].frames)
       for (auto& p : frame.points) p.u *= factor, p.v *= factor;
     bool found = false;
-    for (const auto& f : host::find_faults(recording, clean.nominal)) found = found || (f.kind == "image_size" && f.sensor == "cam0");
+    for (const auto& f : host::find_faults(recording, clean.nominal))
+      found = found || (f.kind == "image_size" && f.sensor == "cam0");
     TEST_ASSERT_TRUE_MESSAGE(found, factor < 1 ? "half" : "twice");
   }
 }
@@ -196,8 +202,8 @@ void little_data_is_no_trouble() {
 struct Unit {
   const char* scenario;
   host::disturb::Sensor sensor;
-  double factor;                 ///< readings over those in rad/s or m/s^2
-  const char* words;             ///< what the first sentence says
+  double factor;      ///< readings over those in rad/s or m/s^2
+  const char* words;  ///< what the first sentence says
 };
 
 /// Whatever the log is in, the sentence says what to multiply by.
@@ -205,9 +211,11 @@ void units_are_named() {
   constexpr double g = 9.80665, degrees = 57.29578;
   constexpr auto accel = host::disturb::Sensor::accel, gyro = host::disturb::Sensor::gyro;
   const Unit units[] = {
-      {"rich", accel, 1 / g, "which is g."}, {"still", accel, 1000 / g, "which is mg "}, {"rich", accel, 1000 / g, "which is mg "},
-      {"rich", accel, 2048 / g, "raw counts"}, {"still", accel, 16384 / g, "raw counts"}, {"rich", gyro, degrees, "deg/s. Multiply by pi / 180:"},
-      {"rich", gyro, 1000 * degrees, "mdeg/s"}, {"rich", gyro, 16.4 * degrees, "raw counts"}, {"still", gyro, 131 * degrees, "raw counts"},
+      {"rich", accel, 1 / g, "which is g."},        {"still", accel, 1000 / g, "which is mg "},
+      {"rich", accel, 1000 / g, "which is mg "},    {"rich", accel, 2048 / g, "raw counts"},
+      {"still", accel, 16384 / g, "raw counts"},    {"rich", gyro, degrees, "deg/s. Multiply by pi / 180:"},
+      {"rich", gyro, 1000 * degrees, "mdeg/s"},     {"rich", gyro, 16.4 * degrees, "raw counts"},
+      {"still", gyro, 131 * degrees, "raw counts"},
   };
   for (const Unit& unit : units) {
     const auto id = test::Id().add("scenario", unit.scenario).add("words", unit.words).add("factor", unit.factor);
@@ -216,7 +224,8 @@ void units_are_named() {
     host::disturb::scale(session.recording, unit.sensor, Eigen::Vector3d::Constant(unit.factor));
     const std::vector<host::Fault> faults = host::find_faults(session.recording, session.nominal);
     test::check_true(id, "no fault", !faults.empty());
-    test::check_true(id, (faults.front().kind + ": " + faults.front().words).c_str(), faults.front().kind == "unit" && faults.front().words.find(unit.words) != std::string::npos);
+    test::check_true(id, (faults.front().kind + ": " + faults.front().words).c_str(),
+                     faults.front().kind == "unit" && faults.front().words.find(unit.words) != std::string::npos);
   }
 }
 

@@ -12,7 +12,8 @@ using Verdict = host::SensorNoise::Verdict;
 
 namespace {
 
-host::RawNoise noise_of(const std::string& scenario, std::uint64_t seed, const std::string& effect = "", double seconds = 60) {
+host::RawNoise noise_of(const std::string& scenario, std::uint64_t seed, const std::string& effect = "",
+                        double seconds = 60) {
   host::SimulationOptions options;
   options.scenario = scenario;
   options.seconds = seconds;

@@ -42,7 +42,8 @@ void real_samples_with_simulated_landmarks_are_sound() {
     options.seconds = 60;
     const auto session = host::simulate(options);
     check_none(id, host::find_faults(session.recording, session.nominal));
-    test::check_near(id, "samples taken for spikes", 0, static_cast<double>(host::spikes_of(session.recording).size()), 0);
+    test::check_near(id, "samples taken for spikes", 0, static_cast<double>(host::spikes_of(session.recording).size()),
+                     0);
     const auto noise = host::raw_imu_noise(session.recording);
     test::check_true(id, noise.gyro.words.c_str(), noise.gyro.verdict != host::SensorNoise::Verdict::above);
     test::check_true(id, noise.accel.words.c_str(), noise.accel.verdict != host::SensorNoise::Verdict::above);

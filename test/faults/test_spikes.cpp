@@ -1,4 +1,5 @@
-// Readings that no motion explains, one or two in a row: each is found, and no reading of a motion is taken for one, however suddenly it begins.
+// Readings that no motion explains, one or two in a row: each is found, and no reading of a motion is taken for one,
+// however suddenly it begins.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -16,8 +17,8 @@ extern "C" void tearDown() {}
 
 namespace {
 
-constexpr double kGyroNoise = 2.4e-3, kAccelNoise = 0.028;   // of one reading at 200 Hz and the default densities
-constexpr std::size_t kReadings = 2000;                      // 10 s
+constexpr double kGyroNoise = 2.4e-3, kAccelNoise = 0.028;  // of one reading at 200 Hz and the default densities
+constexpr std::size_t kReadings = 2000;                     // 10 s
 
 using Stream = std::vector<ImuSample>;
 
@@ -30,7 +31,8 @@ Stream motion(std::uint64_t seed, double size) {
     for (std::size_t k = 0; k < 3; ++k) {
       const auto axis = static_cast<double>(k);
       out[i].gyro[k] = size * 2 * std::sin(2 * M_PI * (1 + 0.3 * axis) * t) + kGyroNoise * random.normal();
-      out[i].accel[k] = (k == 2 ? 9.8 : 0) + size * 5 * std::cos(2 * M_PI * (1.2 + 0.3 * axis) * t) + kAccelNoise * random.normal();
+      out[i].accel[k] =
+          (k == 2 ? 9.8 : 0) + size * 5 * std::cos(2 * M_PI * (1.2 + 0.3 * axis) * t) + kAccelNoise * random.normal();
     }
   }
   return out;
@@ -44,7 +46,9 @@ host::Recording recording_of(Stream stream, double rate_hz) {
   return recording;
 }
 
-std::vector<std::size_t> spikes_in(Stream stream, double rate_hz = 200) { return host::spikes_of(recording_of(std::move(stream), rate_hz)); }
+std::vector<std::size_t> spikes_in(Stream stream, double rate_hz = 200) {
+  return host::spikes_of(recording_of(std::move(stream), rate_hz));
+}
 
 void check(const Id& id, const Stream& stream, const std::vector<std::size_t>& spikes) {
   test::check_true(id, "the spikes that were put in, and no others", spikes_in(stream) == spikes);
@@ -58,8 +62,9 @@ void each_seed(std::uint64_t count, const Run& run) {
   }
 }
 
-/// From 0.35 rad/s and 1.6 m/s^2 to just below full scale; either sensor, any axis; every other one is twice as large at least and goes on for a
-/// second reading, alike or of the other sign. At full scale the device leaves them out itself, and of a slow sensor one reading, or two, may be a twitch.
+/// From 0.35 rad/s and 1.6 m/s^2 to just below full scale; either sensor, any axis; every other one is twice as large
+/// at least and goes on for a second reading, alike or of the other sign. At full scale the device leaves them out
+/// itself, and of a slow sensor one reading, or two, may be a twitch.
 void test_spikes_are_found() {
   each_seed(20, [](const Id& id, std::uint64_t seed) {
     test::Random random(seed + 100);
@@ -67,9 +72,15 @@ void test_spikes_are_found() {
     std::vector<std::size_t> spikes;
     for (std::size_t at = 100; at < kReadings - 100; at += 50) {
       const int axis = random.index(6);
-      const double share = std::pow(10.0, -random.uniform(0.15, at % 100 ? 2 : 1.7)), sign = random.uniform(0, 1) < 0.5 ? -1 : 1;   // of full scale: 0.01 or 0.02 to 0.7
-      const double size = sign * share * (axis < 3 ? 35 : 157), second = at % 100 ? 0 : random.uniform(0, 1) < 0.2 ? -size : size * random.uniform(0.8, 1.2);
-      const auto value = [&](std::size_t i) -> double& { return axis < 3 ? stream[i].gyro[std::size_t(axis)] : stream[i].accel[std::size_t(axis - 3)]; };
+      const double share = std::pow(10.0, -random.uniform(0.15, at % 100 ? 2 : 1.7)),
+                   sign = random.uniform(0, 1) < 0.5 ? -1 : 1;  // of full scale: 0.01 or 0.02 to 0.7
+      const double size = sign * share * (axis < 3 ? 35 : 157), second = at % 100 ? 0
+                                                                         : random.uniform(0, 1) < 0.2
+                                                                             ? -size
+                                                                             : size * random.uniform(0.8, 1.2);
+      const auto value = [&](std::size_t i) -> double& {
+        return axis < 3 ? stream[i].gyro[std::size_t(axis)] : stream[i].accel[std::size_t(axis - 3)];
+      };
       value(at) += size;
       spikes.push_back(at);
       if (second == 0) continue;
@@ -82,7 +93,8 @@ void test_spikes_are_found() {
     const std::vector<std::size_t> slower = spikes_in(stream, 120);
     const auto even = [](std::size_t at) { return at % 100 == 50; };
     test::check_true(id, "one alone at 120 Hz", std::count_if(slower.begin(), slower.end(), even) == 18);
-    test::check_true(id, "no pair at 120 Hz", std::none_of(slower.begin(), slower.end(), [](std::size_t at) { return at % 100 == 1; }));
+    test::check_true(id, "no pair at 120 Hz",
+                     std::none_of(slower.begin(), slower.end(), [](std::size_t at) { return at % 100 == 1; }));
   });
 }
 
@@ -97,7 +109,8 @@ void test_a_spike_takes_no_sound_reading_with_it() {
   });
 }
 
-/// A knock that goes on, with a spike soon after it; one that rings; a jump to another rate; readings that repeat; some lost.
+/// A knock that goes on, with a spike soon after it; one that rings; a jump to another rate; readings that repeat; some
+/// lost.
 void test_motion_is_no_spike() {
   each_seed(20, [](const Id& id, std::uint64_t seed) {
     Stream stream = motion(seed, 1);
@@ -111,7 +124,8 @@ void test_motion_is_no_spike() {
   });
 }
 
-/// A rest tells little of the motion that follows it, and nothing is known in the first tenth of a second, after a gap neither.
+/// A rest tells little of the motion that follows it, and nothing is known in the first tenth of a second, after a gap
+/// neither.
 void test_beginnings_are_no_spikes() {
   each_seed(20, [](const Id& id, std::uint64_t seed) {
     Stream stream = motion(seed, 0);
@@ -119,14 +133,15 @@ void test_beginnings_are_no_spikes() {
     std::copy(moving.begin() + 1000, moving.end(), stream.begin() + 1000);
     check(id, stream, {});
     host::Recording recording = recording_of(stream, 200);
-    for (std::size_t i = 1500; i < kReadings; ++i) recording.imu.samples[i].t_ns += 20000000;   // four periods
+    for (std::size_t i = 1500; i < kReadings; ++i) recording.imu.samples[i].t_ns += 20000000;  // four periods
     recording.imu.samples[1505].accel[0] += 30;
     recording.imu.samples[1600].accel[0] += 30;
     test::check_true(id, "after a gap", host::spikes_of(recording) == std::vector<std::size_t>{1600});
   });
 }
 
-/// Readings that repeat but for a last digit of half the stated noise, or shake with a hundred times that noise from the first one on.
+/// Readings that repeat but for a last digit of half the stated noise, or shake with a hundred times that noise from
+/// the first one on.
 void test_coarse_and_shaken_sensors_have_none() {
   each_seed(20, [](const Id& id, std::uint64_t seed) {
     test::Random random(seed);
@@ -140,12 +155,13 @@ void test_coarse_and_shaken_sensors_have_none() {
     check(id, coarse, {});
     check(id, shaken, {});
     for (int begin = 0; begin + 40 < int(kReadings); begin += 40)
-      test::check_true(id, "none at a beginning", spikes_in(Stream(shaken.begin() + begin, shaken.begin() + begin + 40)).empty());
+      test::check_true(id, "none at a beginning",
+                       spikes_in(Stream(shaken.begin() + begin, shaken.begin() + begin + 40)).empty());
   });
 }
 
-/// Knocks and twitches, half sines of 4 to 12 readings on both sensors twice a second, and one of three readings whose end lies on the line to
-/// rest.
+/// Knocks and twitches, half sines of 4 to 12 readings on both sensors twice a second, and one of three readings whose
+/// end lies on the line to rest.
 void test_pulses_are_no_spikes() {
   Stream knock = motion(1, 0);
   for (std::size_t i = 0; i < 3; ++i) knock[500 + i].accel[0] += 9 - 3 * double(i);
@@ -162,8 +178,9 @@ void test_pulses_are_no_spikes() {
     }
 }
 
-/// What comes often is no accident, whatever it looks like: of every second to eighth reading somewhere else 50 at most (each widens what counts
-/// as near by 15 / 200, and the first is ten times too far, squared), and of any path of straight pieces one in 200.
+/// What comes often is no accident, whatever it looks like: of every second to eighth reading somewhere else 50 at most
+/// (each widens what counts as near by 15 / 200, and the first is ten times too far, squared), and of any path of
+/// straight pieces one in 200.
 void test_what_comes_often_is_none() {
   for (std::size_t period = 2; period <= 8; ++period) {
     Stream stream = motion(2, 0);

@@ -74,7 +74,7 @@ void test_missing_images_mix_no_ids() {
     SimulationResult s = session("rich");
     spoil::drop_frames(s.recording, 0.3, seed);
     TEST_ASSERT_NULL(found(track_faults(s.recording, s.nominal), "mixed_tracks"));
-    spoil::permute_ids(s.recording, 20, 1);   // found all the same, as one or the other
+    spoil::permute_ids(s.recording, 20, 1);  // found all the same, as one or the other
     const std::vector<Fault> faults = track_faults(s.recording, s.nominal);
     TEST_ASSERT_TRUE(found(faults, "mixed_tracks") || found(faults, "outlier_tracks"));
   }

@@ -1,5 +1,5 @@
-// Runs a function in a child process that is killed (SIGKILL) at its n-th change of the file system. The calls of libc through
-// which libstdc++ changes files are defined here anew, and count; one test program includes this once.
+// Runs a function in a child process that is killed (SIGKILL) at its n-th change of the file system. The calls of libc
+// through which libstdc++ changes files are defined here anew, and count; one test program includes this once.
 #pragma once
 
 #include <dlfcn.h>

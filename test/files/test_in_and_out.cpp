@@ -40,13 +40,15 @@ std::string last_line(const std::string& text) {
   const std::size_t end = text.find_last_not_of("\n");
   if (end == std::string::npos) return "";
   const std::size_t begin = text.find_last_of("\n\r", end);
-  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1,
+                     end - (begin == std::string::npos ? 0 : begin + 1) + 1);
 }
 
 void check_refused(const std::string& command, const std::string& words) {
   const Outcome outcome = shell(command);
   TEST_ASSERT_EQUAL_INT_MESSAGE(2, outcome.code, (command + "\n" + outcome.err).c_str());
-  TEST_ASSERT_TRUE_MESSAGE(last_line(outcome.err).find(words) != std::string::npos, (command + "\n" + outcome.err).c_str());
+  TEST_ASSERT_TRUE_MESSAGE(last_line(outcome.err).find(words) != std::string::npos,
+                           (command + "\n" + outcome.err).c_str());
   TEST_ASSERT_TRUE_MESSAGE(outcome.err.find("Traceback") == std::string::npos, outcome.err.c_str());
 }
 
@@ -62,9 +64,10 @@ void test_a_fault_of_the_study_can_be_simulated() {
 }
 
 void test_a_full_disk_or_closed_pipe_is_an_error() {
-  for (const char* command : {"segcal --help", "segcal --version", "segcal replay rec --out out --json", "segcal replay rec --out out",
-                              "segcal compare out out", "segcal compare out out --json", "segcal experiments --list",
-                              "segcal export out --to kalibr --out kalibr", "segcal import rec --list", "segcal fleet --help"}) {
+  for (const char* command :
+       {"segcal --help", "segcal --version", "segcal replay rec --out out --json", "segcal replay rec --out out",
+        "segcal compare out out", "segcal compare out out --json", "segcal experiments --list",
+        "segcal export out --to kalibr --out kalibr", "segcal import rec --list", "segcal fleet --help"}) {
     check_refused(std::string(command) + " > /dev/full", "cannot be written");
   }
   check_refused("segcal replay rec --out out --json | true", "standard output: cannot be written");
@@ -73,10 +76,11 @@ void test_a_full_disk_or_closed_pipe_is_an_error() {
 
 void test_an_empty_text_names_nothing() {
   const auto before = std::distance(fs::directory_iterator(scratch), fs::directory_iterator());
-  for (const char* command : {"segcal replay rec --out ''", "segcal replay '' --out out", "segcal diagnose rec --out ''",
-                              "segcal simulate --out ''", "segcal track rec --out ''", "segcal experiments basin --out ''",
-                              "segcal convert rec --out ''", "segcal report ''", "segcal allan rec --out ''", "segcal fleet rec --out ''",
-                              "segcal export out --to kalibr --out ''", "segcal import rec --out ''"}) {
+  for (const char* command :
+       {"segcal replay rec --out ''", "segcal replay '' --out out", "segcal diagnose rec --out ''",
+        "segcal simulate --out ''", "segcal track rec --out ''", "segcal experiments basin --out ''",
+        "segcal convert rec --out ''", "segcal report ''", "segcal allan rec --out ''", "segcal fleet rec --out ''",
+        "segcal export out --to kalibr --out ''", "segcal import rec --out ''"}) {
     check_refused(command, "empty");
   }
   TEST_ASSERT_EQUAL_INT(before, std::distance(fs::directory_iterator(scratch), fs::directory_iterator()));

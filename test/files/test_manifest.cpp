@@ -1,7 +1,5 @@
-// Files of a folder belong together: a run that is killed at any change of the file system leaves a folder that is whole, the
-// old one or the new one, or one that readers refuse.
-#include "killed_at.h"
-
+// Files of a folder belong together: a run that is killed at any change of the file system leaves a folder that is
+// whole, the old one or the new one, or one that readers refuse.
 #include <unity.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include "diagnose/diagnose.h"
 #include "experiments/experiment.h"
 #include "files/output_run.h"
+#include "killed_at.h"
 #include "recording.h"
 #include "replay/replay.h"
 #include "replay/result_files.h"
@@ -59,10 +58,10 @@ std::string complaint_about(const fs::path& folder) {
 /// To its end, in a process whose output goes nowhere.
 void complete(const std::function<void()>& run) { TEST_ASSERT_FALSE(test::killed_at(0, run)); }
 
-/// Writes a folder by run `first`, then again by `second` killed at each change: what is accepted is one of the two, whole.
-/// Returns the number of changes. Afterwards a run that ends puts all right and leaves no temporary file.
-int check_every_kill(const char* what, const fs::path& folder, const std::function<void()>& prepare, const std::function<void()>& first,
-                     const std::function<void()>& second) {
+/// Writes a folder by run `first`, then again by `second` killed at each change: what is accepted is one of the two,
+/// whole. Returns the number of changes. Afterwards a run that ends puts all right and leaves no temporary file.
+int check_every_kill(const char* what, const fs::path& folder, const std::function<void()>& prepare,
+                     const std::function<void()>& first, const std::function<void()>& second) {
   const auto made_by = [&](const std::function<void()>& run) {
     fs::remove_all(folder);
     prepare();
@@ -84,10 +83,11 @@ int check_every_kill(const char* what, const fs::path& folder, const std::functi
       const auto left = without_parts(contents(folder));
       const std::string complaint = complaint_about(folder);
       char message[300];
-      std::snprintf(message, sizeof message, "%s killed at change %d (%s): %s", what, n, over_first ? "over an earlier run" : "in a new folder",
-                    complaint.c_str());
+      std::snprintf(message, sizeof message, "%s killed at change %d (%s): %s", what, n,
+                    over_first ? "over an earlier run" : "in a new folder", complaint.c_str());
       refused += complaint.empty() ? 0 : 1;
-      if (complaint.empty()) TEST_ASSERT_TRUE_MESSAGE(left == (over_first ? whole_first : nothing) || left == whole_second, message);
+      if (complaint.empty())
+        TEST_ASSERT_TRUE_MESSAGE(left == (over_first ? whole_first : nothing) || left == whole_second, message);
       if (!killed) {
         TEST_ASSERT_TRUE_MESSAGE(left == whole_second, message);
         break;
@@ -130,7 +130,9 @@ const auto nothing_before = [] {};
 
 void test_replay_killed_anywhere() {
   const fs::path folder = scratch / "replay";
-  const auto write = [&](int seed) { return [&folder, seed] { write_result_files(folder, session(seed).result, {}, session(seed).recording.truth); }; };
+  const auto write = [&](int seed) {
+    return [&folder, seed] { write_result_files(folder, session(seed).result, {}, session(seed).recording.truth); };
+  };
   check_every_kill("replay", folder, nothing_before, write(1), write(2));
 }
 
@@ -161,7 +163,10 @@ void run_command(const std::vector<std::string>& arguments) {
 /// The tracks of the two cameras belong together: their identifiers are those of the rig.
 void test_track_killed_anywhere() {
   const fs::path images = scratch / "images", folder = scratch / "track";
-  const test::Outcome made = test::run_program("simulate --out \"" + images.string() + "\" --images --scenario nav --seconds 1 --rate-camera 4 --seed 1 --cameras 2", scratch);
+  const test::Outcome made =
+      test::run_program("simulate --out \"" + images.string() +
+                            "\" --images --scenario nav --seconds 1 --rate-camera 4 --seed 1 --cameras 2",
+                        scratch);
   TEST_ASSERT_EQUAL_INT_MESSAGE(0, made.code, made.err.c_str());
   const auto prepare = [&] { fs::copy(images, folder, fs::copy_options::recursive); };
   const auto track = [&](const char* most) {
@@ -220,18 +225,25 @@ void test_programs_refuse_mixed_folders() {
   TEST_ASSERT_EQUAL_INT(0, program("report " + mixed).code);
 }
 
-/// A calibration is read by its file's name: of a stopped run, or of two runs, it is refused wherever it is named. A copy without the manifest is
-/// the user's own.
+/// A calibration is read by its file's name: of a stopped run, or of two runs, it is refused wherever it is named. A
+/// copy without the manifest is the user's own.
 void test_calibration_by_its_file() {
   const fs::path rec = scratch / "started", a = scratch / "half", b = scratch / "whole", copy = scratch / "copy";
-  TEST_ASSERT_EQUAL_INT(0, program("simulate --out " + rec.string() + " --images --scenario nav --seconds 1 --rate-camera 4 --seed 1").code);
+  TEST_ASSERT_EQUAL_INT(
+      0,
+      program("simulate --out " + rec.string() + " --images --scenario nav --seconds 1 --rate-camera 4 --seed 1").code);
   TEST_ASSERT_EQUAL_INT(0, program("track " + rec.string()).code);
   const auto read_by = [&](const fs::path& folder) {
-    const std::string out = " --out " + (scratch / "out3").string(), calib = " --calib " + (folder / "camchain-imucam.yaml").string();
-    return std::vector<std::string>{"replay " + rec.string() + calib + out, "diagnose " + rec.string() + calib + out, "track " + rec.string() + calib,
-                                    "convert " + rec.string() + calib + out + ".segcal", "reference " + rec.string() + calib + out,
+    const std::string out = " --out " + (scratch / "out3").string(),
+                      calib = " --calib " + (folder / "camchain-imucam.yaml").string();
+    return std::vector<std::string>{"replay " + rec.string() + calib + out,
+                                    "diagnose " + rec.string() + calib + out,
+                                    "track " + rec.string() + calib,
+                                    "convert " + rec.string() + calib + out + ".segcal",
+                                    "reference " + rec.string() + calib + out,
                                     "fleet " + rec.string() + out + " -- " + calib.substr(1),
-                                    "import " + rec.string() + out + calib, "import " + rec.string() + out + " --imu-noise " + (folder / "imu.yaml").string(),
+                                    "import " + rec.string() + out + calib,
+                                    "import " + rec.string() + out + " --imu-noise " + (folder / "imu.yaml").string(),
                                     "replay " + rec.string() + out + " --config " + (folder / "config.yaml").string(),
                                     "replay " + rec.string() + out + " --model " + (folder / "model.yaml").string()};
   };
@@ -239,7 +251,7 @@ void test_calibration_by_its_file() {
   const auto write_over = [&] { write_result_files(a, session(2).result, {}, {}); };
   const std::string of_second = test::text_of(b / "camchain-imucam.yaml");
   int n = 0;
-  do {   // until the camera chain is the second run's and the IMU the first's
+  do {  // until the camera chain is the second run's and the IMU the first's
     fs::remove_all(a);
     write_result_files(a, session(1).result, {}, {});
     TEST_ASSERT_TRUE(test::killed_at(++n, write_over));
@@ -251,8 +263,10 @@ void test_calibration_by_its_file() {
   TEST_ASSERT_EQUAL_size_t(1, read_calibration(copy / "camchain-imucam.yaml").cameras.size());
   complete(write_over);
   TEST_ASSERT_EQUAL_size_t(1, read_calibration(a / "camchain-imucam.yaml").cameras.size());
-  for (const char* name : {"camchain-imucam.yaml", "imu.yaml", "config.yaml", "model.yaml"}) test::write_text(a / name, test::text_of(a / name) + "# another\n");
-  for (const std::string& command : read_by(a)) check_refused(command, ".yaml: expected the file that `segcal replay` wrote");
+  for (const char* name : {"camchain-imucam.yaml", "imu.yaml", "config.yaml", "model.yaml"})
+    test::write_text(a / name, test::text_of(a / name) + "# another\n");
+  for (const std::string& command : read_by(a))
+    check_refused(command, ".yaml: expected the file that `segcal replay` wrote");
 }
 
 void test_recordings() {
@@ -262,9 +276,11 @@ void test_recordings() {
   const std::string replay = "replay " + rec.string() + " --out " + (scratch / "out").string();
   TEST_ASSERT_TRUE(program(replay).code <= 1);  // an answer, whichever
   const std::string tracks = test::text_of(rec / "mav0/cam0/tracks.csv");
-  test::write_text(rec / "mav0/cam0/tracks.csv", tracks.substr(0, tracks.rfind('\n', tracks.size() - 2) + 1));  // a corner less
+  test::write_text(rec / "mav0/cam0/tracks.csv",
+                   tracks.substr(0, tracks.rfind('\n', tracks.size() - 2) + 1));  // a corner less
   for (const char* command : {"replay ", "diagnose ", "reference ", "convert "})
-    check_refused(command + rec.string() + " --out " + (scratch / "out2").string(), "tracks.csv: expected the file that `segcal simulate` wrote");
+    check_refused(command + rec.string() + " --out " + (scratch / "out2").string(),
+                  "tracks.csv: expected the file that `segcal simulate` wrote");
   check_refused("replay " + other.string() + " --out " + other.string(), "found the files of `segcal simulate`");
   fs::remove(rec / manifest_name);
   TEST_ASSERT_TRUE(program(replay).code <= 1);  // without a manifest: as made by hand

@@ -1,4 +1,5 @@
-// The file of segcal replay --state through kills, full disks, closed folders and two runs at once: the old one or the new one, whole.
+// The file of segcal replay --state through kills, full disks, closed folders and two runs at once: the old one or the
+// new one, whole.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -55,7 +56,8 @@ std::size_t files_in(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
-/// What `work` returns, done by a process of its own, which is killed after `us` microseconds (negative: never). -1: it was killed.
+/// What `work` returns, done by a process of its own, which is killed after `us` microseconds (negative: never). -1: it
+/// was killed.
 int in_child(long us, const std::function<int()>& work) {
   const pid_t child = ::fork();
   if (child == 0) ::_exit(work());
@@ -98,7 +100,7 @@ void test_a_kill_at_any_byte_leaves_the_old() {
   for (const std::size_t bytes : places) {
     TEST_ASSERT_EQUAL_INT(-1, replace_until(file, bytes));
     TEST_ASSERT_EQUAL_CHAR('a', content_of(file));
-    TEST_ASSERT_EQUAL_UINT(1, files_in(folder.path()));   // reading it removed what the killed one left
+    TEST_ASSERT_EQUAL_UINT(1, files_in(folder.path()));  // reading it removed what the killed one left
   }
   TEST_ASSERT_EQUAL_INT(0, replace_until(file, 2 * size));
   TEST_ASSERT_EQUAL_CHAR('b', content_of(file));
@@ -110,7 +112,8 @@ void test_a_kill_at_any_time_leaves_the_old_or_the_new() {
   const fs::path file = made(folder.path());
   const auto start = std::chrono::steady_clock::now();
   TEST_ASSERT_EQUAL_INT(0, in_child(-1, [&file] { return replace(file); }));
-  const long us = std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start).count();
+  const long us =
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start).count();
   constexpr int kKills = 40;
   for (int i = 0; i < kKills; ++i) {
     fs::remove(file);
@@ -138,7 +141,7 @@ void test_a_full_disk_leaves_the_old() {
   const fs::path file = made(folder.path());
   const int code = in_child(-1, [&file] {
     std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit = {kBytes / 2, kBytes / 2};   // a write beyond that fails, as on a full disk
+    const rlimit limit = {kBytes / 2, kBytes / 2};  // a write beyond that fails, as on a full disk
     ::setrlimit(RLIMIT_FSIZE, &limit);
     return replace(file);
   });
@@ -153,7 +156,7 @@ void test_a_closed_folder_is_found_at_once() {
   fs::permissions(file, fs::perms(0666));
   fs::permissions(folder.path(), fs::perms(0555));
   const int code = in_child(-1, [&file] {
-    if (::geteuid() == 0 && ::setuid(65534) != 0) return 1;   // the administrator may write anywhere
+    if (::geteuid() == 0 && ::setuid(65534) != 0) return 1;  // the administrator may write anywhere
     try {
       StateFile state(file);
       return 0;

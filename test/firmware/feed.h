@@ -6,7 +6,7 @@
 #include "segcal/segcal.h"
 
 /* The call that processed an image, whichever it was; a segment may have ended in it. */
-static inline void mark_image(segcal_t *device) {
+static inline void mark_image(segcal_t* device) {
   static segcal_counters_t counters;
   static uint32_t closed_segments;
   segcal_get_counters(device, &counters);
@@ -19,7 +19,7 @@ static inline void mark_image(segcal_t *device) {
 }
 
 /* An image that waited for its IMU samples is processed in the call of the last of them. */
-static inline void feed_sample(segcal_t *device, const segcal_imu_t *sample) {
+static inline void feed_sample(segcal_t* device, const segcal_imu_t* sample) {
   segcal_mark_begin();
   if (segcal_push_imu(device, sample) == SEGCAL_OK) {
     segcal_mark_imu_sample();
@@ -28,8 +28,9 @@ static inline void feed_sample(segcal_t *device, const segcal_imu_t *sample) {
   }
 }
 
-/* One that waits is copied, no more; but where the filter's start is not background work, a start that fails says so too. */
-static inline void feed_frame(segcal_t *device, int64_t t_ns, const segcal_point_t *points, int32_t n) {
+/* One that waits is copied, no more; but where the filter's start is not background work, a start that fails says so
+ * too. */
+static inline void feed_frame(segcal_t* device, int64_t t_ns, const segcal_point_t* points, int32_t n) {
   segcal_mark_begin();
   if (segcal_push_tracks(device, t_ns, points, n) == SEGCAL_WAITING && SEGCAL_START_DELAY_MS > 0) {
     segcal_mark_imu_sample();
@@ -39,7 +40,7 @@ static inline void feed_frame(segcal_t *device, int64_t t_ns, const segcal_point
 }
 
 /* At most so many slices of background work, each for itself. Returns whether some are left. */
-static inline int feed_background(segcal_t *device, int slices) {
+static inline int feed_background(segcal_t* device, int slices) {
   int waiting = 1;
   for (; waiting > 0 && slices > 0; --slices) {
     segcal_progress_t progress;

@@ -1,5 +1,6 @@
 /* Where a counted call begins and what it was: empty functions whose places the instruction counter
- * (test/budget/instruction_counter.c) knows by name. What a call was is only known afterwards, so the end carries it. */
+ * (test/budget/instruction_counter.c) knows by name. What a call was is only known afterwards, so the end carries it.
+ */
 #ifndef SEGCAL_TEST_MARKS_H
 #define SEGCAL_TEST_MARKS_H
 

@@ -1,6 +1,7 @@
-/* Two minutes as a product has them, on a target: the IMU up to an image, then its tracks; the background gets PRODUCT_SLICES slices after each
- * sample (below 0: as many in bursts, five times a second), and two calibrations are asked for. Each call that feeds and each slice is measured,
- * so that the longest one is known whatever it had to do. Exit code 0: calibrated, by two calibrations or more. */
+/* Two minutes as a product has them, on a target: the IMU up to an image, then its tracks; the background gets
+ * PRODUCT_SLICES slices after each sample (below 0: as many in bursts, five times a second), and two calibrations are
+ * asked for. Each call that feeds and each slice is measured, so that the longest one is known whatever it had to do.
+ * Exit code 0: calibrated, by two calibrations or more. */
 #include "feed.h"
 #include "print.h"
 #include "session.h"
@@ -11,19 +12,19 @@ static char memory[SEGCAL_STORAGE_BYTES] __attribute__((aligned(SEGCAL_STORAGE_A
 static segcal_config_t config;
 static segcal_result_t result;
 static segcal_counters_t counters;
-static segcal_t *device;
+static segcal_t* device;
 
-static void sample(uint32_t index, const segcal_imu_t *s) {
+static void sample(uint32_t index, const segcal_imu_t* s) {
   feed_sample(device, s);
 #if PRODUCT_SLICES < 0
-  if (index % burst_samples == 0) feed_background(device, -(PRODUCT_SLICES) * burst_samples);
+  if (index % burst_samples == 0) feed_background(device, -(PRODUCT_SLICES)*burst_samples);
 #else
   feed_background(device, PRODUCT_SLICES);
 #endif
   if (index > 0 && index % (session_samples() / (requests + 1) + 1) == 0) segcal_request_calibration(device);
 }
 
-static void frame(int64_t t_ns, const segcal_point_t *points, int32_t n) { feed_frame(device, t_ns, points, n); }
+static void frame(int64_t t_ns, const segcal_point_t* points, int32_t n) { feed_frame(device, t_ns, points, n); }
 
 int main(void) {
   session_config(&config);

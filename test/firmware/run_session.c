@@ -1,5 +1,5 @@
-/* Replays the recorded session from feed to calibration and prints what budgets and comparisons need, as "name value" lines.
- * The same program on every target; exit code 0: calibrated. */
+/* Replays the recorded session from feed to calibration and prints what budgets and comparisons need, as "name value"
+ * lines. The same program on every target; exit code 0: calibrated. */
 #include "feed.h"
 #include "print.h"
 #include "segcal/blocks.h"
@@ -12,20 +12,20 @@ static char memory[SEGCAL_STORAGE_BYTES] __attribute__((aligned(SEGCAL_STORAGE_A
 static segcal_config_t config;
 static segcal_result_t result;
 static segcal_counters_t counters;
-static segcal_t *device;
+static segcal_t* device;
 /* What an idle task does between two IMU samples: enough that a score and the filter's start are done in time. */
 enum { slices_per_sample = 8 };
 
-static void sample(uint32_t index, const segcal_imu_t *s) {
+static void sample(uint32_t index, const segcal_imu_t* s) {
   (void)index;
   feed_sample(device, s);
   feed_background(device, slices_per_sample);
 }
 
-static void frame(int64_t t_ns, const segcal_point_t *points, int32_t n) { feed_frame(device, t_ns, points, n); }
+static void frame(int64_t t_ns, const segcal_point_t* points, int32_t n) { feed_frame(device, t_ns, points, n); }
 
 static void print_results(void) {
-  const segcal_result_t *r = &result;
+  const segcal_result_t* r = &result;
   segcal_get_result(device, &result);
   print_number("state_bytes", (uint32_t)segcal_storage_bytes());
   print_number("hot_bytes", (uint32_t)segcal_hot_bytes());

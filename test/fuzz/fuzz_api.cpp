@@ -1,5 +1,6 @@
-// Any sequence of calls of the C API, with data of any kind: bytes become calls. A realistic session is fed in between, so that
-// segments, scores and calibrations are reached, and what is mutated are its samples, its images and the configuration.
+// Any sequence of calls of the C API, with data of any kind: bytes become calls. A realistic session is fed in between,
+// so that segments, scores and calibrations are reached, and what is mutated are its samples, its images and the
+// configuration.
 #include <segcal/health.h>
 #include <segcal/segcal.h>
 
@@ -31,8 +32,9 @@ class Session {
     config.estimate_effects = in_.flag() ? std::uint32_t(SEGCAL_EFFECT_TIME_OFFSET) : 0u;
     config.metric = in_.below(5);
     config.condense = SEGCAL_MAX_EPOCHS > 0 && in_.flag() ? 1 : 0;
-    for (int n = in_.below(8) - 5; n > 0; --n) in_.spoil(&config);   // three of eight sessions
-    if (segcal_create(&device_, &config, storage_.data(), storage_.size() * sizeof(std::max_align_t)) != SEGCAL_OK) return;
+    for (int n = in_.below(8) - 5; n > 0; --n) in_.spoil(&config);  // three of eight sessions
+    if (segcal_create(&device_, &config, storage_.data(), storage_.size() * sizeof(std::max_align_t)) != SEGCAL_OK)
+      return;
     while (!in_.empty()) step();
     segcal_flush(device_);
     segcal_calibrate(device_);
@@ -42,14 +44,21 @@ class Session {
  private:
   void step() {
     switch (in_.below(12)) {
-      case 0: case 1: case 2: case 3: return feed(1 + in_.below(250));
+      case 0:
+      case 1:
+      case 2:
+      case 3: return feed(1 + in_.below(250));
       case 4: return sample(true);
       case 5: return image(true);
       case 6: return ask();
       case 7: segcal_background(device_, in_.below(40)); return;
       case 8: return flush(in_.below(8));
-      case 9: if (in_.below(4) == 0) segcal_calibrate(device_); return;
-      case 10: if (in_.below(6) == 0) segcal_new_session(device_); return;
+      case 9:
+        if (in_.below(4) == 0) segcal_calibrate(device_);
+        return;
+      case 10:
+        if (in_.below(6) == 0) segcal_new_session(device_);
+        return;
       default: shift_ns_ = in_.below(3) == 0 ? in_.integer() : shift() + in_.below(100) * 1000000; return;
     }
   }
@@ -86,7 +95,8 @@ class Session {
     if (spoilt) {
       for (int n = in_.below(20); n > 0; --n) in_.spoil(&points[std::size_t(in_.below(int(points.size())))]);
       const std::uint32_t modulus = 1u + std::uint32_t(in_.below(97));
-      if (in_.flag()) for (segcal_point_t& p : points) p.track_id %= modulus;
+      if (in_.flag())
+        for (segcal_point_t& p : points) p.track_id %= modulus;
       if (in_.flag()) in_.spoil(&state);
     }
     const std::int32_t n = std::int32_t(points.size()) - (spoilt ? in_.below(80) - 10 : 0);
@@ -135,10 +145,12 @@ class Session {
   /// Their capacities are what they are, or too small.
   void ask_for_arrays(int capacity) {
     static std::vector<double> mean(SEGCAL_MAX_PARAMETERS), covariance(SEGCAL_MAX_PARAMETERS * SEGCAL_MAX_PARAMETERS);
-    segcal_get_posterior(device_, mean.data(), covariance.data(), in_.flag() ? capacity : std::int32_t(covariance.size()));
+    segcal_get_posterior(device_, mean.data(), covariance.data(),
+                         in_.flag() ? capacity : std::int32_t(covariance.size()));
     segcal_term_t term[SEGCAL_MAX_EFFECT_ESTIMATES + 1];
     double value[SEGCAL_MAX_EFFECT_ESTIMATES + 1];
-    segcal_get_terms(device_, term, value, capacity < SEGCAL_MAX_EFFECT_ESTIMATES ? capacity : SEGCAL_MAX_EFFECT_ESTIMATES);
+    segcal_get_terms(device_, term, value,
+                     capacity < SEGCAL_MAX_EFFECT_ESTIMATES ? capacity : SEGCAL_MAX_EFFECT_ESTIMATES);
     if (in_.below(4) == 0) linearise();
   }
 
@@ -158,7 +170,8 @@ class Session {
     const std::size_t columns = SEGCAL_MAX_PARAMETERS + SEGCAL_MAX_EFFECT_COLUMNS + 1;
     static std::vector<double> triangle(columns * (columns + 1) / 2);
     std::int32_t n_theta, n_terms, dof;
-    segcal_linearise(device_, use.data(), candidates.data(), n, triangle.data(), std::int32_t(triangle.size()), &n_theta, &n_terms, &dof);
+    segcal_linearise(device_, use.data(), candidates.data(), n, triangle.data(), std::int32_t(triangle.size()),
+                     &n_theta, &n_terms, &dof);
   }
 
   FuzzBytes& in_;

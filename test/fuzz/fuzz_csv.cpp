@@ -19,21 +19,30 @@ std::string imu_rows(int n) {
 std::string track_rows(int n) {
   std::string text = "#timestamp [ns],track_id [],u [px],v [px]\n";
   for (int i = 0; i < n; ++i)
-    for (int k = 0; k < 4; ++k) text += std::to_string(1000000000000 + i * 100000000LL) + "," + std::to_string(k) + ",320.5,240.25\n";
+    for (int k = 0; k < 4; ++k)
+      text += std::to_string(1000000000000 + i * 100000000LL) + "," + std::to_string(k) + ",320.5,240.25\n";
   return text;
 }
 
-const char* const kNames[] = {"mav0/imu0/data.csv", "mav0/cam0/tracks.csv", "mav0/state_groundtruth_estimate0/data.csv", "mav0/cam0/data.csv",
-                              "mav0/imu0/gyro.csv", "mav0/imu0/accel.csv", "trajectory.tum", "poses.csv"};
+const char* const kNames[] = {"mav0/imu0/data.csv",
+                              "mav0/cam0/tracks.csv",
+                              "mav0/state_groundtruth_estimate0/data.csv",
+                              "mav0/cam0/data.csv",
+                              "mav0/imu0/gyro.csv",
+                              "mav0/imu0/accel.csv",
+                              "trajectory.tum",
+                              "poses.csv"};
 constexpr std::size_t kFiles = sizeof kNames / sizeof *kNames;
 
 /// A recording that is whole but for the one file.
 void lay_out(const FuzzFolder& folder, const std::string& file, const std::string& text) {
   std::filesystem::remove_all(folder.path() / "mav0");
-  folder.put("mav0/imu0/sensor.yaml", "rate_hz: 200\ngyroscope_noise_density: 1e-4\ngyroscope_random_walk: 1e-5\n"
-                                      "accelerometer_noise_density: 1e-3\naccelerometer_random_walk: 1e-4\n");
+  folder.put("mav0/imu0/sensor.yaml",
+             "rate_hz: 200\ngyroscope_noise_density: 1e-4\ngyroscope_random_walk: 1e-5\n"
+             "accelerometer_noise_density: 1e-3\naccelerometer_random_walk: 1e-4\n");
   const bool streams = file.find("gyro.csv") != std::string::npos || file.find("accel.csv") != std::string::npos;
-  static const std::string imu = imu_rows(40), tracks = track_rows(3), axes = "#t,x,y,z\n1000000000000,0,0,1\n1000100000000,0,0,1\n1000200000000,0,0,1\n";
+  static const std::string imu = imu_rows(40), tracks = track_rows(3),
+                           axes = "#t,x,y,z\n1000000000000,0,0,1\n1000100000000,0,0,1\n1000200000000,0,0,1\n";
   if (!streams) folder.put(kNames[0], imu);
   if (streams) folder.put(kNames[4], axes);
   if (streams) folder.put(kNames[5], axes);

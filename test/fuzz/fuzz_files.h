@@ -16,7 +16,6 @@ class FuzzFolder {
  public:
   FuzzFolder() : path_(std::filesystem::temp_directory_path() / ("segcal_fuzz_" + std::to_string(::getpid()))) {
     std::filesystem::create_directories(path_);
-
   }
   ~FuzzFolder() {
     std::error_code ignored;
@@ -35,7 +34,8 @@ class FuzzFolder {
   std::filesystem::path path_;
 };
 
-/// Runs a reader. Refusing is an InputError with a sentence; any other exception is a finding, because it names no file.
+/// Runs a reader. Refusing is an InputError with a sentence; any other exception is a finding, because it names no
+/// file.
 template <class Reader>
 bool reads(const Reader& reader) {
   try {

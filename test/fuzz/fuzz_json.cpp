@@ -12,11 +12,26 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   switch (data[0] % 4) {
     case 0:
       folder.put("result/result.json", text);
-      reads([&] { const ParameterList list = read_parameters(folder.path() / "result"); differences(list, list); });
+      reads([&] {
+        const ParameterList list = read_parameters(folder.path() / "result");
+        differences(list, list);
+      });
       break;
-    case 1: { const auto file = folder.put("truth.json", text); reads([&] { read_truth_parameters(file); }); break; }
-    case 2: folder.put("kept/kept_segments.json", text); reads([&] { kept_segments_json(read_kept_segments(folder.path() / "kept")); }); break;
-    default: folder.put("listed/manifest.json", text); reads([&] { check_folder(folder.path() / "listed"); manifest_json(read_manifest(folder.path() / "listed")); });
+    case 1: {
+      const auto file = folder.put("truth.json", text);
+      reads([&] { read_truth_parameters(file); });
+      break;
+    }
+    case 2:
+      folder.put("kept/kept_segments.json", text);
+      reads([&] { kept_segments_json(read_kept_segments(folder.path() / "kept")); });
+      break;
+    default:
+      folder.put("listed/manifest.json", text);
+      reads([&] {
+        check_folder(folder.path() / "listed");
+        manifest_json(read_manifest(folder.path() / "listed"));
+      });
   }
   return 0;
 }

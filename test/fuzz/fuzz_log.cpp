@@ -1,5 +1,5 @@
-// A device log. The first byte: bit 0, damaged blocks are left out; bit 1, checksums are made right again, so that what the blocks
-// say gets in; bit 2, the log is replayed as a device of profile mcu.
+// A device log. The first byte: bit 0, damaged blocks are left out; bit 1, checksums are made right again, so that what
+// the blocks say gets in; bit 2, the log is replayed as a device of profile mcu.
 #include <cstring>
 
 #include "device_log/device_log.h"
@@ -16,7 +16,8 @@ void put32(std::uint8_t* to, std::uint32_t value) {
 }
 
 std::uint32_t get32(const std::uint8_t* from) {
-  return std::uint32_t(from[0]) | std::uint32_t(from[1]) << 8 | std::uint32_t(from[2]) << 16 | std::uint32_t(from[3]) << 24;
+  return std::uint32_t(from[0]) | std::uint32_t(from[1]) << 8 | std::uint32_t(from[2]) << 16 |
+         std::uint32_t(from[3]) << 24;
 }
 
 /// Follows the blocks by their sizes, as long as they are inside, and writes what their checksums should be.

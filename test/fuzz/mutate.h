@@ -36,11 +36,18 @@ class Mutator {
   void change(Bytes* bytes, const Bytes& other) {
     const std::size_t at = bytes->empty() ? 0 : next() % bytes->size();
     switch (next() % 10) {
-      case 0: if (!bytes->empty()) (*bytes)[at] = static_cast<std::uint8_t>(next()); break;
-      case 1: if (!bytes->empty()) (*bytes)[at] ^= static_cast<std::uint8_t>(1u << next() % 8); break;
-      case 2: bytes->resize(at); break;                                                  // cut off
-      case 3: bytes->erase(bytes->begin() + long(at), bytes->begin() + long(at + next() % (1 + std::min<std::size_t>(bytes->size() - at, 64)))); break;
-      case 4: insert(bytes, at, piece(*bytes)); break;                                   // a piece twice
+      case 0:
+        if (!bytes->empty()) (*bytes)[at] = static_cast<std::uint8_t>(next());
+        break;
+      case 1:
+        if (!bytes->empty()) (*bytes)[at] ^= static_cast<std::uint8_t>(1u << next() % 8);
+        break;
+      case 2: bytes->resize(at); break;  // cut off
+      case 3:
+        bytes->erase(bytes->begin() + long(at),
+                     bytes->begin() + long(at + next() % (1 + std::min<std::size_t>(bytes->size() - at, 64))));
+        break;
+      case 4: insert(bytes, at, piece(*bytes)); break;  // a piece twice
       case 5: insert(bytes, at, piece(other)); break;
       case 6: replace_number(bytes, at); break;
       case 7: replace_number(bytes, at); break;
@@ -55,13 +62,48 @@ class Mutator {
     return Bytes(of.begin() + long(from), of.begin() + long(std::min(of.size(), from + next() % 64)));
   }
 
-  static void insert(Bytes* bytes, std::size_t at, const Bytes& what) { bytes->insert(bytes->begin() + long(at), what.begin(), what.end()); }
+  static void insert(Bytes* bytes, std::size_t at, const Bytes& what) {
+    bytes->insert(bytes->begin() + long(at), what.begin(), what.end());
+  }
 
   /// What parsers stumble over.
   Bytes word() {
-    static const char* const kWords[] = {"nan", "inf", "-inf", "1e300", "-1e300", "1e-300", "1e39", "0", "-1", "9223372036854775807",
-                                         "-9223372036854775808", "18446744073709551616", "4294967295", "2147483648", "\"", "[", "]", "{", "}", ":",
-                                         ",", "\n", "- ", "#", "&a ", "*a", "null", "true", "[]", "{}", "\xff", "\xc3\xa9", "~", "!!binary ", "\t", "'"};
+    static const char* const kWords[] = {"nan",
+                                         "inf",
+                                         "-inf",
+                                         "1e300",
+                                         "-1e300",
+                                         "1e-300",
+                                         "1e39",
+                                         "0",
+                                         "-1",
+                                         "9223372036854775807",
+                                         "-9223372036854775808",
+                                         "18446744073709551616",
+                                         "4294967295",
+                                         "2147483648",
+                                         "\"",
+                                         "[",
+                                         "]",
+                                         "{",
+                                         "}",
+                                         ":",
+                                         ",",
+                                         "\n",
+                                         "- ",
+                                         "#",
+                                         "&a ",
+                                         "*a",
+                                         "null",
+                                         "true",
+                                         "[]",
+                                         "{}",
+                                         "\xff",
+                                         "\xc3\xa9",
+                                         "~",
+                                         "!!binary ",
+                                         "\t",
+                                         "'"};
     const char* const text = kWords[next() % (sizeof kWords / sizeof *kWords)];
     return Bytes(text, text + std::strlen(text));
   }
@@ -69,7 +111,9 @@ class Mutator {
   /// The number in a text that begins at or after `at`.
   void replace_number(Bytes* bytes, std::size_t at) {
     const auto digit = [&](std::size_t i) { return i < bytes->size() && ((*bytes)[i] >= '0' && (*bytes)[i] <= '9'); };
-    const auto part = [&](std::size_t i) { return digit(i) || (i < bytes->size() && std::strchr("+-.e", (*bytes)[i]) && (*bytes)[i] != 0); };
+    const auto part = [&](std::size_t i) {
+      return digit(i) || (i < bytes->size() && std::strchr("+-.e", (*bytes)[i]) && (*bytes)[i] != 0);
+    };
     while (at < bytes->size() && !digit(at)) ++at;
     while (at > 0 && part(at - 1)) --at;
     std::size_t end = at;
@@ -82,7 +126,9 @@ class Mutator {
   void overwrite(Bytes* bytes, std::size_t at) {
     static const double kEdges[] = {0, -1, 1e300, -1e300, 1e-300, 1e39, 1e18, 4.7e18};
     const double edge = kEdges[next() % 8];
-    const float edge_float = edge > 3e38 ? __builtin_inff() : edge < -3e38 ? __builtin_nanf("") : static_cast<float>(edge);
+    const float edge_float = edge > 3e38    ? __builtin_inff()
+                             : edge < -3e38 ? __builtin_nanf("")
+                                            : static_cast<float>(edge);
     const std::uint64_t whole = next() % 2 ? ~std::uint64_t{0} >> next() % 64 : next() % 300;
     const std::size_t size = next() % 2 ? 4 : 8;
     if (at + size > bytes->size()) return;

@@ -1,5 +1,5 @@
-// Runs a fuzz target without a fuzzer, from fixed seeds: on random bytes or, with a corpus, on its files as they are and then
-// changed in a few places. A failing seed is printed last and runs alone:
+// Runs a fuzz target without a fuzzer, from fixed seeds: on random bytes or, with a corpus, on its files as they are
+// and then changed in a few places. A failing seed is printed last and runs alone:
 //   fuzz_NAME_seeds SEED 1 [CORPUS]
 #include <algorithm>
 #include <cstdint>
@@ -36,7 +36,8 @@ std::vector<Mutator::Bytes> read_corpus(const fs::path& folder) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::uint64_t first = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 1, count = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 20;
+  const std::uint64_t first = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 1,
+                      count = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 20;
   const std::vector<Mutator::Bytes> corpus = argc > 3 ? read_corpus(argv[3]) : std::vector<Mutator::Bytes>();
   for (std::size_t i = 0; i < corpus.size(); ++i) {
     std::printf("file %zu of the corpus\n", i);

@@ -10,9 +10,9 @@
 #include "information/metrics.h"
 
 using namespace SEGCAL_NS;
-using test::Id;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using test::Id;
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}
@@ -69,10 +69,12 @@ struct InScalar {
 };
 
 /// The closed form: covariance (R'R + P^-1)^-1, normalised by the reference sigmas. Inverted in prior units, where the
-/// condition is that of the information alone; determinants are taken before the inversion, which blurs small variances.
+/// condition is that of the information alone; determinants are taken before the inversion, which blurs small
+/// variances.
 Metrics<double> closed_form(const MatrixXd& R, const Sigmas& sigmas) {
   const MatrixXd W = R * sigmas.prior.asDiagonal();
-  const MatrixXd information = W.transpose() * W + MatrixXd::Identity(kColumns, kColumns), in_prior = information.inverse();
+  const MatrixXd information = W.transpose() * W + MatrixXd::Identity(kColumns, kColumns),
+                 in_prior = information.inverse();
   const VectorXd ratio = sigmas.prior.cwiseQuotient(sigmas.reference);
   const MatrixXd scaled = ratio.asDiagonal() * in_prior * ratio.asDiagonal();
   Metrics<double> m;
@@ -123,7 +125,8 @@ void check_closed_form() {
       const InScalar<S> in(sigmas);
       analyse(information_of<S>(R), in.prior, analysis<S>());
       const Metrics<S> m = metrics_of(analysis<S>(), in.prior, in.reference);
-      check_metrics(Id().add("check", "closed_form").type<S>().add("seed", seed).add("largest", range[1]), closed_form(R, sigmas), m);
+      check_metrics(Id().add("check", "closed_form").type<S>().add("seed", seed).add("largest", range[1]),
+                    closed_form(R, sigmas), m);
     }
   }
 }
@@ -190,7 +193,8 @@ void check_blind_parameter() {
 
 template <class S>
 void check_analysis_with_prior() {
-  // The triangle that calibration ends with holds the prior's rows already: the same directions and sigmas must come out.
+  // The triangle that calibration ends with holds the prior's rows already: the same directions and sigmas must come
+  // out.
   test::Random random(141);
   const Sigmas sigmas(&random);
   const MatrixXd R = triangle_with(graded(0.5, 50), sigmas.prior, &random, nullptr);
@@ -208,8 +212,8 @@ void check_analysis_with_prior() {
   const VectorXd expected = graded(0.5, 50).reverse();
   for (int i = 0; i < kColumns; ++i) {
     // s comes from sqrt((1 + s^2) - 1): absolute error of some 1e-5 in float.
-    test::check_near(Id().add("check", "with_prior").type<S>().add("column", i), "singular value", expected(i), analysis<S>()->s[i],
-                     (std::is_same<S, float>::value ? 1e-4 : 1e-10) * (1 + expected(i)));
+    test::check_near(Id().add("check", "with_prior").type<S>().add("column", i), "singular value", expected(i),
+                     analysis<S>()->s[i], (std::is_same<S, float>::value ? 1e-4 : 1e-10) * (1 + expected(i)));
   }
 }
 

@@ -9,8 +9,8 @@
 namespace test {
 
 /// Step and tolerance of central differences, per scalar type. The step is relative to the typical size of a column's
-/// variable. Truncation is h^2 / 6 times the third derivative: 3e-6 and 2e-13, and models have third derivatives of up to
-/// a few hundred first ones (an image point near the horizon).
+/// variable. Truncation is h^2 / 6 times the third derivative: 3e-6 and 2e-13, and models have third derivatives of up
+/// to a few hundred first ones (an image point near the horizon).
 template <class S>
 struct Differences {
   static constexpr bool single = std::is_same<S, float>::value;
@@ -20,11 +20,13 @@ struct Differences {
   static double rounding(double size, double h) { return 16 * std::numeric_limits<S>::epsilon() * size / h; }
 };
 
-/// Tolerance against the automatic derivative (double): the rounding of the analytic one alone, some dozens of operations.
+/// Tolerance against the automatic derivative (double): the rounding of the analytic one alone, some dozens of
+/// operations.
 template <class S>
 constexpr double kAutomaticTolerance = std::is_same<S, float>::value ? 3e-5 : 1e-11;
 
-inline void fail_column(const Id& id, int column, int row, double expected, double actual, double step, double tolerance) {
+inline void fail_column(const Id& id, int column, int row, double expected, double actual, double step,
+                        double tolerance) {
   char text[256];
   std::snprintf(text, sizeof text, "row %d: expected %.9g, was %.9g (step %.3g, tolerance %.3g)", row, expected, actual,
                 step, tolerance);
@@ -41,7 +43,8 @@ void check_differences(const Id& id, const Eigen::MatrixXd& J, const Eigen::Vect
     const double h = Differences<S>::step * typical(c);
     const Eigen::VectorXd step = h * Eigen::VectorXd::Unit(J.cols(), c);
     const Eigen::VectorXd numeric = (f(step) - f((-step).eval())) / (2 * h);
-    const double tolerance = Differences<S>::tolerance * J.col(c).cwiseAbs().maxCoeff() + Differences<S>::rounding(size, h);
+    const double tolerance =
+        Differences<S>::tolerance * J.col(c).cwiseAbs().maxCoeff() + Differences<S>::rounding(size, h);
     for (int r = 0; r < J.rows(); ++r) {
       if (std::fabs(numeric(r) - J(r, c)) <= tolerance) continue;
       fail_column(id, c, r, numeric(r), J(r, c), h, tolerance);

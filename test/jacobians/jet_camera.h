@@ -84,8 +84,8 @@ constexpr int kReprojectionColumns = kLandmarkColumns + 6 + kMaxCameraColumns;
 
 /// Predicted pixel after the step d: [landmark 3 | theta p of the keyframe | r_CI p_CI fx fy cx cy coefficients].
 template <class T>
-Eigen::Matrix<T, 2, 1> predict(const CameraCalibration<double>& camera, const Mat3<double>& R_GI, const Vec3<double>& p_GI,
-                               const Landmark<double>& l, const T* d) {
+Eigen::Matrix<T, 2, 1> predict(const CameraCalibration<double>& camera, const Mat3<double>& R_GI,
+                               const Vec3<double>& p_GI, const Landmark<double>& l, const T* d) {
   using V = Eigen::Matrix<T, 3, 1>;
   const auto vector = [](const T* v) { return V(v[0], v[1], v[2]); };
   Vec3<double> e1, e2;

@@ -1,5 +1,5 @@
-// The inertial link, written a second time for automatic derivatives: the raw samples are corrected and integrated again
-// with Jets through the whole chain of steps, so that every derivative comes from the chain itself.
+// The inertial link, written a second time for automatic derivatives: the raw samples are corrected and integrated
+// again with Jets through the whole chain of steps, so that every derivative comes from the chain itself.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace jet {
 /// Raw samples of a link; the first one is at its start.
 struct Samples {
   std::vector<InertialReading<double>> reading;
-  double dt = 0.005;   ///< s between samples
+  double dt = 0.005;  ///< s between samples
 };
 
 constexpr int kLinkColumns = 2 * kStateColumns + kImuColumns;

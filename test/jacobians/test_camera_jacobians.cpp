@@ -40,7 +40,8 @@ Camera make_camera(Distortion model, const Vec<double, 4>& coefficients) {
 std::vector<NamedCamera> cameras() {
   std::vector<NamedCamera> list;
   const double widths[] = {0, 1e-8, 1e-4, 0.05, 0.0999, 0.1001, 0.2999, 0.3001, 0.92, 1.6};
-  const char* names[] = {"fov_0", "fov_1e-8", "fov_1e-4", "fov_0.05", "fov_0.0999", "fov_0.1001", "fov_0.2999", "fov_0.3001", "fov", "fov_1.6"};
+  const char* names[] = {"fov_0",      "fov_1e-8",   "fov_1e-4",   "fov_0.05", "fov_0.0999",
+                         "fov_0.1001", "fov_0.2999", "fov_0.3001", "fov",      "fov_1.6"};
   for (int i = 0; i < 10; ++i) list.push_back({names[i], make_camera(Distortion::fov, {widths[i], 0, 0, 0})});
   list.push_back({"radtan", make_camera(Distortion::radtan, {-0.05, 0.008, 3e-4, -2e-4})});
   list.push_back({"pinhole", make_camera(Distortion::radtan, {0, 0, 0, 0})});
@@ -124,19 +125,20 @@ struct Scene {
   Mat3<double> R_GI;
   Vec3<double> p_GI;
   double rho;
-  Vec2<double> off_axis;   ///< where the landmark stands in the image, normalised
+  Vec2<double> off_axis;  ///< where the landmark stands in the image, normalised
   Mat3<double> R_CI;
 };
 
 std::vector<Scene> scenes() {
   const Mat3<double> I = Mat3<double>::Identity();
-  const Mat3<double> R = so3_exp<double>(Vec3<double>(0.4, -1.2, 2.1)), tiny = so3_exp<double>(Vec3<double>(1e-8, -1e-8, 1e-8));
+  const Mat3<double> R = so3_exp<double>(Vec3<double>(0.4, -1.2, 2.1)),
+                     tiny = so3_exp<double>(Vec3<double>(1e-8, -1e-8, 1e-8));
   const Mat3<double> C = so3_exp<double>(Vec3<double>(1.2, -1.1, 1.3));
   const Vec3<double> p(0.3, -0.8, 1.2), zero(0, 0, 0);
-  return {{"ordinary", R, p, 0.4, {0.3, -0.2}, C},      {"near", R, p, 2.5, {-0.2, 0.4}, C},
-          {"direction", R, p, 0, {0.3, -0.2}, C},       {"almost_direction", R, p, 1e-7, {0.3, -0.2}, C},
-          {"identity", I, zero, 0.4, {0.3, -0.2}, I},   {"tiny_rotation", tiny, zero, 0.4, {0.1, 0.2}, tiny},
-          {"centre", R, p, 0.4, {0, 0}, C},             {"near_centre", R, p, 0.4, {1e-6, -1e-6}, C},
+  return {{"ordinary", R, p, 0.4, {0.3, -0.2}, C},    {"near", R, p, 2.5, {-0.2, 0.4}, C},
+          {"direction", R, p, 0, {0.3, -0.2}, C},     {"almost_direction", R, p, 1e-7, {0.3, -0.2}, C},
+          {"identity", I, zero, 0.4, {0.3, -0.2}, I}, {"tiny_rotation", tiny, zero, 0.4, {0.1, 0.2}, tiny},
+          {"centre", R, p, 0.4, {0, 0}, C},           {"near_centre", R, p, 0.4, {1e-6, -1e-6}, C},
           {"centre_direction", I, zero, 0, {0, 0}, I}};
 }
 
@@ -246,8 +248,9 @@ void check_unproject() {
       const Id id = Id().add("model", model.name).template type<S>().add("point", point).add("by", "unproject");
       test::check_true(id, "did not converge", unproject<S>(test::cast<S>(model.camera), uv.cast<S>(), &back));
       // A pixel in float is good to 3e-5 px of 256 px, more where the model compresses the image's border.
-      test::check_near(id, "normalised point", 0, (back.template cast<double>() - xy).norm(),
-                       (std::is_same<S, float>::value ? 2e-6 : 1e-11) * (1 + xy.squaredNorm()) * (1 + xy.squaredNorm()));
+      test::check_near(
+          id, "normalised point", 0, (back.template cast<double>() - xy).norm(),
+          (std::is_same<S, float>::value ? 2e-6 : 1e-11) * (1 + xy.squaredNorm()) * (1 + xy.squaredNorm()));
     }
   }
 }

@@ -1,5 +1,5 @@
-// Terms of effects: every column of a link and of an image point, two ways (central differences of the core's own prediction,
-// automatic derivatives of a model written a second time), in float and double.
+// Terms of effects: every column of a link and of an image point, two ways (central differences of the core's own
+// prediction, automatic derivatives of a model written a second time), in float and double.
 #include <ceres/jet.h>
 
 #include <memory>
@@ -46,7 +46,8 @@ std::vector<Term> terms(bool of_imu) {
 }
 
 std::string name_of(const Term& t) {
-  return std::to_string(int(t.kind)) + "." + std::to_string(t.a) + "." + std::to_string(t.b) + "." + std::to_string(t.c);
+  return std::to_string(int(t.kind)) + "." + std::to_string(t.a) + "." + std::to_string(t.b) + "." +
+         std::to_string(t.c);
 }
 
 test::Path path() {
@@ -80,8 +81,8 @@ using V3 = jet::V3<J1>;
 Vec2<double> heading(const State<double>& x) { return x.R_GI.topLeftCorner<2, 1>().normalized(); }
 
 /// What the term adds to gyroscope and accelerometer, in words of the design's table and not of the core's products.
-void add_term(const Term& t, const Vec3<double>& w, const Vec3<double>& f, const Vec3<double>& slope, double warmth, double time,
-              const Vec2<double>& heading, Vec3<double>* gyro, Vec3<double>* accel) {
+void add_term(const Term& t, const Vec3<double>& w, const Vec3<double>& f, const Vec3<double>& slope, double warmth,
+              double time, const Vec2<double>& heading, Vec3<double>* gyro, Vec3<double>* accel) {
   int e = -1, i = 0;
   if (find_effect(t, &e, &i)) {
     const int axis = i % 3;
@@ -172,13 +173,15 @@ template <class S>
 Eigen::VectorXd moved_link(const Segment<S>& s, const Term& term, double at, double step) {
   const ImuIntegral<S> I0 = integral<S>(s, &term, at, nullptr), I = integral<S>(s, &term, at + step, nullptr);
   Eigen::VectorXd out(9);
-  out << so3_log<S>(I0.dR.transpose() * I.dR).template cast<double>(), I.dv.template cast<double>(), I.dp.template cast<double>();
+  out << so3_log<S>(I0.dR.transpose() * I.dR).template cast<double>(), I.dv.template cast<double>(),
+      I.dp.template cast<double>();
   return out;
 }
 
 /// Blocks of rotation, velocity and position have units of their own.
 template <class S>
-void check_blocks(const Id& id, const Eigen::MatrixXd& J, const Eigen::MatrixXd& expected, double tolerance, double rounding) {
+void check_blocks(const Id& id, const Eigen::MatrixXd& J, const Eigen::MatrixXd& expected, double tolerance,
+                  double rounding) {
   for (int row = 0; row < 9; ++row) {
     const double size = expected.middleRows(row / 3 * 3, 3).cwiseAbs().maxCoeff();
     test::check_near(id.add("row", row), "column", expected(row), J(row), tolerance * size + rounding);
@@ -196,26 +199,30 @@ void check_link_terms() {
     const Id id = Id().add("term", name_of(term)).template type<S>();
     const Eigen::MatrixXd J = analytic_link<S>(*single, term, 0);
     // Forty steps of some dozens of operations. The samples' 16 bits are the same for both.
-    // The path's heading against the integral's, from samples of 16 bits, extrapolated over one sample, (w dt)^2 / 2, where I's
-    // x axis is steep: 5e-4.
+    // The path's heading against the integral's, from samples of 16 bits, extrapolated over one sample, (w dt)^2 / 2,
+    // where I's x axis is steep: 5e-4.
     const bool heading = term.a == int(Signal::cos_heading) || term.a == int(Signal::sin_heading);
-    check_blocks<S>(id.add("by", "jet"), J, automatic_link(*same, term), test::kAutomaticTolerance<S> * 10 + (heading ? 5e-4 : 0), 0);
+    check_blocks<S>(id.add("by", "jet"), J, automatic_link(*same, term),
+                    test::kAutomaticTolerance<S> * 10 + (heading ? 5e-4 : 0), 0);
     // The step is worth 1e-3 of a typical reading in double; the term is linear but for its fixed point, which the
     // difference cancels to the third order. Float needs a larger one: 5e-7 of 2 m/s over a step of 1 %.
     const double h = (std::is_same<S, float>::value ? 0.2 : 0.01) * term_prior_sigma(term);
-    const Eigen::MatrixXd numeric = (moved_link<S>(*single, term, 0, h) - moved_link<S>(*single, term, 0, -h)) / (2 * h);
+    const Eigen::MatrixXd numeric =
+        (moved_link<S>(*single, term, 0, h) - moved_link<S>(*single, term, 0, -h)) / (2 * h);
     const double rounding = 8 * double(std::numeric_limits<S>::epsilon()) * 2 / h;
     check_blocks<S>(id.add("by", "differences"), J, numeric, std::is_same<S, float>::value ? 3e-3 : 1e-5, rounding);
   }
 }
 
-/// Away from zero a column leaves out how phi itself moves: a share |d e / d(w, f)| of it, here below 2 % for every term.
+/// Away from zero a column leaves out how phi itself moves: a share |d e / d(w, f)| of it, here below 2 % for every
+/// term.
 void test_link_terms_away_from_zero() {
   const auto s = make_segment();
   for (const Term& term : terms(true)) {
     const double value = 0.3 * term_prior_sigma(term), h = 0.01 * term_prior_sigma(term);
     const Eigen::MatrixXd J = analytic_link<double>(*s, term, value);
-    const Eigen::MatrixXd numeric = (moved_link<double>(*s, term, value, h) - moved_link<double>(*s, term, value, -h)) / (2 * h);
+    const Eigen::MatrixXd numeric =
+        (moved_link<double>(*s, term, value, h) - moved_link<double>(*s, term, value, -h)) / (2 * h);
     check_blocks<double>(Id().add("term", name_of(term)).add("value", value), J, numeric, 2e-2, 1e-9);
   }
 }
@@ -276,13 +283,13 @@ void check_camera_terms(double at) {
     up.effects.value[0] += S(h);
     down.effects.value[0] -= S(h);
     const Vec2<double> numeric = (predicted<S>(*s, z, up, landmark) - predicted<S>(*s, z, down, landmark)) / (2 * h);
-    // Pixels of some hundreds in S over the step; moved by a long delay, w in the middle of it and its slope stand for the
-    // motion's Taylor series: the third derivative is left out, 1e-3 of the rate at 20 ms.
+    // Pixels of some hundreds in S over the step; moved by a long delay, w in the middle of it and its slope stand for
+    // the motion's Taylor series: the third derivative is left out, 1e-3 of the rate at 20 ms.
     const double rounding = 300 * double(std::numeric_limits<S>::epsilon()) * 4 / h;
     const double tolerance = (std::is_same<S, float>::value ? 1e-2 : 1e-4) + (at != 0 && term.of_time() ? 1e-2 : 0);
     for (int i = 0; i < 2; ++i) {
-      test::check_near(Id().add("term", name_of(term)).add("at", at).template type<S>().add("row", i), "column", numeric(i), column(i),
-                       tolerance * numeric.norm() + rounding);
+      test::check_near(Id().add("term", name_of(term)).add("at", at).template type<S>().add("row", i), "column",
+                       numeric(i), column(i), tolerance * numeric.norm() + rounding);
     }
   }
 }
@@ -330,9 +337,10 @@ void test_exposure_on_the_path() {
       const Exposure<double> at = exposure_of(*s, z, theta, kGravity, false);
       const State<double> truth = path().state(1.2 + tau);
       const Id id = Id().add("t_d", t_d).add("line_delay", line_delay);
-      // tau^3 / 24 of the rate's second derivative (here up to 120 rad/s^3) and tau^3 / 12 of the jerk (up to 300 m/s^3),
-      // and the 16 bits of the samples: 5e-4 rad/s.
-      test::check_near(id, "rotation", 0, so3_log<double>(truth.R_GI.transpose() * at.R_GI).norm(), 120.0 / 24 * limit + 1e-3 * std::fabs(tau));
+      // tau^3 / 24 of the rate's second derivative (here up to 120 rad/s^3) and tau^3 / 12 of the jerk (up to 300
+      // m/s^3), and the 16 bits of the samples: 5e-4 rad/s.
+      test::check_near(id, "rotation", 0, so3_log<double>(truth.R_GI.transpose() * at.R_GI).norm(),
+                       120.0 / 24 * limit + 1e-3 * std::fabs(tau));
       test::check_near(id, "position", 0, (truth.p_GI - at.p_GI).norm(), 300.0 / 12 * limit + 5e-3 * tau * tau);
     }
   }

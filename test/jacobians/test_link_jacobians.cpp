@@ -1,4 +1,5 @@
-// The inertial link: residual and all 45 columns (both states, the inertial part of theta), two ways, in float and double.
+// The inertial link: residual and all 45 columns (both states, the inertial part of theta), two ways, in float and
+// double.
 #include <Eigen/LU>
 
 #include "../support/cast.h"
@@ -160,7 +161,8 @@ void check_rows(const Id& id, const Link& link, const Eigen::MatrixXd& J, const 
   const double duration = link.samples.dt * double(link.samples.reading.size() - 1);
   for (int block = 0; block < 5; ++block) {
     const double floor = block == 2 ? duration * duration : duration;
-    test::check_automatic<S>(id.add("block", block), J.middleRows(3 * block, 3), expected.middleRows(3 * block, 3), floor);
+    test::check_automatic<S>(id.add("block", block), J.middleRows(3 * block, 3), expected.middleRows(3 * block, 3),
+                             floor);
   }
 }
 

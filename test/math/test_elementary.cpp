@@ -77,13 +77,15 @@ void check_trigonometric() {
 template <class S>
 void check_inverse() {
   const auto atan_ref = [](Wide<S> x) { return std::atan(x); };
-  for (double range : {1e-3, 0.2, 1.0, 10.0, 1e6}) check_range<S>("arc_tangent", arc_tangent<S>, atan_ref, -range, range);
+  for (double range : {1e-3, 0.2, 1.0, 10.0, 1e6})
+    check_range<S>("arc_tangent", arc_tangent<S>, atan_ref, -range, range);
   const auto log_ref = [](Wide<S> x) { return std::log(x); };
   check_range<S>("logarithm", logarithm<S>, log_ref, 0.7, 1.45);
   check_range<S>("logarithm", logarithm<S>, log_ref, 0.999, 1.001);
   check_range<S>("logarithm", logarithm<S>, log_ref, 1e-6, 1e6);
   check_range<S>("logarithm", logarithm<S>, log_ref, 1e-30, 1e-29);
-  check_range<S>("square_root", square_root<S>, [](Wide<S> x) { return std::sqrt(x); }, 0, 1e6);
+  check_range<S>(
+      "square_root", square_root<S>, [](Wide<S> x) { return std::sqrt(x); }, 0, 1e6);
 }
 
 template <class S>
@@ -117,8 +119,9 @@ void check_special_points() {
   same("sin is odd", -sine(S(1.25)), sine(S(-1.25)));
   same("cos is even", cosine(S(1.25)), cosine(S(-1.25)));
   same("atan is odd", -arc_tangent(S(1.25)), arc_tangent(S(-1.25)));
-  test::check_true(id, "finite", is_finite(S(3)) && !is_finite(std::numeric_limits<S>::quiet_NaN()) &&
-                                     !is_finite(std::numeric_limits<S>::infinity()));
+  test::check_true(id, "finite",
+                   is_finite(S(3)) && !is_finite(std::numeric_limits<S>::quiet_NaN()) &&
+                       !is_finite(std::numeric_limits<S>::infinity()));
 }
 
 void test_trigonometric_functions() {

@@ -65,7 +65,9 @@ void check_against_eigen() {
     const MatrixXd A = random.matrix(size[0], size[1]).cast<S>().template cast<double>();
     OwnedTriangle<S> R(size[1]);
     R.fold(A);
-    const MatrixXd reference = Eigen::HouseholderQR<MatrixXd>(A).matrixQR().topRows(std::min(size[0], size[1]))
+    const MatrixXd reference = Eigen::HouseholderQR<MatrixXd>(A)
+                                   .matrixQR()
+                                   .topRows(std::min(size[0], size[1]))
                                    .template triangularView<Eigen::Upper>();
     // Backward error of Householder QR: a small multiple of epsilon times the square root of the number of reflections.
     const Id id = Id().add("check", "eigen").type<S>().add("rows", size[0]).add("columns", size[1]);
@@ -83,7 +85,8 @@ void check_pieces() {
   whole.fold(A);
   for (int piece : {1, 2, 7, 45, 89}) {
     OwnedTriangle<S> streamed(n);
-    for (int row = 0; row < A.rows(); row += piece) streamed.fold(A.middleRows(row, std::min<int>(piece, A.rows() - row)));
+    for (int row = 0; row < A.rows(); row += piece)
+      streamed.fold(A.middleRows(row, std::min<int>(piece, A.rows() - row)));
     test::check_near(Id().add("check", "pieces").type<S>().add("piece", piece), "R'R", 0,
                      gram_distance(streamed.dense(), whole.dense()), 40 * rounding<S>());
   }

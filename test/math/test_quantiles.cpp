@@ -22,11 +22,15 @@ void check_normal() {
 
 template <class S>
 void check_f() {
-  struct Row { int m, n; double p, x; };
+  struct Row {
+    int m, n;
+    double p, x;
+  };
   for (const Row& r : {Row{20, 20, 0.01, 2.9377}, Row{10, 30, 1e-3, 4.2388}, Row{26, 26, 1.4e-4, 4.4857},
                        Row{26, 150, 1.4e-4, 2.6269}, Row{12, 400, 0.05, 1.7764}, Row{29, 60, 1e-5, 3.6809}}) {
     const Id id = Id().add("type", test::type_name<S>()).add("m", r.m).add("n", r.n).add("p", r.p);
-    test::check_near(id, "ratio to the exact one", 1, double(segcal_mobile::f_upper_quantile(r.m, r.n, S(r.p))) / r.x, 0.02);
+    test::check_near(id, "ratio to the exact one", 1, double(segcal_mobile::f_upper_quantile(r.m, r.n, S(r.p))) / r.x,
+                     0.02);
   }
   TEST_ASSERT_TRUE(segcal_mobile::f_upper_quantile(26, 1, S(1e-4)) == S(0));  // too little for any limit
 }

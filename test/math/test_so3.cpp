@@ -52,8 +52,8 @@ void check_round_trip() {
   for (double angle : kAngles) {
     const Vec3<S> phi = (angle * random.direction()).cast<S>();
     const Vec3<double> back = so3_log(so3_exp(phi)).template cast<double>();
-    // The matrix holds the vector to a few epsilon; near pi the quaternion's w = cos(angle / 2) is small but its absolute
-    // error is the same, so nothing is lost.
+    // The matrix holds the vector to a few epsilon; near pi the quaternion's w = cos(angle / 2) is small but its
+    // absolute error is the same, so nothing is lost.
     const double error = (back - phi.template cast<double>()).norm();
     test::check_near(angle_id<S>("round_trip", angle), "log(exp)", 0, error, 8 * epsilon<S>() * (1 + angle));
   }
@@ -103,7 +103,8 @@ template <class S>
 void check_series_is_continuous() {
   // Just below the threshold the series answers, just above the closed form; the functions themselves hardly move.
   const double threshold = std::is_same<S, float>::value ? 0.25 : 1e-2;
-  const S below = static_cast<S>(threshold * (1 - 4 * epsilon<S>())), above = static_cast<S>(threshold * (1 + 4 * epsilon<S>()));
+  const S below = static_cast<S>(threshold * (1 - 4 * epsilon<S>())),
+          above = static_cast<S>(threshold * (1 + 4 * epsilon<S>()));
   const RotationSeries<S> s = rotation_series(below), f = rotation_series(above);
   const Id id = Id().add("property", "threshold").type<S>();
   // 1 - cos t and t - sin t cancel: their rounding is epsilon / t^2 and epsilon / t^2 relative to what is left.
@@ -130,7 +131,8 @@ void check_quaternion() {
     const Vec<S, 4> q = quaternion_from_matrix(R);
     const Id id = angle_id<S>("quaternion", angle);
     test::check_near(id, "unit length", 1, q.template cast<double>().norm(), 8 * epsilon<S>());
-    test::check_near(id, "round trip", 0, double((matrix_from_quaternion(q) - R).cwiseAbs().maxCoeff()), 8 * epsilon<S>());
+    test::check_near(id, "round trip", 0, double((matrix_from_quaternion(q) - R).cwiseAbs().maxCoeff()),
+                     8 * epsilon<S>());
     // Any length is accepted.
     const Mat3<S> scaled = matrix_from_quaternion<S>(S(3) * q);
     test::check_near(id, "scaled", 0, double((scaled - R).cwiseAbs().maxCoeff()), 8 * epsilon<S>());

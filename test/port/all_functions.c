@@ -1,9 +1,10 @@
-/* Calls each function of a port once; exit code 0 if the answers are possible ones. PORT_HAS_STORAGE: the port must have some. */
+/* Calls each function of a port once; exit code 0 if the answers are possible ones. PORT_HAS_STORAGE: the port must
+ * have some. */
 #include <stdint.h>
 
 #include "segcal/port.h"
 
-int main(int argc, char **argv) {
+int main(int argc, char** argv) {
   unsigned char byte = 7, back = 0;
   const uint32_t end = segcal_port_storage_bytes(), block = segcal_port_storage_block_bytes();
   (void)argv;
@@ -16,7 +17,8 @@ int main(int argc, char **argv) {
   if (end == 0) return 8;
 #endif
   if (end == 0) return segcal_port_storage_erase(0, block) == SEGCAL_PORT_ERROR_RANGE ? 0 : 4;
-  if (segcal_port_storage_erase(0, block) != SEGCAL_PORT_OK || segcal_port_storage_write(3, &byte, 1) != SEGCAL_PORT_OK) return 5;
+  if (segcal_port_storage_erase(0, block) != SEGCAL_PORT_OK || segcal_port_storage_write(3, &byte, 1) != SEGCAL_PORT_OK)
+    return 5;
   if (segcal_port_storage_sync() != SEGCAL_PORT_OK || segcal_port_storage_read(3, &back, 1) != SEGCAL_PORT_OK) return 6;
   return back == byte ? 0 : 7;
 }

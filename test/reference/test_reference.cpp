@@ -1,7 +1,8 @@
 // The core's calibration against Ceres on the same segments: simulated devices shaken or worn for 60 s, from their
 // data sheets.
 //
-// One or two by default, 20 where SEGCAL_LONG is set. What may differ: rounding in float, and where the iterations stop.
+// One or two by default, 20 where SEGCAL_LONG is set. What may differ: rounding in float, and where the iterations
+// stop.
 #include <unity.h>
 
 #include <cmath>
@@ -20,10 +21,10 @@ namespace {
 
 using test::Id;
 
-/// Limits on (core - reference) / sigma, on the ratio of sigmas, and on the number of degrees of freedom: half an unknown
-/// more or less, and other measurements were counted. With rests, the core counts an inverse distance in a segment that
-/// only turned as prior and nothing else, the reference as far as its own Jacobian says: an unknown or two of 13000, which
-/// moves sigmas by 1e-4.
+/// Limits on (core - reference) / sigma, on the ratio of sigmas, and on the number of degrees of freedom: half an
+/// unknown more or less, and other measurements were counted. With rests, the core counts an inverse distance in a
+/// segment that only turned as prior and nothing else, the reference as far as its own Jacobian says: an unknown or two
+/// of 13000, which moves sigmas by 1e-4.
 struct Limits {
   double value, sigma, dof = 0.5;
 };
@@ -44,10 +45,12 @@ void compare(const Id& id, const host::CoreResult& core, const host::CoreResult&
   std::printf("%s: largest difference %.4f sigma, sigmas within %.4f\n", id.text().c_str(), largest, ratio);
 }
 
-void check_recording(const std::string& scenario, int seed, const std::string& profile, const Limits& limits, int segments = 8) {
+void check_recording(const std::string& scenario, int seed, const std::string& profile, const Limits& limits,
+                     int segments = 8) {
   const Id id = Id().add("scenario", scenario).add("seed", seed).add("profile", profile).add("segments", segments);
   if (!test::selected(id.text())) return;
-  const host::ReplayResult core = test::replayed(test::simulated(scenario, 60, static_cast<std::uint64_t>(seed)), profile, segments);
+  const host::ReplayResult core =
+      test::replayed(test::simulated(scenario, 60, static_cast<std::uint64_t>(seed)), profile, segments);
   const host::ReferenceResult reference = host::reference_segments(host::kept_segments(core), {});
   compare(id, core.result, reference.result, limits);
 }

@@ -1,4 +1,5 @@
-// A corner whose surroundings are bent: where the affine fit puts it, against where it is, and what a patch that is only shifted makes of it.
+// A corner whose surroundings are bent: where the affine fit puts it, against where it is, and what a patch that is
+// only shifted makes of it.
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
@@ -7,7 +8,7 @@
 
 namespace {
 
-constexpr int kSide = 17;          // px, the tracker's
+constexpr int kSide = 17;  // px, the tracker's
 const cv::Point2f corner(80.3F, 79.6F);
 
 /// Blobs of some 5 px: what a camera sees of a textured wall.
@@ -44,16 +45,19 @@ void a_bent_patch() {
     const Eigen::Vector2f truth = Eigen::Vector2f(corner.x, corner.y) + way;
     ++found;
     squares += (pose.point - truth).squaredNorm();
-    test::check_near(test::Id().add("seed", seed), "shape", 0, (pose.shape - A).norm(), 0.03);  // grey levels are whole numbers: 0.01
+    test::check_near(test::Id().add("seed", seed), "shape", 0, (pose.shape - A).norm(),
+                     0.03);  // grey levels are whole numbers: 0.01
     std::vector<cv::Point2f> shifted{corner};
     std::vector<unsigned char> status;
-    cv::calcOpticalFlowPyrLK(first, second, std::vector<cv::Point2f>{corner}, shifted, status, cv::noArray(), cv::Size(kSide, kSide), 0);
+    cv::calcOpticalFlowPyrLK(first, second, std::vector<cv::Point2f>{corner}, shifted, status, cv::noArray(),
+                             cv::Size(kSide, kSide), 0);
     squares_shifted += (Eigen::Vector2f(shifted[0].x, shifted[0].y) - truth).squaredNorm();
   }
   const double rms = std::sqrt(squares / found), rms_shifted = std::sqrt(squares_shifted / found);
   std::printf("%d of 20, rms %.3f px; only shifted %.3f px\n", found, rms, rms_shifted);
   TEST_ASSERT_GREATER_OR_EQUAL(18, found);  // blobs that hardly have a corner may not settle
-  test::check_near(test::Id().add("seeds", 20), "point, px rms", 0, rms, 0.05);  // interpolation, whole grey levels: 0.02
+  test::check_near(test::Id().add("seeds", 20), "point, px rms", 0, rms,
+                   0.05);  // interpolation, whole grey levels: 0.02
   TEST_ASSERT_TRUE_MESSAGE(rms_shifted > 4 * rms, "a patch that is only shifted is as good: nothing was bent here");
 }
 
@@ -74,7 +78,8 @@ void no_texture_and_the_rim() {
   const cv::Mat image = texture(3);
   host::PatchPose corner_of_image{{2, 157}};
   TEST_ASSERT_TRUE(host::AffinePatch(image, corner_of_image.point, kSide).align(image, corner_of_image));
-  test::check_near(test::Id().add("seed", 3), "at the rim", 0, (corner_of_image.point - Eigen::Vector2f(2, 157)).norm(), 0.01);
+  test::check_near(test::Id().add("seed", 3), "at the rim", 0, (corner_of_image.point - Eigen::Vector2f(2, 157)).norm(),
+                   0.01);
 }
 
 }  // namespace

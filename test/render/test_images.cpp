@@ -19,7 +19,8 @@ using Eigen::Vector3d;
 constexpr int frames_apart = 5;
 
 /// Distance of corners from their epipolar lines, px at the image's centre, for `camera` along the true motion.
-std::vector<double> epipolar_errors(const host::SimulationResult& session, const host::CameraCalibration& camera, const host::Recording& recording) {
+std::vector<double> epipolar_errors(const host::SimulationResult& session, const host::CameraCalibration& camera,
+                                    const host::Recording& recording) {
   std::vector<double> errors;
   const auto& frames = recording.cameras[0].frames;
   for (std::size_t k = 0; k + frames_apart < frames.size(); ++k) {
@@ -31,7 +32,8 @@ std::vector<double> epipolar_errors(const host::SimulationResult& session, const
     for (const auto& p : frames[k + frames_apart].points) {
       const auto it = first.find(p.track_id);
       if (it == first.end()) continue;
-      const auto from = host::sim::bearing_of(camera, {it->second.u, it->second.v}), to = host::sim::bearing_of(camera, {p.u, p.v});
+      const auto from = host::sim::bearing_of(camera, {it->second.u, it->second.v}),
+                 to = host::sim::bearing_of(camera, {p.u, p.v});
       if (!from || !to) continue;
       const Vector3d normal = step_G.cross(R_GCa * *from).normalized();
       errors.push_back(std::abs(normal.dot(R_GCb * *to)) * camera.intrinsics.x());
@@ -48,7 +50,9 @@ double median(std::vector<double> values) {
 void tracks_of_rendered_images_follow_the_truth() {
   const test::TemporaryFolder scratch("segcal_images");
   const fs::path rec = scratch.path() / "rec";
-  const auto simulated = test::run_program("simulate --out \"" + rec.string() + "\" --images --scenario nav --seconds 3 --seed 3 --rate-camera 10", scratch.path());
+  const auto simulated = test::run_program(
+      "simulate --out \"" + rec.string() + "\" --images --scenario nav --seconds 3 --seed 3 --rate-camera 10",
+      scratch.path());
   TEST_ASSERT_EQUAL_INT_MESSAGE(0, simulated.code, simulated.err.c_str());
   TEST_ASSERT_FALSE(fs::exists(rec / "mav0" / "cam0" / "tracks.csv"));
   const auto tracked = test::run_program("track \"" + rec.string() + "\"", scratch.path());
@@ -64,17 +68,21 @@ void tracks_of_rendered_images_follow_the_truth() {
   const host::SimulationResult session = host::simulate(options);
   const auto right = epipolar_errors(session, session.truth.cameras[0], recording);
   const auto nominal = epipolar_errors(session, session.nominal.cameras[0], recording);
-  std::printf("%zu pairs, median distance from the epipolar line %.3f px, with the data sheet's camera %.3f px\n", right.size(), median(right), median(nominal));
+  std::printf("%zu pairs, median distance from the epipolar line %.3f px, with the data sheet's camera %.3f px\n",
+              right.size(), median(right), median(nominal));
   TEST_ASSERT_GREATER_THAN(300, right.size());
-  // The tracker's noise over half a second is some 0.1 px; the device is a degree and 4 mm off its data sheet, which shows more.
+  // The tracker's noise over half a second is some 0.1 px; the device is a degree and 4 mm off its data sheet, which
+  // shows more.
   TEST_ASSERT_TRUE(median(right) < 0.25);
   TEST_ASSERT_TRUE(median(nominal) > 2 * median(right));
 }
 
 void a_missing_photograph_is_said_in_one_line() {
   const test::TemporaryFolder scratch("segcal_no_photographs");
-  const auto outcome = test::run_program("simulate --out \"" + (scratch.path() / "rec").string() + "\" --images --seconds 1 --photographs \"" +
-                                             scratch.path().string() + "\"", scratch.path());
+  const auto outcome =
+      test::run_program("simulate --out \"" + (scratch.path() / "rec").string() +
+                            "\" --images --seconds 1 --photographs \"" + scratch.path().string() + "\"",
+                        scratch.path());
   TEST_ASSERT_EQUAL_INT(2, outcome.code);
   TEST_ASSERT_TRUE(outcome.err.find("setup.sh") != std::string::npos);
   TEST_ASSERT_FALSE(fs::exists(scratch.path() / "rec"));

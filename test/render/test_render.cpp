@@ -1,4 +1,5 @@
-// The renderer against the projection model: corners of a checker texture, found in the image, against projected points.
+// The renderer against the projection model: corners of a checker texture, found in the image, against projected
+// points.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -19,14 +20,16 @@ using Eigen::Vector3d;
 
 constexpr int square_texels = 128, texture_side = 1024;
 constexpr float texels_per_m = 330;
-const host::DistortionModel lenses[] = {host::DistortionModel::fov, host::DistortionModel::radtan, host::DistortionModel::equidistant};
+const host::DistortionModel lenses[] = {host::DistortionModel::fov, host::DistortionModel::radtan,
+                                        host::DistortionModel::equidistant};
 
 void bearings_are_the_inverse_of_the_projection() {
   host::sim::Random random(11, host::sim::Stream::scene);
   for (const auto lens : lenses) {
     const auto nominal = host::sim::nominal_device(lens, 1);
     for (int device = 1; device <= 3; ++device) {
-      const host::CameraCalibration camera = host::sim::draw_device(nominal, static_cast<std::uint64_t>(device), 1).cameras[0];
+      const host::CameraCalibration camera =
+          host::sim::draw_device(nominal, static_cast<std::uint64_t>(device), 1).cameras[0];
       int checked = 0;
       for (int i = 0; i < 500; ++i) {
         const Vector2d pixel(random.uniform(1, camera.width - 2), random.uniform(1, camera.height - 2));
@@ -34,9 +37,10 @@ void bearings_are_the_inverse_of_the_projection() {
         const test::Id id = test::Id().add("lens", host::distortion_name(lens)).add("device", device).add("point", i);
         if (!bearing) continue;  // a drawn equidistant lens may fold back in the image's corners
         const auto back = host::sim::project(camera, 2.5 * *bearing, 0);
-        if (!back) continue;     // beyond 80 degrees the forward model is not asked
+        if (!back) continue;  // beyond 80 degrees the forward model is not asked
         ++checked;
-        test::check_near(id, "pixel after the way there and back", 0, (*back - pixel).norm(), 1e-8);  // px; Newton stops at 1e-12 in angle
+        test::check_near(id, "pixel after the way there and back", 0, (*back - pixel).norm(),
+                         1e-8);  // px; Newton stops at 1e-12 in angle
       }
       TEST_ASSERT_GREATER_THAN(400, checked);
     }
@@ -47,7 +51,8 @@ void bearings_are_the_inverse_of_the_projection() {
 host::render::Room checkered_room() {
   cv::Mat checker(texture_side, texture_side, CV_8UC1);
   for (int y = 0; y < texture_side; ++y)
-    for (int x = 0; x < texture_side; ++x) checker.at<std::uint8_t>(y, x) = (x / square_texels + y / square_texels) % 2 ? 200 : 50;
+    for (int x = 0; x < texture_side; ++x)
+      checker.at<std::uint8_t>(y, x) = (x / square_texels + y / square_texels) % 2 ? 200 : 50;
   host::render::Room room;
   room.texels_per_m = texels_per_m;
   room.origin_G = {0.1, -0.2, 0.3};
@@ -105,9 +110,11 @@ struct View {
   }
 };
 
-/// The corner can be measured: nothing in front, squares of at least 30 px on every side, seen at less than 55 degrees from the
-/// normal, and within 60 degrees of the axis, beyond which a lens bends the squares' edges too much for the corner finder.
-bool is_measurable(const host::render::Room& room, const View& view, const Vector3d& corner, int axis, const Vector2d& pixel) {
+/// The corner can be measured: nothing in front, squares of at least 30 px on every side, seen at less than 55 degrees
+/// from the normal, and within 60 degrees of the axis, beyond which a lens bends the squares' edges too much for the
+/// corner finder.
+bool is_measurable(const host::render::Room& room, const View& view, const Vector3d& corner, int axis,
+                   const Vector2d& pixel) {
   const auto state = view.truth.at(view.t);
   const Vector3d from = state.p_GI - state.R_GI * view.camera.R_CI.transpose() * view.camera.p_CI;
   const Vector3d ray = corner - from;
@@ -163,14 +170,16 @@ Errors corner_errors(host::DistortionModel lens, const Shot& shot) {
   return errors;
 }
 
-/// 0.05 px is the limit for a corner. The mean of all, where the corner finder's own scatter averages out, shows a wrong
-/// convention (half a pixel, half an exposure, half a texel) at once.
+/// 0.05 px is the limit for a corner. The mean of all, where the corner finder's own scatter averages out, shows a
+/// wrong convention (half a pixel, half an exposure, half a texel) at once.
 void corners_are_where_the_projection_says() {
   for (const auto lens : lenses) {
-    for (const Shot& shot : {Shot{"global", 0, 0}, Shot{"rolling", 6e-5, 0}, Shot{"global_blurred", 0, 0.008}, Shot{"rolling_blurred", 6e-5, 0.008}}) {
+    for (const Shot& shot : {Shot{"global", 0, 0}, Shot{"rolling", 6e-5, 0}, Shot{"global_blurred", 0, 0.008},
+                             Shot{"rolling_blurred", 6e-5, 0.008}}) {
       const Errors e = corner_errors(lens, shot);
       const test::Id id = test::Id().add("lens", host::distortion_name(lens)).add("shutter", shot.name);
-      std::printf("%s: %d corners, rms %.4f px, mean %.4f %.4f px\n", id.text().c_str(), e.n, e.rms, e.mean.x(), e.mean.y());
+      std::printf("%s: %d corners, rms %.4f px, mean %.4f %.4f px\n", id.text().c_str(), e.n, e.rms, e.mean.x(),
+                  e.mean.y());
       test::check_between(id, "corners", 30, e.n, 1e6);
       test::check_between(id, "rms error per axis, px", 0, e.rms, 0.05);
       test::check_near(id, "mean error in u, px", 0, e.mean.x(), 0.01);
@@ -188,14 +197,16 @@ void sensor_is_as_stated() {
   host::render::Sensor still(options, 5);
   cv::Scalar mean, deviation;
   cv::meanStdDev(still.image_of(cv::Mat(480, 640, CV_32FC1, cv::Scalar(128 / 0.85)), 0.1), mean, deviation);
-  TEST_ASSERT_DOUBLE_WITHIN(0.05, 128, mean[0]);          // 307200 pixels average 3 grey values to 0.005
+  TEST_ASSERT_DOUBLE_WITHIN(0.05, 128, mean[0]);  // 307200 pixels average 3 grey values to 0.005
   TEST_ASSERT_DOUBLE_WITHIN(0.06, std::sqrt(9 + 1 / 12.0), deviation[0]);  // eight bits add a twelfth
   options.control_exposure = true;
   host::render::Sensor controlled(options, 5);
   double grey = 0;
-  for (int k = 0; k < 60; ++k) grey = cv::mean(controlled.image_of(cv::Mat(480, 640, CV_32FC1, cv::Scalar(30)), 0.05))[0];
-  TEST_ASSERT_DOUBLE_WITHIN(3, 105, grey);                // 3 s, seven time constants
-  TEST_ASSERT_DOUBLE_WITHIN(1e-9, 2 * options.exposure_s, controlled.exposure_s());  // all the time it may take, then gain
+  for (int k = 0; k < 60; ++k)
+    grey = cv::mean(controlled.image_of(cv::Mat(480, 640, CV_32FC1, cv::Scalar(30)), 0.05))[0];
+  TEST_ASSERT_DOUBLE_WITHIN(3, 105, grey);  // 3 s, seven time constants
+  TEST_ASSERT_DOUBLE_WITHIN(1e-9, 2 * options.exposure_s,
+                            controlled.exposure_s());  // all the time it may take, then gain
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
-// What the tracker gets wrong on rendered images, where each corner's place in the room is known: the ray of a track's first point
-// meets a face, and from there the true motion says where the corner is in every later image.
+// What the tracker gets wrong on rendered images, where each corner's place in the room is known: the ray of a track's
+// first point meets a face, and from there the true motion says where the corner is in every later image.
 //
 //   test_track_errors                            a short session, judged
-//   test_track_errors SCENARIO SECONDS SEED REC  the table for REC, from `segcal simulate --images --rate-camera 20` with these
+//   test_track_errors SCENARIO SECONDS SEED REC  the table for REC, from `segcal simulate --images --rate-camera 20`
+//   with these
 //                                                options, then `segcal track REC`
 #include <cmath>
 #include <cstdlib>
@@ -23,13 +24,13 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double lost_px = 4;         // farther off it follows something else; corners where a near face ends do
+constexpr double lost_px = 4;  // farther off it follows something else; corners where a near face ends do
 constexpr int image_rate_hz = 20;
 constexpr int kBins = 6, kFirstLag[kBins + 1] = {1, 2, 5, 10, 20, 80, 1 << 30};  // images since the track began
 
 struct Camera {
   Matrix3d R_GC;
-  Vector3d p_GC;   // m, from the room's origin
+  Vector3d p_GC;  // m, from the room's origin
 };
 
 /// m along the ray to the box, from inside or outside; infinite where it misses.
@@ -47,7 +48,8 @@ double distance_to(const host::render::Block& block, const Vector3d& o, const Ve
 Vector3d seen_point(const host::render::Room& room, const Camera& c, const Vector2d& xy) {
   const Vector3d d = c.R_GC * Vector3d(xy.x(), xy.y(), 1).normalized();
   double distance = distance_to(room.walls, c.p_GC, d, true);
-  for (const host::render::Block& block : room.furniture) distance = std::min(distance, distance_to(block, c.p_GC, d, false));
+  for (const host::render::Block& block : room.furniture)
+    distance = std::min(distance, distance_to(block, c.p_GC, d, false));
   return c.p_GC + distance * d;
 }
 
@@ -62,25 +64,26 @@ struct Sums {
     ++n;
   }
   double rms_px() const { return std::sqrt(ee / (2.0 * static_cast<double>(n))); }  // per axis
-  double share() const { return ed / dd; }                                           // of d
+  double share() const { return ed / dd; }                                          // of d
   double share_sigma() const { return std::sqrt(0.5 * ee / dd / static_cast<double>(n)); }
 };
 
 struct TrackErrors {
-  Sums steps;        // from image to image, against the step
+  Sums steps;         // from image to image, against the step
   Sums since[kBins];  // since the track's first image, against the way since then
 };
 
 struct Followed {
-  Vector3d p;        // m, from the room's origin
+  Vector3d p;  // m, from the room's origin
   Vector2d first, truth, error;
   std::size_t began;
 };
 
 TrackErrors errors_of(const host::SimulationResult& session, const host::Recording& tracked, std::uint64_t seed) {
   const std::vector<double>& times = session.frame_times;
-  const host::render::Room room = host::render::make_room(session.trajectory, times.front(), times.back(),
-                                                          host::render::read_photographs(host::render::default_photographs()), seed);
+  const host::render::Room room =
+      host::render::make_room(session.trajectory, times.front(), times.back(),
+                              host::render::read_photographs(host::render::default_photographs()), seed);
   const host::CameraCalibration& camera = session.truth.cameras[0];
   std::map<std::int64_t, double> time_of;
   for (std::size_t k = 0; k < times.size(); ++k) time_of[session.recording.cameras[0].frames[k].t_ns] = times[k];
@@ -96,7 +99,8 @@ TrackErrors errors_of(const host::SimulationResult& session, const host::Recordi
       const Vector2d uv(point.u, point.v);
       const auto known = followed.find(point.track_id);
       if (known == followed.end()) {
-        if (const auto xy = host::undistort(camera, uv)) followed[point.track_id] = {seen_point(room, c, *xy), uv, uv, Vector2d::Zero(), k};
+        if (const auto xy = host::undistort(camera, uv))
+          followed[point.track_id] = {seen_point(room, c, *xy), uv, uv, Vector2d::Zero(), k};
         continue;
       }
       Followed& f = known->second;
@@ -119,7 +123,9 @@ void print(const TrackErrors& e) {
   std::printf("images since the first, points, error px rms per axis, error along the way (share of it), way px rms\n");
   for (int b = 0; b < kBins; ++b) {
     const Sums& s = e.since[b];
-    if (s.n > 0) std::printf("%4d.. %8ld %7.3f %+10.2e %7.1f\n", kFirstLag[b], s.n, s.rms_px(), s.share(), std::sqrt(s.dd / static_cast<double>(s.n)));
+    if (s.n > 0)
+      std::printf("%4d.. %8ld %7.3f %+10.2e %7.1f\n", kFirstLag[b], s.n, s.rms_px(), s.share(),
+                  std::sqrt(s.dd / static_cast<double>(s.n)));
   }
   std::printf("step  %8ld %7.3f %+10.2e %7.1f  (share +- %.1e)\n", e.steps.n, e.steps.rms_px(), e.steps.share(),
               std::sqrt(e.steps.dd / static_cast<double>(e.steps.n)), e.steps.share_sigma());
@@ -138,7 +144,8 @@ host::SimulationOptions options_of(const std::string& scenario, double seconds, 
 void a_short_session() {
   const test::TemporaryFolder scratch("segcal_track_errors");
   const std::string rec = (scratch.path() / "rec").string();
-  const auto simulated = test::run_program("simulate --out \"" + rec + "\" --images --scenario arvr --seconds 8 --seed 5 --rate-camera 20", scratch.path());
+  const auto simulated = test::run_program(
+      "simulate --out \"" + rec + "\" --images --scenario arvr --seconds 8 --seed 5 --rate-camera 20", scratch.path());
   TEST_ASSERT_EQUAL_INT_MESSAGE(0, simulated.code, simulated.err.c_str());
   const auto tracked = test::run_program("track \"" + rec + "\"", scratch.path());
   TEST_ASSERT_EQUAL_INT_MESSAGE(0, tracked.code, tracked.err.c_str());
@@ -162,8 +169,8 @@ extern "C" void tearDown() {}
 
 int main(int argc, char** argv) {
   if (argc == 5) {
-    print(errors_of(host::simulate(options_of(argv[1], std::atof(argv[2]), std::strtoull(argv[3], nullptr, 10))), host::read_recording(argv[4], 1),
-                    std::strtoull(argv[3], nullptr, 10)));
+    print(errors_of(host::simulate(options_of(argv[1], std::atof(argv[2]), std::strtoull(argv[3], nullptr, 10))),
+                    host::read_recording(argv[4], 1), std::strtoull(argv[3], nullptr, 10)));
     return 0;
   }
   test::select_cases(argc, argv);

@@ -1,5 +1,5 @@
-// The real recording euroc_mh01 (Burri et al., IJRR 2016), where it is at hand: its tracks, disturbed starts, and how far
-// a trajectory is from the published one.
+// The real recording euroc_mh01 (Burri et al., IJRR 2016), where it is at hand: its tracks, disturbed starts, and how
+// far a trajectory is from the published one.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -25,7 +25,8 @@ inline double sequence_time(std::int64_t t_ns) { return static_cast<double>(t_ns
 inline host::Recording tracked(const std::filesystem::path& data, const std::filesystem::path& start,
                                const std::filesystem::path& folder, int cameras = 1) {
   const std::string command = std::string("\"") + SEGCAL_PROGRAM + "\" track \"" + (data / "euroc_mh01").string() +
-                              "\" --calib \"" + start.string() + "\" --out \"" + folder.string() + "\" > /dev/null 2>&1";
+                              "\" --calib \"" + start.string() + "\" --out \"" + folder.string() +
+                              "\" > /dev/null 2>&1";
   if (std::system(command.c_str()) != 0) throw host::InputError("this failed: " + command);
   return host::read_recording(folder, cameras);
 }

@@ -31,8 +31,8 @@ struct Outcome {
 /// `arguments` as typed in a shell; both streams go through files in `scratch`.
 inline Outcome run_program(const std::string& arguments, const std::filesystem::path& scratch) {
   const std::filesystem::path out = scratch / "stdout.txt", err = scratch / "stderr.txt";
-  const std::string command = std::string("\"") + SEGCAL_PROGRAM + "\" " + arguments + " > \"" + out.string() + "\" 2> \"" +
-                              err.string() + "\" < /dev/null";
+  const std::string command = std::string("\"") + SEGCAL_PROGRAM + "\" " + arguments + " > \"" + out.string() +
+                              "\" 2> \"" + err.string() + "\" < /dev/null";
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(err)};
 }

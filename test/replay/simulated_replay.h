@@ -21,7 +21,8 @@ inline host::SimulationResult simulated(const std::string& scenario, double seco
 }
 
 /// With a second camera beside the first. `matches`: corners that both see have one track id.
-inline host::SimulationResult simulated_pair(const std::string& scenario, double seconds, std::uint64_t seed, bool matches) {
+inline host::SimulationResult simulated_pair(const std::string& scenario, double seconds, std::uint64_t seed,
+                                             bool matches) {
   host::SimulationOptions options;
   options.scenario = scenario;
   options.seconds = seconds;

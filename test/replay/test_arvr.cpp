@@ -41,7 +41,8 @@ void test_eight_segments_tell_nearly_all() {
     if (!test::selected(id.text())) continue;
     const auto ratios = sigma_ratios(seed);
     print(ratios);
-    for (const auto& [name, ratio] : ratios) test::check_between(id.add("parameter", name), "ratio of sigmas", 0, ratio, 1.5);
+    for (const auto& [name, ratio] : ratios)
+      test::check_between(id.add("parameter", name), "ratio of sigmas", 0, ratio, 1.5);
   }
 }
 

@@ -26,7 +26,7 @@ fs::path scratch;
 struct Case {
   const char* name;
   std::function<void(const fs::path& rec)> spoil;
-  std::string complaint;                 ///< part of the line on stderr
+  std::string complaint;  ///< part of the line on stderr
   std::string command = "replay REC --out OUT";
 };
 
@@ -51,8 +51,9 @@ void put_words(const fs::path& file, const std::string& old_words, const std::st
 
 void put_images(const fs::path& rec) {
   fs::remove(rec / kTracks);
-  write_text(rec / "mav0/cam0/data.csv", "#timestamp [ns],filename\n" +
-                                             text_of(rec / kImu).substr(text_of(rec / kImu).find('\n') + 1, 19) + ",a.png\n");
+  write_text(
+      rec / "mav0/cam0/data.csv",
+      "#timestamp [ns],filename\n" + text_of(rec / kImu).substr(text_of(rec / kImu).find('\n') + 1, 19) + ",a.png\n");
 }
 
 std::vector<Case> file_cases() {
@@ -62,39 +63,56 @@ std::vector<Case> file_cases() {
       {"empty_imu", [](const fs::path& rec) { write_text(rec / kImu, ""); }, kImu},
       {"header_only_imu", [](const fs::path& rec) { write_text(rec / kImu, "#timestamp [ns]\n"); }, kImu},
       {"imu_columns", [](const fs::path& rec) { put_line(rec / kImu, 7, "1,2,3"); }, "mav0/imu0/data.csv:7: expected"},
-      {"imu_number", [](const fs::path& rec) { put_line(rec / kImu, 9, "1,0,0,zero,0,0,9.8"); }, "mav0/imu0/data.csv:9: expected"},
-      {"imu_stamp", [](const fs::path& rec) { put_line(rec / kImu, 9, "1.5,0,0,0,0,0,9.8"); }, "mav0/imu0/data.csv:9: expected"},
+      {"imu_number", [](const fs::path& rec) { put_line(rec / kImu, 9, "1,0,0,zero,0,0,9.8"); },
+       "mav0/imu0/data.csv:9: expected"},
+      {"imu_stamp", [](const fs::path& rec) { put_line(rec / kImu, 9, "1.5,0,0,0,0,0,9.8"); },
+       "mav0/imu0/data.csv:9: expected"},
       {"no_camera", [](const fs::path& rec) { fs::remove_all(rec / "mav0/cam0"); }, "mav0/cam0"},
       {"no_tracks", [](const fs::path& rec) { fs::remove(rec / kTracks); }, "mav0/cam0"},
       {"empty_tracks", [](const fs::path& rec) { write_text(rec / kTracks, ""); }, kTracks},
-      {"track_columns", [](const fs::path& rec) { put_line(rec / kTracks, 5, "1,2,3"); }, "mav0/cam0/tracks.csv:5: expected"},
-      {"track_number", [](const fs::path& rec) { put_line(rec / kTracks, 5, "1,2,3,x"); }, "mav0/cam0/tracks.csv:5: expected"},
-      {"track_id", [](const fs::path& rec) { put_line(rec / kTracks, 5, "1,-2,3,4"); }, "mav0/cam0/tracks.csv:5: expected"},
-      {"no_overlap", [](const fs::path& rec) { write_text(rec / kTracks, "#timestamp [ns],track_id [],u [px],v [px]\n1,2,3,4\n"); },
+      {"track_columns", [](const fs::path& rec) { put_line(rec / kTracks, 5, "1,2,3"); },
+       "mav0/cam0/tracks.csv:5: expected"},
+      {"track_number", [](const fs::path& rec) { put_line(rec / kTracks, 5, "1,2,3,x"); },
+       "mav0/cam0/tracks.csv:5: expected"},
+      {"track_id", [](const fs::path& rec) { put_line(rec / kTracks, 5, "1,-2,3,4"); },
+       "mav0/cam0/tracks.csv:5: expected"},
+      {"no_overlap",
+       [](const fs::path& rec) { write_text(rec / kTracks, "#timestamp [ns],track_id [],u [px],v [px]\n1,2,3,4\n"); },
        "expected stamps that overlap"},
       {"image_missing", put_images, "mav0/cam0/data.csv:2: expected an image"},
       {"image_missing_track", put_images, "mav0/cam0/data.csv:2: expected an image", "track REC --out OUT"},
       {"no_calibration", [](const fs::path& rec) { fs::remove(rec / kCalibration); }, kCalibration},
-      {"distortion", [](const fs::path& rec) { put_words(rec / kCalibration, "distortion_model: fov", "distortion_model: fisheye8"); },
+      {"distortion",
+       [](const fs::path& rec) {
+         put_words(rec / kCalibration, "distortion_model: fov", "distortion_model: fisheye8");
+       },
        "camchain-imucam.yaml:"},
       {"focal_length", [](const fs::path& rec) { put_words(rec / kCalibration, "intrinsics: [", "intrinsics: [-"); },
        "camchain-imucam.yaml:"},
-      {"coefficients", [](const fs::path& rec) { put_words(rec / kCalibration, "distortion_coeffs: [", "distortion_coeffs: [0.1, 0.1, "); },
+      {"coefficients",
+       [](const fs::path& rec) {
+         put_words(rec / kCalibration, "distortion_coeffs: [", "distortion_coeffs: [0.1, 0.1, ");
+       },
        "camchain-imucam.yaml:"},
-      {"yaml", [](const fs::path& rec) { write_text(rec / kCalibration, "cam0:\n  T_cam_imu: [1, 2\n"); }, "camchain-imucam.yaml:"},
+      {"yaml", [](const fs::path& rec) { write_text(rec / kCalibration, "cam0:\n  T_cam_imu: [1, 2\n"); },
+       "camchain-imucam.yaml:"},
   };
 }
 
 std::vector<Case> config_cases() {
   const std::pair<const char*, std::pair<const char*, const char*>> bad[] = {
-      {"unknown", {"format: 1\nnoises: {}\n", "config.yaml:2: expected one of format, prior_sigma, gravity, noise, found 'noises'"}},
+      {"unknown",
+       {"format: 1\nnoises: {}\n",
+        "config.yaml:2: expected one of format, prior_sigma, gravity, noise, found 'noises'"}},
       {"unknown_prior", {"prior_sigma:\n  p_CI: 0.1\n", "config.yaml:2: expected one of r_CI_rad, p_CI_m"}},
       {"negative", {"prior_sigma:\n  p_CI_m: -0.1\n", "config.yaml:2: expected a number from"}},
       {"zero_noise", {"noise: {gyroscope_noise_density: 0}\n", "config.yaml:1: expected a number from"}},
       {"word", {"noise: {pixel_sigma_px: half}\n", "config.yaml:1: expected a finite number for 'pixel_sigma_px'"}},
       {"gravity_unit", {"gravity: {m_s2: 980.665}\n", "config.yaml:1: expected a number from 1 to 30 for 'm_s2'"}},
-      {"latitude", {"gravity: {latitude_deg: 91}\n", "config.yaml:1: expected a number from -90 to 90 for 'latitude_deg'"}},
-      {"two_gravities", {"gravity: {latitude_deg: 10, m_s2: 9.8}\n", "config.yaml:1: expected either 'm_s2' or 'latitude_deg'"}},
+      {"latitude",
+       {"gravity: {latitude_deg: 91}\n", "config.yaml:1: expected a number from -90 to 90 for 'latitude_deg'"}},
+      {"two_gravities",
+       {"gravity: {latitude_deg: 10, m_s2: 9.8}\n", "config.yaml:1: expected either 'm_s2' or 'latitude_deg'"}},
       {"height_alone", {"gravity: {height_m: 10}\n", "config.yaml:1: expected either"}},
       {"gravity_number", {"gravity: 9.8\n", "config.yaml:1: expected a map of names and numbers for 'gravity'"}},
       {"format", {"format: 7\n", "config.yaml:1: expected 'format: 1'"}},
@@ -103,7 +121,8 @@ std::vector<Case> config_cases() {
   std::vector<Case> out;
   for (const auto& [name, texts] : bad) {
     const std::string text = texts.first;
-    out.push_back({name, [text](const fs::path& rec) { write_text(rec / "config.yaml", text); }, texts.second, "replay REC --out OUT --config REC/config.yaml"});
+    out.push_back({name, [text](const fs::path& rec) { write_text(rec / "config.yaml", text); }, texts.second,
+                   "replay REC --out OUT --config REC/config.yaml"});
   }
   out.push_back({"no_config", [](const fs::path&) {}, "config.yaml", "replay REC --out OUT --config REC/config.yaml"});
   return out;
@@ -165,7 +184,8 @@ void check(const Case& c) {
   test::check_between(id, "exit code", 2, outcome.code, 2);
   test::check_true(id, ("stderr is not one line:\n" + outcome.err).c_str(),
                    std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1 && outcome.err.back() == '\n');
-  test::check_true(id, ("expected '" + complaint + "' in: " + outcome.err).c_str(), outcome.err.find(complaint) != std::string::npos);
+  test::check_true(id, ("expected '" + complaint + "' in: " + outcome.err).c_str(),
+                   outcome.err.find(complaint) != std::string::npos);
   test::check_true(id, ("stdout: " + outcome.out).c_str(), outcome.out.empty());
   test::check_true(id, ("written:\n" + listing(out)).c_str(), !fs::exists(out));
   test::check_true(id, "the recording was changed", listing(rec) == before);

@@ -36,14 +36,17 @@ void check_words(const char* expected, const CoreChange& c) {
 }
 
 void test_sure_entries_are_named_in_order_of_sigmas() {
-  check_words("the device changed between session 1 and 2: gyro.sx by 0.05 +- 0.001, cam0.r_CI.x by -0.0087 +- 0.002 rad",
-              change({-0.0087, 0.002, 0.05}, {0.002, 0.001, 0.001}));
+  check_words(
+      "the device changed between session 1 and 2: gyro.sx by 0.05 +- 0.001, cam0.r_CI.x by -0.0087 +- 0.002 rad",
+      change({-0.0087, 0.002, 0.05}, {0.002, 0.001, 0.001}));
 }
 
 /// Nobody may read 1.5 sigmas as that entry's own change.
 void test_where_no_entry_is_sure_the_words_say_so() {
-  check_words("the device changed between session 1 and 2: no entry alone is sure, all together are; most of all cam0.r_CI.x by 0.003 +- 0.002 rad",
-              change({0.003, 0.001, 0}, {0.002, 0.001, 0}));
+  check_words(
+      "the device changed between session 1 and 2: no entry alone is sure, all together are; most of all cam0.r_CI.x "
+      "by 0.003 +- 0.002 rad",
+      change({0.003, 0.001, 0}, {0.002, 0.001, 0}));
 }
 
 void test_a_change_within_a_session_has_a_time() {

@@ -30,8 +30,8 @@ host::SimulationResult session;
 struct Case {
   const char* name;
   std::function<void(Recording*)> spoil;
-  const char* counter;   ///< in result.json, "faults"
-  unsigned count;        ///< exactly
+  const char* counter;  ///< in result.json, "faults"
+  unsigned count;       ///< exactly
 };
 
 std::vector<ImuSample>& imu(Recording* r) { return r->imu.samples; }
@@ -42,25 +42,60 @@ constexpr std::size_t kPlaces[] = {5000, 3300, 1700};
 
 std::vector<Case> cases() {
   return {
-      {"imu_repeats", [](Recording* r) { for (std::size_t i : kPlaces) imu(r).insert(imu(r).begin() + long(i), imu(r)[i]); },
+      {"imu_repeats",
+       [](Recording* r) {
+         for (std::size_t i : kPlaces) imu(r).insert(imu(r).begin() + long(i), imu(r)[i]);
+       },
        "imu_stamps_back", 3},
-      {"imu_goes_back", [](Recording* r) { for (std::size_t i : kPlaces) imu(r).insert(imu(r).begin() + long(i), imu(r)[i - 9]); },
+      {"imu_goes_back",
+       [](Recording* r) {
+         for (std::size_t i : kPlaces) imu(r).insert(imu(r).begin() + long(i), imu(r)[i - 9]);
+       },
        "imu_stamps_back", 3},
-      {"imu_gaps", [](Recording* r) { for (std::size_t i : kPlaces) imu(r).erase(imu(r).begin() + long(i), imu(r).begin() + long(i) + 5); },
+      {"imu_gaps",
+       [](Recording* r) {
+         for (std::size_t i : kPlaces) imu(r).erase(imu(r).begin() + long(i), imu(r).begin() + long(i) + 5);
+       },
        "imu_gaps", 3},
-      {"imu_nan", [](Recording* r) { for (std::size_t i : kPlaces) imu(r)[i].gyro[1] = std::numeric_limits<double>::quiet_NaN(); },
+      {"imu_nan",
+       [](Recording* r) {
+         for (std::size_t i : kPlaces) imu(r)[i].gyro[1] = std::numeric_limits<double>::quiet_NaN();
+       },
        "imu_not_finite", 3},
-      {"imu_infinite", [](Recording* r) { for (std::size_t i : kPlaces) imu(r)[i].accel[2] = std::numeric_limits<double>::infinity(); },
+      {"imu_infinite",
+       [](Recording* r) {
+         for (std::size_t i : kPlaces) imu(r)[i].accel[2] = std::numeric_limits<double>::infinity();
+       },
        "imu_not_finite", 3},
-      {"imu_saturates", [](Recording* r) { for (std::size_t i : kPlaces) imu(r)[i].accel[0] = 160; }, "imu_saturated", 3},
-      {"frame_repeats", [](Recording* r) { for (std::size_t i : kPlaces) frames(r).insert(frames(r).begin() + long(i / 20), frames(r)[i / 20]); },
+      {"imu_saturates",
+       [](Recording* r) {
+         for (std::size_t i : kPlaces) imu(r)[i].accel[0] = 160;
+       },
+       "imu_saturated", 3},
+      {"frame_repeats",
+       [](Recording* r) {
+         for (std::size_t i : kPlaces) frames(r).insert(frames(r).begin() + long(i / 20), frames(r)[i / 20]);
+       },
        "frame_stamps_back", 3},
-      {"frame_goes_back", [](Recording* r) { for (std::size_t i : kPlaces) frames(r).insert(frames(r).begin() + long(i / 20), frames(r)[i / 20 - 4]); },
+      {"frame_goes_back",
+       [](Recording* r) {
+         for (std::size_t i : kPlaces) frames(r).insert(frames(r).begin() + long(i / 20), frames(r)[i / 20 - 4]);
+       },
        "frame_stamps_back", 3},
-      {"frame_dropped", [](Recording* r) { for (std::size_t i : kPlaces) frames(r).erase(frames(r).begin() + long(i / 20)); },
+      {"frame_dropped",
+       [](Recording* r) {
+         for (std::size_t i : kPlaces) frames(r).erase(frames(r).begin() + long(i / 20));
+       },
        "frames_dropped", 3},
-      {"few_tracks", [](Recording* r) { for (std::size_t i : kPlaces) frames(r)[i / 20].points.resize(7); }, "frames_few_tracks", 3},
-      {"point_nan", [](Recording* r) { for (std::size_t i : kPlaces) frames(r)[i / 20].points[3].u = std::numeric_limits<double>::quiet_NaN(); },
+      {"few_tracks",
+       [](Recording* r) {
+         for (std::size_t i : kPlaces) frames(r)[i / 20].points.resize(7);
+       },
+       "frames_few_tracks", 3},
+      {"point_nan",
+       [](Recording* r) {
+         for (std::size_t i : kPlaces) frames(r)[i / 20].points[3].u = std::numeric_limits<double>::quiet_NaN();
+       },
        "points_not_finite", 3},
   };
 }
@@ -72,7 +107,8 @@ nlohmann::json replayed(const Id& id, const Recording& recording) {
   host::SimulationResult spoilt = session;
   spoilt.recording = recording;
   host::write_simulation(spoilt, rec);
-  const test::Outcome outcome = test::run_program("replay \"" + rec.string() + "\" --out \"" + out.string() + "\"", scratch);
+  const test::Outcome outcome =
+      test::run_program("replay \"" + rec.string() + "\" --out \"" + out.string() + "\"", scratch);
   test::check_true(id, ("ended with " + std::to_string(outcome.code) + ": " + outcome.err).c_str(), outcome.code == 0);
   return nlohmann::json::parse(test::text_of(out / "result.json"));
 }
@@ -95,28 +131,41 @@ void test_faults_are_counted_and_survived() {
 struct Stray {
   const char* name;
   std::vector<std::size_t> images;
-  double seconds;                  ///< that their stamps are ahead
+  double seconds;  ///< that their stamps are ahead
 };
 
 /// An image whose stamp lies apart costs itself, and one that may wait for it: not all that come before its stamp.
 void test_stray_images_cost_themselves() {
   const nlohmann::json good = replayed(Id().add("case", "good"), session.recording);
-  const Stray all[] = {{"first_ahead", {0}, 3600}, {"middle_ahead", {150}, 3600}, {"within_the_log", {150}, 10}, {"near", {150}, 1.5}, {"last_but_one", {299}, 3600}, {"last", {300}, 3600},
-                       {"handful_in_a_row", {140, 141, 142, 143, 144}, 3600}, {"handful", {0, 60, 61, 130, 290}, 7}, {"first_behind", {0}, -3600}, {"middle_behind", {150}, -3600}};
+  const Stray all[] = {{"first_ahead", {0}, 3600},
+                       {"middle_ahead", {150}, 3600},
+                       {"within_the_log", {150}, 10},
+                       {"near", {150}, 1.5},
+                       {"last_but_one", {299}, 3600},
+                       {"last", {300}, 3600},
+                       {"handful_in_a_row", {140, 141, 142, 143, 144}, 3600},
+                       {"handful", {0, 60, 61, 130, 290}, 7},
+                       {"first_behind", {0}, -3600},
+                       {"middle_behind", {150}, -3600}};
   for (const Stray& stray : all) {
     const Id id = Id().add("stray", stray.name);
     if (!test::selected(id.text())) continue;
     Recording recording = session.recording;
-    for (const std::size_t i : stray.images) frames(&recording)[i].t_ns += static_cast<std::int64_t>(stray.seconds * 1e9);
+    for (const std::size_t i : stray.images)
+      frames(&recording)[i].t_ns += static_cast<std::int64_t>(stray.seconds * 1e9);
     const nlohmann::json result = replayed(id, recording);
     test::check_true(id, "not calibrated", result["status"] == "calibrated");
-    test::check_between(id, "images used", double(good["faults"]["frames_used"]) - 2 * double(stray.images.size()), result["faults"]["frames_used"], 1e9);
-    test::check_between(id, "images in all", good["faults"]["frames"], result["faults"]["frames"], good["faults"]["frames"]);
+    test::check_between(id, "images used", double(good["faults"]["frames_used"]) - 2 * double(stray.images.size()),
+                        result["faults"]["frames_used"], 1e9);
+    test::check_between(id, "images in all", good["faults"]["frames"], result["faults"]["frames"],
+                        good["faults"]["frames"]);
     test::check_between(id, "counted", stray.images.size(), result["faults"]["frame_stamps_far"], stray.images.size());
     if (stray.seconds < 0) continue;
     char time[40];
-    std::snprintf(time, sizeof time, "the first at %.3f s", static_cast<double>(frames(&recording)[stray.images.front()].t_ns) * 1e-9);
-    test::check_true(id, "no sentence with its time", result["health"]["suspects"].dump().find(time) != std::string::npos);
+    std::snprintf(time, sizeof time, "the first at %.3f s",
+                  static_cast<double>(frames(&recording)[stray.images.front()].t_ns) * 1e-9);
+    test::check_true(id, "no sentence with its time",
+                     result["health"]["suspects"].dump().find(time) != std::string::npos);
   }
 }
 
@@ -132,7 +181,8 @@ void test_faults_do_not_bend_the_result() {
   for (const auto& p : host::sim::named_parameters(session.truth, true)) truth[p.name] = p.value;
   for (const auto& p : result["parameters"]) {
     const std::string name = p["name"];
-    test::check_between(id.add("parameter", name), "error / sigma", -5, (double(p["value"]) - truth.at(name)) / double(p["sigma"]), 5);
+    test::check_between(id.add("parameter", name), "error / sigma", -5,
+                        (double(p["value"]) - truth.at(name)) / double(p["sigma"]), 5);
   }
 }
 

@@ -3,11 +3,11 @@
 #include <unity.h>
 
 #include "../support/cases.h"
+#include "file_output.h"
 #include "replay/model_file.h"
 #include "simulate/effect_names.h"
 #include "simulated_replay.h"
 #include "temporary_folder.h"
-#include "file_output.h"
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}
@@ -18,7 +18,7 @@ using test::Id;
 
 struct Case {
   const char* name;
-  const char* spec;   ///< as `segcal simulate --effect` takes it
+  const char* spec;  ///< as `segcal simulate --effect` takes it
 };
 
 const Case kCases[] = {
@@ -69,9 +69,10 @@ void check_case(const Case& c, std::uint64_t seed) {
     TEST_ASSERT_EQUAL_INT_MESSAGE(1, static_cast<int>(found.count(name)), name.c_str());
     TEST_ASSERT_EQUAL_STRING(p.unit.c_str(), found[name].unit.c_str());
     // Some forty parameters: beyond 4.5 sigma is once in 3000 such runs.
-    test::check_between(id.add("parameter", name), "error / sigma", -4.5, (found[name].value - p.value) / found[name].sigma, 4.5);
-    std::printf("%s %s: %.5g +- %.2g, true %.5g, %s\n", id.text().c_str(), name.c_str(), found[name].value, found[name].sigma, p.value,
-                found[name].verdict.c_str());
+    test::check_between(id.add("parameter", name), "error / sigma", -4.5,
+                        (found[name].value - p.value) / found[name].sigma, 4.5);
+    std::printf("%s %s: %.5g +- %.2g, true %.5g, %s\n", id.text().c_str(), name.c_str(), found[name].value,
+                found[name].sigma, p.value, found[name].verdict.c_str());
   }
   // chi2/dof of the simulator's noise is 1 within 0.03 at some thousand degrees of freedom (test_rich.cpp).
   test::check_between(id, "chi2/dof", 0.9, with.result.chi2 / with.result.dof, 1.1);
@@ -86,10 +87,11 @@ void test_model_file() {
   host::ReplayResult result;
   result.result.parameters = {};
   const host::Calibration calibration = host::simulate([] {
-    host::SimulationOptions o;
-    o.seconds = 1;
-    return o;
-  }()).nominal;
+                                          host::SimulationOptions o;
+                                          o.seconds = 1;
+                                          return o;
+                                        }())
+                                            .nominal;
   result.calibration = calibration;
   for (const char* name : {"time_offset.t_d", "gyro_lag.tau", "gyro_x:fy*wz", "image_u:x^2*y"}) {
     host::CoreParameter p;

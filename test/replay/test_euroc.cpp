@@ -1,5 +1,5 @@
-// A real recording from starts that are far off: the published calibration comes back, and the odometry with it is good.
-// Without the recording the test says so and is skipped (exit code 77). SEGCAL_LONG tries all ten random starts.
+// A real recording from starts that are far off: the published calibration comes back, and the odometry with it is
+// good. Without the recording the test says so and is skipped (exit code 77). SEGCAL_LONG tries all ten random starts.
 #include <unity.h>
 
 #include <cstdio>
@@ -31,7 +31,9 @@ host::ReplayResult replayed(const host::Calibration& start, bool calibrate) {
 }
 
 /// Start 0 is the one in fixtures/.
-host::Calibration start_of(unsigned start) { return start == 0 ? fixture_start : test::euroc::disturbed(published, start); }
+host::Calibration start_of(unsigned start) {
+  return start == 0 ? fixture_start : test::euroc::disturbed(published, start);
+}
 
 const host::ReplayResult& first_replay() {
   static const host::ReplayResult result = replayed(fixture_start, true);
@@ -42,8 +44,8 @@ void check_calibration(const Id& id, const host::ReplayResult& found) {
   const test::euroc::CameraError error = test::euroc::camera_error(found.calibration.cameras[0], published.cameras[0]);
   const double R_CI = error.R_CI / kDegree;
   std::printf("%s: %s, chi2/dof %.3f, f %.2f %%, c %.2f px, R_CI %.2f deg, p_CI %.1f mm, reprojection median %.2f px\n",
-              id.text().c_str(), found.result.status.c_str(), found.result.chi2 / found.result.dof, 100 * error.f, error.c,
-              R_CI, 1e3 * error.p_CI, found.result.reprojection_median_px);
+              id.text().c_str(), found.result.status.c_str(), found.result.chi2 / found.result.dof, 100 * error.f,
+              error.c, R_CI, 1e3 * error.p_CI, found.result.reprojection_median_px);
   test::check_true(id, "not calibrated", found.result.status == "calibrated");
   test::check_between(id, "f, share", 0, error.f, 0.015);
   test::check_between(id, "c, px", 0, error.c, 5);
@@ -70,8 +72,8 @@ void test_odometry_with_the_result() {
   test::check_between(Id().add("check", "drift"), "drift, m", 0, drift, 0.01);
 }
 
-/// On the floor nothing is kept. Until it is shaken once more, at 31.3 s, each of the 29 entries of theta is blind (radtan:
-/// 14 + 15); that says a little, and what it does not say must still be named.
+/// On the floor nothing is kept. Until it is shaken once more, at 31.3 s, each of the 29 entries of theta is blind
+/// (radtan: 14 + 15); that says a little, and what it does not say must still be named.
 void test_standing_still_tells_nothing() {
   int standing = 0;
   for (const host::CoreSegment& segment : first_replay().segments) {
@@ -80,7 +82,8 @@ void test_standing_still_tells_nothing() {
     const Id id = Id().add("check", "standing").add("segment", segment.serial);
     const auto named = static_cast<double>(segment.not_excited.size());
     test::check_true(id, "kept", !segment.kept);
-    test::check_between(id, "directions named", shaken ? 29 - segment.rank : 29, named, 29 - (shaken ? segment.rank : 0));
+    test::check_between(id, "directions named", shaken ? 29 - segment.rank : 29, named,
+                        29 - (shaken ? segment.rank : 0));
     standing += shaken ? 0 : 1;
   }
   test::check_between(Id().add("check", "standing"), "segments", 1, standing, 100);

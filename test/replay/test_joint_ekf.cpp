@@ -1,5 +1,6 @@
-// The joint EKF, which the paper compares with: the filter's own calibration at the end of a session. Is it a result like any
-// other, does the next session go on from it, and how honest are its sigmas? 5 devices, 20 where SEGCAL_LONG is set.
+// The joint EKF, which the paper compares with: the filter's own calibration at the end of a session. Is it a result
+// like any other, does the next session go on from it, and how honest are its sigmas? 5 devices, 20 where SEGCAL_LONG
+// is set.
 #include <unity.h>
 
 #include <algorithm>
@@ -46,7 +47,8 @@ void test_sigmas_are_about_right() {
     test::check_true(id, "it has scored segments", found.segments.empty() && found.kept.empty());
     test::check_near(id, "focal length of the calibration and of the result", found.result.parameters[6].value,
                      found.calibration.cameras[0].intrinsics[0], 1e-4);
-    for (const auto& [name, error] : test::normalised_errors(session, found.result)) mean[name] += error * error / devices;
+    for (const auto& [name, error] : test::normalised_errors(session, found.result))
+      mean[name] += error * error / devices;
   }
   double all = 0;
   for (const auto& [name, square] : mean) {
@@ -67,7 +69,8 @@ void test_the_next_session_goes_on() {
     const host::CoreParameter& p = two.parameters[i];
     const Id id = Id().add("check", "sessions").add("parameter", p.name);
     // As much information again would make it 0.71; the two sessions tell different things to different degrees.
-    test::check_between(id, "sigma after two sessions, of that after one", 0.4, p.sigma / one.parameters[i].sigma, 0.95);
+    test::check_between(id, "sigma after two sessions, of that after one", 0.4, p.sigma / one.parameters[i].sigma,
+                        0.95);
     test::check_between(id, "error / sigma", -6, errors.at(p.name), 6);
   }
 }

@@ -1,5 +1,5 @@
-// Segments from before the device changed: found, reported and dropped, so that theta is the new one. A device that did not
-// change loses none but for the stated level.
+// Segments from before the device changed: found, reported and dropped, so that theta is the new one. A device that did
+// not change loses none but for the stated level.
 #include <unity.h>
 
 #include <Eigen/Geometry>
@@ -90,16 +90,19 @@ void test_old_segments_go_when_the_device_changed() {
       const Count n = count(out), without = count(all);
       std::string name, name_all;
       const double error = worst_error(sessions[1], out, &name), error_all = worst_error(sessions[1], all, &name_all);
-      std::printf("%s: %d old dropped, %d old and %d new kept, largest error %.1f sigma (%s), without dropping %.1f (%s; %d old)\n",
-                  id.text().c_str(), n.old_dropped, n.old_kept, n.new_kept, error, name.c_str(), error_all, name_all.c_str(),
-                  without.old_kept);
+      std::printf(
+          "%s: %d old dropped, %d old and %d new kept, largest error %.1f sigma (%s), without dropping %.1f (%s; %d "
+          "old)\n",
+          id.text().c_str(), n.old_dropped, n.old_kept, n.new_kept, error, name.c_str(), error_all, name_all.c_str(),
+          without.old_kept);
       TEST_ASSERT_EQUAL_STRING("calibrated", out.result.status.c_str());
       test::check_true(id, "old segments are still there", n.old_kept == 0);
       test::check_true(id, "none was reported", n.old_dropped > 0);
       test::check_true(id, "a new one was dropped", n.new_dropped == 0);
       test::check_true(id, "counter and reports differ",
                        counter(out, "segments_outdated") == static_cast<std::uint32_t>(n.old_dropped + n.new_dropped));
-      // The largest of 26 normal numbers exceeds 4.5 in one of 6000 sets; the old segments would have made it far larger.
+      // The largest of 26 normal numbers exceeds 4.5 in one of 6000 sets; the old segments would have made it far
+      // larger.
       test::check_between(id, "largest error in sigmas", 0, error, 4.5);
       // Kept, the old ones widen the sigmas by what the segments disagree by: a worse answer, but no wrong one.
       test::check_between(id, "largest error with the old segments", 0, error_all, 5);
@@ -114,7 +117,8 @@ void test_an_unchanged_device_loses_none() {
     if (!test::selected(id.text())) continue;
     const host::ReplayResult out = replayed({session(seed, seed), session(100 + seed, seed)});
     const Count n = count(out);
-    if (n.old_dropped + n.new_dropped > 0) std::printf("%s: %d and %d dropped\n", id.text().c_str(), n.old_dropped, n.new_dropped);
+    if (n.old_dropped + n.new_dropped > 0)
+      std::printf("%s: %d and %d dropped\n", id.text().c_str(), n.old_dropped, n.new_dropped);
     calibrations += static_cast<int>(out.calibrations.size());
     dropped += n.old_dropped + n.new_dropped > 0 ? 1 : 0;
   }

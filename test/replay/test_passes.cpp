@@ -18,7 +18,7 @@ using host::ReplayResult;
 
 struct Case {
   host::SimulationResult session;
-  host::Calibration start;   ///< 2 % in f, 10 px in c, 2 deg and 20 mm off
+  host::Calibration start;  ///< 2 % in f, 10 px in c, 2 deg and 20 mm off
 };
 
 const Case& wrong_start() {
@@ -55,7 +55,8 @@ void test_passes_settle_and_count_once() {
   // The first pass is the single one, and it is the one that moves: from 40 sigmas and more to a fraction of one.
   TEST_ASSERT_TRUE(one.passes[0].step_sigmas == many.passes[0].step_sigmas);
   TEST_ASSERT_TRUE(many.passes[0].step_sigmas > 20);
-  TEST_ASSERT_TRUE_MESSAGE(many.passes.back().step_sigmas < 0.5, host::in_words(many.passes.back(), many.passes.size()).c_str());
+  TEST_ASSERT_TRUE_MESSAGE(many.passes.back().step_sigmas < 0.5,
+                           host::in_words(many.passes.back(), many.passes.size()).c_str());
   TEST_ASSERT_TRUE(many.passes.back().settled() || many.passes.size() == 6);
   // All else is of the last pass, as of a replay from there.
   TEST_ASSERT_EQUAL_UINT(1, many.calibrations.size());
@@ -67,7 +68,8 @@ void test_passes_settle_and_count_once() {
   for (std::size_t i = 0; i < many.result.parameters.size(); ++i) {
     const host::CoreParameter &p = many.result.parameters[i], &single = one.result.parameters[i];
     TEST_ASSERT_TRUE(p.initial == single.initial && p.prior_sigma == single.prior_sigma);
-    // Data that were counted again in each pass would have 0.4 to 0.7 times the sigma; other segments that are kept change it by less.
+    // Data that were counted again in each pass would have 0.4 to 0.7 times the sigma; other segments that are kept
+    // change it by less.
     TEST_ASSERT_TRUE_MESSAGE(p.sigma > 0.8 * single.sigma, p.name.c_str());
     TEST_ASSERT_TRUE_MESSAGE(std::abs(p.value - truth.at(p.name)) < 5 * p.sigma, p.name.c_str());
   }
@@ -80,7 +82,7 @@ void test_nothing_to_go_on_from() {
   options.core.noise = wrong_start().session.recording.imu.noise;
   options.passes = 5;
   host::Recording brief = wrong_start().session.recording;
-  brief.cameras[0].frames.resize(20);   // two seconds
+  brief.cameras[0].frames.resize(20);  // two seconds
   const ReplayResult result = host::replay({brief}, options);
   TEST_ASSERT_EQUAL_UINT(1, result.passes.size());
   TEST_ASSERT_EQUAL_STRING("insufficient", result.result.status.c_str());

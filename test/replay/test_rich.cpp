@@ -1,4 +1,5 @@
-// Simulated devices, shaken on purpose for 60 s: is the truth found, and are the sigmas honest? Each device is drawn anew.
+// Simulated devices, shaken on purpose for 60 s: is the truth found, and are the sigmas honest? Each device is drawn
+// anew.
 //
 // 20 devices by default, 400 where SEGCAL_LONG is set: the mean of 20 squares scatters by 0.32 even if all is right, so
 // that the limits 0.7 to 1.4 for each parameter need the longer run.
@@ -86,7 +87,8 @@ void test_errors_are_as_large_as_the_sigmas_say() {
     all += s.mean() / static_cast<double>(study().parameter.size());
   }
   for (const auto& [name, s] : study().parameter) {
-    test::check_between(Id().add("check", "honest").add("parameter", name), "mean (error/sigma)^2", low, s.mean(), high);
+    test::check_between(Id().add("check", "honest").add("parameter", name), "mean (error/sigma)^2", low, s.mean(),
+                        high);
   }
   std::printf("all parameters: mean (error/sigma)^2 %.3f\n", all);
   test::check_between(Id().add("check", "honest").add("parameter", "all"), "mean (error/sigma)^2", 0.7, all, 1.4);
@@ -101,13 +103,16 @@ void test_sigmas_are_small() {
   test::check_between(Id().add("check", "gyro_scale"), "largest sigma", 0, largest.at("gyro.s"), 6e-4);
 }
 
-/// Profile mcu averages 200 Hz to 100 Hz, so that an image waits for its samples until after the next ones: its state is written all the same.
+/// Profile mcu averages 200 Hz to 100 Hz, so that an image waits for its samples until after the next ones: its state
+/// is written all the same.
 void test_each_state_is_written_where_images_wait() {
   const host::SimulationResult session = test::simulated("rich", 20, 3);
   const host::ReplayResult out = test::replayed(session, "mcu");
-  // 201 images; eight before the start in motion, which takes effect half a second later, and the last one, whose samples never come.
+  // 201 images; eight before the start in motion, which takes effect half a second later, and the last one, whose
+  // samples never come.
   TEST_ASSERT_UINT_WITHIN(10, 185, out.trajectory.size());
-  for (std::size_t i = 1; i < out.trajectory.size(); ++i) TEST_ASSERT_TRUE(out.trajectory[i].t_ns > out.trajectory[i - 1].t_ns);
+  for (std::size_t i = 1; i < out.trajectory.size(); ++i)
+    TEST_ASSERT_TRUE(out.trajectory[i].t_ns > out.trajectory[i - 1].t_ns);
   TEST_ASSERT_TRUE(out.timing.vio_ms_median > 0);
 }
 

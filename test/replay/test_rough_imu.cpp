@@ -1,6 +1,8 @@
-// An IMU that is ten or thirty times noisier than its data sheet says, as on a frame that shakes: calibrated all the same, and within its sigmas.
+// An IMU that is ten or thirty times noisier than its data sheet says, as on a frame that shakes: calibrated all the
+// same, and within its sigmas.
 //
-// With the stated noise in the links, 9 of these 12 were refused or wrong, by up to 8 sigma (docs/results.md, "Measured data").
+// With the stated noise in the links, 9 of these 12 were refused or wrong, by up to 8 sigma (docs/results.md, "Measured
+// data").
 #include <unity.h>
 
 #include <cmath>
@@ -20,8 +22,12 @@ struct Total {
   int entries = 0;
 };
 
-void replay_one(const std::string& scenario, std::uint64_t seed, double accel_density, const std::string& profile, Total* total) {
-  const Id id = Id().add("scenario", scenario).add("seed", static_cast<int>(seed)).add("density", accel_density).add("profile", profile);
+void replay_one(const std::string& scenario, std::uint64_t seed, double accel_density, const std::string& profile,
+                Total* total) {
+  const Id id = Id().add("scenario", scenario)
+                    .add("seed", static_cast<int>(seed))
+                    .add("density", accel_density)
+                    .add("profile", profile);
   if (!test::selected(id.text())) return;
   host::SimulationOptions options;
   options.scenario = scenario;
@@ -40,7 +46,8 @@ void replay_one(const std::string& scenario, std::uint64_t seed, double accel_de
     const double z = errors.at(p.name);
     total->squares += z * z;
     ++total->entries;
-    test::check_near(Id(id).add("parameter", p.name), "error in sigmas", 0, z, 5);   // beyond is a wrong answer; at thirty times the stated noise 4.7 was the largest
+    test::check_near(Id(id).add("parameter", p.name), "error in sigmas", 0, z,
+                     5);  // beyond is a wrong answer; at thirty times the stated noise 4.7 was the largest
   }
 }
 
@@ -48,7 +55,8 @@ void test_calibrated_within_sigmas() {
   Total total;
   for (const char* scenario : {"nav", "arvr", "rich"}) {
     for (const char* profile : {"mobile", "mcu"}) {
-      for (const std::uint64_t seed : test::long_run() ? std::vector<std::uint64_t>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10} : std::vector<std::uint64_t>{1}) {
+      for (const std::uint64_t seed : test::long_run() ? std::vector<std::uint64_t>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10}
+                                                       : std::vector<std::uint64_t>{1}) {
         replay_one(scenario, seed, 0.02, profile, &total);
         replay_one(scenario, seed, 0.06, profile, &total);
       }
@@ -56,7 +64,8 @@ void test_calibrated_within_sigmas() {
   }
   const double mean = total.squares / total.entries;
   std::printf("mean (error/sigma)^2 of %d entries: %.2f\n", total.entries, mean);
-  test::check_near(Id(), "mean (error/sigma)^2", 1, mean, 0.5);   // some 250 entries, a third of them independent: one deviation 0.15
+  test::check_near(Id(), "mean (error/sigma)^2", 1, mean,
+                   0.5);  // some 250 entries, a third of them independent: one deviation 0.15
 }
 
 }  // namespace

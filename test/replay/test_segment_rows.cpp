@@ -1,4 +1,5 @@
-// A segment's rows, sensor by sensor, against dense QRs of the full stacked Jacobian: squares, and what noise adds to them.
+// A segment's rows, sensor by sensor, against dense QRs of the full stacked Jacobian: squares, and what noise adds to
+// them.
 #include <Eigen/QR>
 
 #include "../support/cases.h"
@@ -19,7 +20,8 @@ using host::CoreSensorRows;
 using test::DenseProblem;
 using test::Id;
 
-// The rows under test are squared, and held by 1e5 beside weights of 1e-3: of double's sixteen digits eight are left, at a scaled condition of some 100.
+// The rows under test are squared, and held by 1e5 beside weights of 1e-3: of double's sixteen digits eight are left,
+// at a scaled condition of some 100.
 constexpr double kSame = 1e-6;
 
 /// Terms of the image and of the IMU, some with columns of theta.
@@ -46,10 +48,12 @@ Case case_of(std::uint32_t seed, double track_walk) {
   return out;
 }
 
-/// The same three answers from the stacked rows: the projection along the unknowns of priors and the first k + 1 sensors.
+/// The same three answers from the stacked rows: the projection along the unknowns of priors and the first k + 1
+/// sensors.
 class Dense {
  public:
-  Dense(const Case& c, const Segment<double>& segment) : problem_({&segment}, c.theta, c.session.model, 0, {}, c.candidates) {
+  Dense(const Case& c, const Segment<double>& segment)
+      : problem_({&segment}, c.theta, c.session.model, 0, {}, c.candidates) {
     problem_.hold_gauge(0);
     problem_.add_bias_prior(0);
     rows_ = problem_.rows();
@@ -78,7 +82,8 @@ class Dense {
   }
   double of_sensor(const VectorXd& left, int t) const {
     double out = 0;
-    for (Eigen::Index i = 0; i < left.size(); ++i) out += static_cast<int>(sensor_[i]) == DenseProblem::kCamera + t ? left(i) : 0;
+    for (Eigen::Index i = 0; i < left.size(); ++i)
+      out += static_cast<int>(sensor_[i]) == DenseProblem::kCamera + t ? left(i) : 0;
     return out;
   }
 
@@ -93,7 +98,8 @@ void check_squares(const Id& id, const MatrixXd& got, const MatrixXd& expected, 
   for (Eigen::Index c = 0; c < expected.cols(); ++c) {
     for (Eigen::Index r = 0; r <= c; ++r) {
       const double apart = (got(r, c) - expected(r, c)) / (length(r) * length(c));
-      test::check_near(id.add("row", static_cast<int>(r)).add("column", static_cast<int>(c)), "square", 0, apart, kSame);
+      test::check_near(id.add("row", static_cast<int>(r)).add("column", static_cast<int>(c)), "square", 0, apart,
+                       kSame);
     }
   }
 }
@@ -103,7 +109,8 @@ void test_against_dense() {
     for (std::uint32_t seed : {51u, 52u}) {
       const Case c = case_of(seed, track_walk);
       const Segment<double>& segment = *c.session.segments[0];
-      const CoreSensorRows rows = host::SEGCAL_NS::SegmentRows(segment, c.theta, c.session.model, c.candidates).eliminated();
+      const CoreSensorRows rows =
+          host::SEGCAL_NS::SegmentRows(segment, c.theta, c.session.model, c.candidates).eliminated();
       const Dense dense(c, segment);
       VectorXd left, left_before = VectorXd::Zero(0);
       MatrixXd before = MatrixXd::Zero(rows.root[0].cols(), rows.root[0].cols());
@@ -113,10 +120,12 @@ void test_against_dense() {
         const MatrixXd sum = dense.squares(s, &left);
         check_squares(id, rows.root[s].transpose() * rows.root[s], sum - before, length);
         for (int t = 0; t < 3; ++t) {
-          const double of_before = s > t ? dense.of_sensor(left_before, t) : 0, expected = t > s ? 0 : dense.of_sensor(left, t) - of_before;
-          // A landmark's prior counts as a measurement for the part that it has of the landmark with states known. With states unknown it has
-          // more where parallax is little: 0.09 of 134 at most in these four.
-          test::check_near(id.add("noise", t), "degrees of freedom", expected, rows.shared(s, t), s == t && t > 0 ? 1e-4 : 0.15);
+          const double of_before = s > t ? dense.of_sensor(left_before, t) : 0,
+                       expected = t > s ? 0 : dense.of_sensor(left, t) - of_before;
+          // A landmark's prior counts as a measurement for the part that it has of the landmark with states known. With
+          // states unknown it has more where parallax is little: 0.09 of 134 at most in these four.
+          test::check_near(id.add("noise", t), "degrees of freedom", expected, rows.shared(s, t),
+                           s == t && t > 0 ? 1e-4 : 0.15);
         }
         before = sum;
         left_before = left;

@@ -1,5 +1,5 @@
-// segcal replay --state FILE: two runs with it are one run over both sessions, to the bit; a file that does not fit is refused in a
-// line and stays as it is.
+// segcal replay --state FILE: two runs with it are one run over both sessions, to the bit; a file that does not fit is
+// refused in a line and stays as it is.
 #include <unity.h>
 
 #include <nlohmann/json.hpp>
@@ -21,8 +21,9 @@ const fs::path& folder() {
   static const test::TemporaryFolder scratch("segcal_state");
   static const bool made = [] {
     for (const char* seed : {"1", "2", "3"}) {
-      const Outcome o = test::run_program(std::string("simulate --scenario rich --seconds 24 --device-seed 1 --seed ") + seed + " --out \"" +
-                                              (scratch.path() / seed).string() + "\"", scratch.path());
+      const Outcome o = test::run_program(std::string("simulate --scenario rich --seconds 24 --device-seed 1 --seed ") +
+                                              seed + " --out \"" + (scratch.path() / seed).string() + "\"",
+                                          scratch.path());
       TEST_ASSERT_EQUAL_INT_MESSAGE(0, o.code, o.err.c_str());
     }
     return true;
@@ -38,7 +39,9 @@ Outcome replay(const std::string& recordings, const std::string& out, const std:
   return test::run_program("replay" + quoted + " --hash --out \"" + (folder() / out).string() + "\" " + more, folder());
 }
 std::string with_state(const fs::path& file) { return " --state \"" + (folder() / file).string() + "\" "; }
-nlohmann::json result_in(const std::string& out) { return nlohmann::json::parse(test::text_of(folder() / out / "result.json")); }
+nlohmann::json result_in(const std::string& out) {
+  return nlohmann::json::parse(test::text_of(folder() / out / "result.json"));
+}
 
 /// "result_hash ..." of what was printed.
 std::string hash(const Outcome& o) {
@@ -53,14 +56,16 @@ void check_two_runs_are_one(const std::string& choice, const std::string& name) 
   const std::string both = hash(replay("12", "both", choice)), alone = hash(replay("2", "alone", choice));
   hash(replay("1", "one", choice + state));
   TEST_ASSERT_EQUAL_STRING_MESSAGE(both.c_str(), hash(replay("2", "two", choice + state)).c_str(), name.c_str());
-  TEST_ASSERT_TRUE(alone != both);   // the first session counts
+  TEST_ASSERT_TRUE(alone != both);  // the first session counts
   // All that the run knows, and what happened in it.
   const nlohmann::json one = result_in("both"), two = result_in("two"), first = result_in("one");
   TEST_ASSERT_TRUE(one["parameters"] == two["parameters"]);
   TEST_ASSERT_TRUE(one["epochs"] == two["epochs"]);
-  TEST_ASSERT_TRUE(test::text_of(folder() / "both/kept_segments.json") == test::text_of(folder() / "two/kept_segments.json"));
+  TEST_ASSERT_TRUE(test::text_of(folder() / "both/kept_segments.json") ==
+                   test::text_of(folder() / "two/kept_segments.json"));
   TEST_ASSERT_TRUE(two["earlier_logs"] == first["logs"]);
-  TEST_ASSERT_EQUAL_UINT(one["faults"]["frames"], unsigned(first["faults"]["frames"]) + unsigned(two["faults"]["frames"]));
+  TEST_ASSERT_EQUAL_UINT(one["faults"]["frames"],
+                         unsigned(first["faults"]["frames"]) + unsigned(two["faults"]["frames"]));
   for (const auto& segment : two["segments"]) TEST_ASSERT_EQUAL_UINT(1, segment["session"]);
 }
 
@@ -75,7 +80,8 @@ void test_three_runs_are_one() {
   const std::string state = with_state("three.state");
   hash(replay("1", "a", "--profile mcu" + state));
   hash(replay("2", "b", "--profile mcu" + state));
-  TEST_ASSERT_EQUAL_STRING(hash(replay("123", "all", "--profile mcu --strategy multi")).c_str(), hash(replay("3", "c", "--profile mcu" + state)).c_str());
+  TEST_ASSERT_EQUAL_STRING(hash(replay("123", "all", "--profile mcu --strategy multi")).c_str(),
+                           hash(replay("3", "c", "--profile mcu" + state)).c_str());
   TEST_ASSERT_EQUAL_UINT(2, result_in("c")["earlier_logs"].size());
 }
 
@@ -97,7 +103,8 @@ void test_what_does_not_fit_is_refused() {
   check_refused("2", state, "--profile mcu --metric D", "(metric differs)");
   check_refused("2", state, "--profile mcu --pixel-sigma 0.7", "(pixel_sigma differs)");
   check_refused("2", state, "--profile mobile", "saved with --profile mcu");
-  check_refused("2", state, "--profile mcu --calib \"" + (folder() / "1/truth/camchain-imucam.yaml").string() + "\"", "starting calibration differs");
+  check_refused("2", state, "--profile mcu --calib \"" + (folder() / "1/truth/camchain-imucam.yaml").string() + "\"",
+                "starting calibration differs");
   check_refused("1", state, "--profile mcu", "has the samples of 1, which");
   check_refused("22", state, "--profile mcu", "has the samples of ");
   // The same samples under another name, tracked otherwise.

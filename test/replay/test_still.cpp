@@ -1,4 +1,5 @@
-// Motion that cannot tell everything is refused where it cannot: named directions, values that stay, no false certainty.
+// Motion that cannot tell everything is refused where it cannot: named directions, values that stay, no false
+// certainty.
 #include <unity.h>
 
 #include <algorithm>
@@ -18,9 +19,9 @@ using test::Id;
 
 struct Case {
   const char* scenario;
-  const char* status;               ///< what must come out; empty: anything but `failed`
-  std::vector<std::string> blind;   ///< each must be a main part of a direction that is named
-  std::vector<std::string> fixed;   ///< each must stay where it was
+  const char* status;              ///< what must come out; empty: anything but `failed`
+  std::vector<std::string> blind;  ///< each must be a main part of a direction that is named
+  std::vector<std::string> fixed;  ///< each must stay where it was
 };
 
 const std::vector<Case>& cases() {
@@ -28,11 +29,14 @@ const std::vector<Case>& cases() {
       // The camera looks along x of the IMU: turning about the IMU moves it, but nothing gives the size of that motion.
       {"rotation", "", {"cam0.p_CI.x"}, {"cam0.p_CI.x"}},
       // Neither turning nor accelerating: all of the IMU's calibration and the extrinsics stay.
-      {"line", "insufficient",
+      {"line",
+       "insufficient",
        {"gyro.sx", "gyro.sy", "gyro.sz", "accel.sx", "accel.sz", "cam0.p_CI.x", "cam0.p_CI.y", "cam0.p_CI.z"},
        {"gyro.sx", "gyro.sy", "gyro.sz", "accel.sz", "cam0.p_CI.x", "cam0.p_CI.y", "cam0.p_CI.z"}},
       // Turning about z only: scales and misalignments of x and y rates, and the lever arm along z of the IMU, C's -y.
-      {"planar", "insufficient", {"cam0.p_CI.y", "gyro.sx", "gyro.sy", "gyro.mx", "accel.sz"},
+      {"planar",
+       "insufficient",
+       {"cam0.p_CI.y", "gyro.sx", "gyro.sy", "gyro.mx", "accel.sz"},
        {"cam0.p_CI.y", "gyro.sx", "gyro.sy", "gyro.mx", "accel.sz"}},
   };
   return all;
@@ -43,7 +47,8 @@ bool contains(const std::vector<std::string>& list, const std::string& name) {
 }
 
 /// Names with at least a fifth of the weight of some direction that is not excited.
-std::vector<std::string> named_blind(const std::vector<host::CoreDirection>& directions, const std::vector<std::string>& names) {
+std::vector<std::string> named_blind(const std::vector<host::CoreDirection>& directions,
+                                     const std::vector<std::string>& names) {
   std::vector<std::string> out;
   for (const host::CoreDirection& d : directions) {
     for (const auto& [name, weight] : host::main_weights(d, names)) out.push_back(name);
@@ -58,7 +63,8 @@ void check_parameters(const Id& id, const host::SimulationResult& session, const
   for (const host::CoreParameter& p : result.parameters) {
     const Id one = id.add("parameter", p.name);
     if (p.verdict == "fixed") test::check_near(one, "a fixed value", p.initial, p.value, 1e-6);
-    if (p.verdict == "observed") test::check_between(one, "sigma of an observed value", 0, p.sigma, 0.31 * p.prior_sigma);
+    if (p.verdict == "observed")
+      test::check_between(one, "sigma of an observed value", 0, p.sigma, 0.31 * p.prior_sigma);
     if (p.verdict != "fixed") test::check_between(one, "error / sigma", -5, errors.at(p.name), 5);
     if (contains(fixed, p.name)) test::check_true(one, ("released as " + p.verdict).c_str(), p.verdict == "fixed");
   }
@@ -75,7 +81,8 @@ void test_poor_motion_is_refused_in_part() {
     test::check_true(id, ("status " + replay.result.status).c_str(),
                      *c.status ? replay.result.status == c.status : replay.result.status != "failed");
     const auto named = named_blind(replay.result.unobservable, host::parameter_names(replay.calibration));
-    for (const std::string& name : c.blind) test::check_true(id.add("parameter", name), "not named as blind", contains(named, name));
+    for (const std::string& name : c.blind)
+      test::check_true(id.add("parameter", name), "not named as blind", contains(named, name));
     check_parameters(id, session, replay.result, c.fixed);
   }
 }
@@ -88,10 +95,12 @@ void test_standing_still_gives_nothing() {
   for (const host::CoreSegment& s : replay.segments) {
     test::check_true(id.add("segment", s.serial), "kept", !s.kept);
     // fov: 11 + 15 entries of theta, all of them blind.
-    test::check_between(id.add("segment", s.serial), "directions named", 26, static_cast<double>(s.not_excited.size()), 26);
+    test::check_between(id.add("segment", s.serial), "directions named", 26, static_cast<double>(s.not_excited.size()),
+                        26);
   }
   test::check_true(id, ("status " + replay.result.status).c_str(), replay.result.status == "insufficient");
-  test::check_true(id, "the calibration was changed", replay.calibration.cameras[0].intrinsics == session.nominal.cameras[0].intrinsics);
+  test::check_true(id, "the calibration was changed",
+                   replay.calibration.cameras[0].intrinsics == session.nominal.cameras[0].intrinsics);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ void test_each_target_counts() {
   TEST_ASSERT_TRUE(reached(0.4f, 0, false));      // no target
   TEST_ASSERT_FALSE(reached(0.4f, 1.59f, true));  // shown, but not well enough
   TEST_ASSERT_FALSE(reached(0.9f, 1.59f, false));
-  TEST_ASSERT_TRUE(reached(0.9f, 1.59f, true));   // no place left, and hardly shown
+  TEST_ASSERT_TRUE(reached(0.9f, 1.59f, true));  // no place left, and hardly shown
 }
 
 host::ReplayResult replayed(const host::SimulationResult& session, double fraction) {
@@ -53,17 +53,20 @@ void test_the_promise_is_kept() {
     for (double fraction : {0.2, 0.05}) {
       const Id id = Id().add("seed", seed).add("fraction", fraction);
       const host::ReplayResult out = replayed(session, fraction);
-      const auto first = std::find_if(out.calibrations.begin(), out.calibrations.end(), [](const auto& c) { return c.by_targets; });
+      const auto first =
+          std::find_if(out.calibrations.begin(), out.calibrations.end(), [](const auto& c) { return c.by_targets; });
       test::check_true(id, "the targets were not reached", first != out.calibrations.end());
       TEST_ASSERT_EQUAL_STRING("calibrated", first->status.c_str());
       const double seconds = 1e-9 * static_cast<double>(first->t_ns - session.recording.cameras[0].frames.front().t_ns);
-      std::printf("seed %d: %.2f of the prior's sigmas after %.1f s with %d segments\n", seed, fraction, seconds, first->segments);
+      std::printf("seed %d: %.2f of the prior's sigmas after %.1f s with %d segments\n", seed, fraction, seconds,
+                  first->segments);
       test::check_true(id, "a tighter target came first", seconds >= before);
       before = seconds;
       // Segments were scored at the calibration known before, and sigmas grow with chi2/dof where that is above 1.
       for (const host::CoreParameter& p : first->parameters) {
         if (p.name.find(".r_") != std::string::npos) continue;  // printed ones are of the rotation vector's components
-        test::check_between(id.add("parameter", p.name), "sigma over the prior's", 0, p.sigma / p.prior_sigma, 1.1 * fraction);
+        test::check_between(id.add("parameter", p.name), "sigma over the prior's", 0, p.sigma / p.prior_sigma,
+                            1.1 * fraction);
       }
     }
   }

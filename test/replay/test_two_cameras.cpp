@@ -68,15 +68,16 @@ void check_pairs(bool matches, double baseline_limit) {
   Study study;
   for (int seed = 1; seed <= devices(); ++seed) {
     const Id one = Id(id).add("seed", seed);
-    if (test::selected(one.text())) add_device(one, test::simulated_pair("rich", 40, static_cast<std::uint64_t>(seed), matches), &study);
+    if (test::selected(one.text()))
+      add_device(one, test::simulated_pair("rich", 40, static_cast<std::uint64_t>(seed), matches), &study);
   }
   if (study.n < devices()) return;
   check_honest(id, study);
   test::check_between(id, "baseline, m", 0, std::sqrt(study.baseline / study.n), baseline_limit);
 }
 
-/// Devices scatter by 10 mm in the baseline. With common points it is known as well as the image points allow; without, only
-/// through the motion that both cameras share.
+/// Devices scatter by 10 mm in the baseline. With common points it is known as well as the image points allow; without,
+/// only through the motion that both cameras share.
 void test_pairs_with_common_points() { check_pairs(true, 0.001); }
 void test_pairs_without_common_points() { check_pairs(false, 0.002); }
 
@@ -104,13 +105,14 @@ void check_euroc(const Id& id, const host::Recording& recording, const host::Cal
   options.core.calibration = start;
   options.core.noise = recording.imu.noise;
   const host::ReplayResult found = host::replay({recording}, options);
-  std::printf("%s: %s, chi2/dof %.3f\n", id.text().c_str(), found.result.status.c_str(), found.result.chi2 / found.result.dof);
+  std::printf("%s: %s, chi2/dof %.3f\n", id.text().c_str(), found.result.status.c_str(),
+              found.result.chi2 / found.result.dof);
   test::check_true(id, "not calibrated", found.result.status == "calibrated");
   for (std::size_t c = 0; c < 2; ++c) {
     const Id one = Id(id).add("camera", c);
     const auto error = test::euroc::camera_error(found.calibration.cameras[c], published.cameras[c]);
-    std::printf("  cam%zu: f %.2f %%, c %.2f px, R_CI %.2f deg, p_CI %.1f mm\n", c, 100 * error.f, error.c, error.R_CI / kDegree,
-                1e3 * error.p_CI);
+    std::printf("  cam%zu: f %.2f %%, c %.2f px, R_CI %.2f deg, p_CI %.1f mm\n", c, 100 * error.f, error.c,
+                error.R_CI / kDegree, 1e3 * error.p_CI);
     test::check_between(one, "f, share", 0, error.f, 0.015);  // the limits of test_euroc
     test::check_between(one, "c, px", 0, error.c, 5);
     test::check_between(one, "R_CI, deg", 0, error.R_CI / kDegree, 0.8);
@@ -132,7 +134,8 @@ void test_euroc_with_two_cameras() {
   for (unsigned i = 0; i <= random_starts; ++i) {
     const Id id = Id().add("start", i);
     if (!test::selected(id.text())) continue;
-    check_euroc(id, recording, published, i == 0 ? host::read_calibration(start) : test::euroc::disturbed(published, i));
+    check_euroc(id, recording, published,
+                i == 0 ? host::read_calibration(start) : test::euroc::disturbed(published, i));
   }
 }
 

@@ -59,7 +59,8 @@ void test_finds_the_walk() {
     Eigen::MatrixXd C = walk;
     C.diagonal() += c.white;
     const Eigen::MatrixXd expected = walk * C.llt().solve(c.columns);
-    TEST_ASSERT_DOUBLE_WITHIN(kRounding, 0, (host::Whitening(c.step, c.white).walk_in(c.columns) - expected).cwiseAbs().maxCoeff());
+    TEST_ASSERT_DOUBLE_WITHIN(kRounding, 0,
+                              (host::Whitening(c.step, c.white).walk_in(c.columns) - expected).cwiseAbs().maxCoeff());
   }
 }
 

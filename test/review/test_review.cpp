@@ -1,5 +1,5 @@
-// What a replay says of its own result: sound data are calibrated as before, an effect that is not modelled is suspected or
-// refused with its name, and a result far from its start is not believed.
+// What a replay says of its own result: sound data are calibrated as before, an effect that is not modelled is
+// suspected or refused with its name, and a result far from its start is not believed.
 #include "../replay/simulated_replay.h"
 #include "../support/cases.h"
 #include "clock/clock_search.h"
@@ -17,8 +17,8 @@ namespace {
 
 using test::Id;
 
-host::ReplayResult reviewed(const host::SimulationResult& session, const host::Recording& recording, bool review = true, const char* profile = "mobile",
-                            std::uint32_t effects = 0) {
+host::ReplayResult reviewed(const host::SimulationResult& session, const host::Recording& recording, bool review = true,
+                            const char* profile = "mobile", std::uint32_t effects = 0) {
   host::ReplayOptions options;
   options.profile = profile;
   options.core.effects = effects;
@@ -32,8 +32,10 @@ void test_sound_data_stay_as_they_are() {
   for (const char* scenario : {"rich", "arvr"}) {
     const Id id = Id().add("scenario", scenario);
     const host::SimulationResult session = test::simulated(scenario, 60, 3);
-    const host::ReplayResult plain = reviewed(session, session.recording, false), judged = reviewed(session, session.recording);
-    test::check_true(id, ("status " + judged.result.status + " " + judged.cause).c_str(), judged.result.status == "calibrated");
+    const host::ReplayResult plain = reviewed(session, session.recording, false),
+                             judged = reviewed(session, session.recording);
+    test::check_true(id, ("status " + judged.result.status + " " + judged.cause).c_str(),
+                     judged.result.status == "calibrated");
     test::check_true(id, "no suspect", judged.health.suspects.empty());
     test::check_true(id, "the same bits", plain.result_hash == judged.result_hash);
     for (std::size_t i = 0; i < plain.result.parameters.size(); ++i) {
@@ -41,18 +43,21 @@ void test_sound_data_stay_as_they_are() {
       test::check_near(id, a.name.c_str(), a.value, b.value, 0);
       test::check_near(id, (a.name + ".sigma").c_str(), a.sigma, b.sigma, 0);
     }
-    test::check_between(id, "share of images used", 0.9, double(judged.health.frames_used) / judged.health.frames_offered, 1);
+    test::check_between(id, "share of images used", 0.9,
+                        double(judged.health.frames_used) / judged.health.frames_offered, 1);
   }
 }
 
 /// In a kept segment: whether the answer was made from it.
 bool in_use(const host::ReplayResult& out, std::int64_t t) {
-  return std::any_of(out.segments.begin(), out.segments.end(), [t](const host::CoreSegment& s) { return s.kept && s.start_ns <= t && t <= s.end_ns; });
+  return std::any_of(out.segments.begin(), out.segments.end(),
+                     [t](const host::CoreSegment& s) { return s.kept && s.start_ns <= t && t <= s.end_ns; });
 }
 
 double largest_error(const host::SimulationResult& session, const host::ReplayResult& out) {
   double largest = 0;
-  for (const auto& [name, error] : test::normalised_errors(session, out.result)) largest = std::max(largest, std::abs(error));
+  for (const auto& [name, error] : test::normalised_errors(session, out.result))
+    largest = std::max(largest, std::abs(error));
   return largest;
 }
 
@@ -62,8 +67,8 @@ std::uint32_t counter(const host::ReplayResult& out, const char* name) {
   return 0;
 }
 
-/// One in a second, left out by the device, leaves short segments, which are right: 8.8 sigma off where they were taken for motion. Beyond
-/// full scale they are no spikes.
+/// One in a second, left out by the device, leaves short segments, which are right: 8.8 sigma off where they were taken
+/// for motion. Beyond full scale they are no spikes.
 void test_many_spikes_are_left_out_and_named() {
   const host::SimulationResult session = test::simulated("rich", 40, 7);
   for (const double value : {30.0, 300.0}) {
@@ -73,13 +78,17 @@ void test_many_spikes_are_left_out_and_named() {
     const host::ReplayResult out = reviewed(session, recording);
     const bool inside = value < 157;
     test::check_true(id, ("status " + out.result.status + " " + out.cause).c_str(), out.result.status == "calibrated");
-    test::check_true(id, "named", (!out.health.suspects.empty() && out.health.suspects.front().name == "spikes.imu") == inside);
-    test::check_near(id, "spikes that the device sees", inside ? host::spikes_of(recording).size() : 0, counter(out, "imu_spikes"), inside ? 2 : 0);
-    test::check_between(id, "largest error/sigma", 0, largest_error(session, out), 5);   // of 26 entries; 2.9 is the largest of ten such recordings
+    test::check_true(id, "named",
+                     (!out.health.suspects.empty() && out.health.suspects.front().name == "spikes.imu") == inside);
+    test::check_near(id, "spikes that the device sees", inside ? host::spikes_of(recording).size() : 0,
+                     counter(out, "imu_spikes"), inside ? 2 : 0);
+    test::check_between(id, "largest error/sigma", 0, largest_error(session, out),
+                        5);  // of 26 entries; 2.9 is the largest of ten such recordings
   }
 }
 
-/// One alone, taken for motion, moved gyro.mx by 7.8 sigma: the segment that it falls into ends before it, and the rest calibrates.
+/// One alone, taken for motion, moved gyro.mx by 7.8 sigma: the segment that it falls into ends before it, and the rest
+/// calibrates.
 void test_of_a_spike_nothing_is_used() {
   const host::SimulationResult session = test::simulated("rich", 40, 7);
   const std::size_t first = 600, step = 900;
@@ -92,12 +101,13 @@ void test_of_a_spike_nothing_is_used() {
     test::check_true(id, "none in a kept segment", !in_use(out, recording.imu.samples[at].t_ns));
     test::check_true(id, "named", !out.health.suspects.empty() && out.health.suspects.front().name == "spikes.imu");
     test::check_true(id, ("status " + out.result.status + " " + out.cause).c_str(), out.result.status == "calibrated");
-    test::check_between(id, "largest error/sigma", 0, largest_error(session, out), 5);   // of 26 entries; 3.2 without spikes, 7.8 with one that is used
+    test::check_between(id, "largest error/sigma", 0, largest_error(session, out),
+                        5);  // of 26 entries; 3.2 without spikes, 7.8 with one that is used
   }
 }
 
-/// 2 ms move values by two sigmas: suspected by name. With 8 ms the odometry of a shaken device does not stay: refused, the
-/// start stays, and the cause names the clocks.
+/// 2 ms move values by two sigmas: suspected by name. With 8 ms the odometry of a shaken device does not stay: refused,
+/// the start stays, and the cause names the clocks.
 void test_an_offset_that_is_not_modelled_is_named() {
   const host::SimulationResult session = test::simulated("rich", 60, 3);
   for (const double offset : {0.002, 0.008}) {
@@ -112,8 +122,10 @@ void test_an_offset_that_is_not_modelled_is_named() {
       continue;
     }
     test::check_true(id, ("refused: " + out.result.status).c_str(), out.result.status != "calibrated");
-    test::check_true(id, ("cause: " + out.cause).c_str(), out.cause.find("image rotation and gyroscope are shifted by") != std::string::npos);
-    test::check_near(id, "fx as it was", session.nominal.cameras[0].intrinsics(0), out.calibration.cameras[0].intrinsics(0), 0);
+    test::check_true(id, ("cause: " + out.cause).c_str(),
+                     out.cause.find("image rotation and gyroscope are shifted by") != std::string::npos);
+    test::check_near(id, "fx as it was", session.nominal.cameras[0].intrinsics(0),
+                     out.calibration.cameras[0].intrinsics(0), 0);
   }
 }
 
@@ -124,54 +136,84 @@ void test_a_remark_is_no_cause() {
   host::shift_frames(-0.008, &recording);
   host::sim::spoil::renumber_from_middle(recording);
   const host::ReplayResult out = reviewed(session, recording);
-  test::check_true(Id(), ("cause: " + out.cause).c_str(), out.cause.find("image rotation and gyroscope are shifted by") != std::string::npos);
+  test::check_true(Id(), ("cause: " + out.cause).c_str(),
+                   out.cause.find("image rotation and gyroscope are shifted by") != std::string::npos);
   test::check_true(Id(), "said", !out.health.suspects.empty() && out.health.suspects.back().name == "lost_tracks.cam0");
 }
 
-/// By 2 deg. Usually the filter begins anew, and two newer segments contradict the older ones, which go. Two of 20 devices went on as they were, kept
-/// nothing since, and called the camera of before calibrated; and where a single segment is kept since the turn, nothing says which is right.
+/// By 2 deg. Usually the filter begins anew, and two newer segments contradict the older ones, which go. Two of 20
+/// devices went on as they were, kept nothing since, and called the camera of before calibrated; and where a single
+/// segment is kept since the turn, nothing says which is right.
 void test_a_camera_that_turned_is_named() {
-  struct Case { std::uint64_t seed; const char *at_s, *said; };
-  for (const Case& c : {Case{1, "20", ""}, {3, "20", "a camera that moved"}, {8, "20", "a camera that moved"}, {1, "30", "a camera that moved"}, {2, "30", "disagree with each other"}}) {
+  struct Case {
+    std::uint64_t seed;
+    const char *at_s, *said;
+  };
+  for (const Case& c : {Case{1, "20", ""},
+                        {3, "20", "a camera that moved"},
+                        {8, "20", "a camera that moved"},
+                        {1, "30", "a camera that moved"},
+                        {2, "30", "disagree with each other"}}) {
     const Id id = Id().add("seed", c.seed).add("at", c.at_s);
     if (!test::selected(id.text())) continue;
     host::SimulationOptions options;
     options.seconds = 40;
     options.seed = c.seed;
-    options.effects.push_back(host::sim::parse_effect(std::string("calibration_shift=cam0.r_CI,") + c.at_s + ",0.03,-0.02,0"));
+    options.effects.push_back(
+        host::sim::parse_effect(std::string("calibration_shift=cam0.r_CI,") + c.at_s + ",0.03,-0.02,0"));
     const host::SimulationResult session = host::simulate(options);
     const host::ReplayResult out = reviewed(session, session.recording);
     const std::string said = c.said;
-    test::check_true(id, ("status " + out.result.status + ", cause: " + out.cause).c_str(), (out.result.status == "calibrated") == said.empty());
+    test::check_true(id, ("status " + out.result.status + ", cause: " + out.cause).c_str(),
+                     (out.result.status == "calibrated") == said.empty());
     test::check_true(id, ("cause: " + out.cause).c_str(), out.cause.find(said) != std::string::npos);
     test::check_true(id, "outdated segments", !said.empty() || counter(out, "segments_outdated") > 0);
   }
 }
 
-/// What a driver that trims its sensor anew leaves behind: chi2/dof 1.03 to 2.4, calibrated without the rule, with entries 4 to 10 sigma off. The size that
-/// is told is within a tenth: 2 to 5 % are its sigma, and where the step's instant falls between keyframes takes as much.
+/// What a driver that trims its sensor anew leaves behind: chi2/dof 1.03 to 2.4, calibrated without the rule, with
+/// entries 4 to 10 sigma off. The size that is told is within a tenth: 2 to 5 % are its sigma, and where the step's
+/// instant falls between keyframes takes as much.
 void test_a_bias_that_steps_is_refused_and_named() {
-  struct Case { const char *scenario, *sensor; double size; int axis; const char* profile; std::uint32_t effects; };
-  for (const Case& c : {Case{"rich", "gyro", 0.01, 0, "mobile", 0}, {"rich", "accel", 0.3, 1, "mobile", 0}, {"arvr", "accel", 0.1, 2, "mobile", 0},
-                        {"rich", "gyro", 0.02, 1, "mcu", 0}, {"rich", "accel", 0.1, 0, "mobile", SEGCAL_EFFECT_ROLLING_SHUTTER}}) {
-    const Id id = Id().add("scenario", c.scenario).add("sensor", c.sensor).add("size", c.size).add("profile", c.profile).add("effects", c.effects);
+  struct Case {
+    const char *scenario, *sensor;
+    double size;
+    int axis;
+    const char* profile;
+    std::uint32_t effects;
+  };
+  for (const Case& c : {Case{"rich", "gyro", 0.01, 0, "mobile", 0},
+                        {"rich", "accel", 0.3, 1, "mobile", 0},
+                        {"arvr", "accel", 0.1, 2, "mobile", 0},
+                        {"rich", "gyro", 0.02, 1, "mcu", 0},
+                        {"rich", "accel", 0.1, 0, "mobile", SEGCAL_EFFECT_ROLLING_SHUTTER}}) {
+    const Id id = Id().add("scenario", c.scenario)
+                      .add("sensor", c.sensor)
+                      .add("size", c.size)
+                      .add("profile", c.profile)
+                      .add("effects", c.effects);
     if (!test::selected(id.text())) continue;
     const host::SimulationResult session = test::simulated(c.scenario, 60, 5);
     host::Recording recording = session.recording;
     const bool gyro = std::string(c.sensor) == "gyro";
-    host::disturb::offset(recording, gyro ? host::disturb::Sensor::gyro : host::disturb::Sensor::accel, c.size * Eigen::Vector3d::Unit(c.axis),
-                          host::disturb::middle_ns(recording));
+    host::disturb::offset(recording, gyro ? host::disturb::Sensor::gyro : host::disturb::Sensor::accel,
+                          c.size * Eigen::Vector3d::Unit(c.axis), host::disturb::middle_ns(recording));
     const host::ReplayResult out = reviewed(session, recording, true, c.profile, c.effects);
     test::check_true(id, ("refused: " + out.result.status).c_str(), out.result.status != "calibrated");
-    test::check_true(id, "named", !out.health.suspects.empty() && out.health.suspects.front().name == std::string("bias_step.") + c.sensor);
+    test::check_true(
+        id, "named",
+        !out.health.suspects.empty() && out.health.suspects.front().name == std::string("bias_step.") + c.sensor);
     const std::string before = std::string("the ") + (gyro ? "gyroscope" : "accelerometer") + "'s bias steps by ";
     test::check_true(id, ("cause: " + out.cause).c_str(), out.cause.rfind(before, 0) == 0);
-    test::check_true(id, ("axis: " + out.cause).c_str(), out.cause.find(std::string("(") + "xyz"[c.axis] + ")") != std::string::npos);
-    test::check_near(id, "size", c.size, std::atof(out.cause.c_str() + std::min(before.size(), out.cause.size())), 0.1 * c.size);
+    test::check_true(id, ("axis: " + out.cause).c_str(),
+                     out.cause.find(std::string("(") + "xyz"[c.axis] + ")") != std::string::npos);
+    test::check_near(id, "size", c.size, std::atof(out.cause.c_str() + std::min(before.size(), out.cause.size())),
+                     0.1 * c.size);
   }
 }
 
-/// An effect that explains more, and moves no entry by three sigmas, hides none of this: the answer was called calibrated.
+/// An effect that explains more, and moves no entry by three sigmas, hides none of this: the answer was called
+/// calibrated.
 void test_a_step_beside_a_larger_effect_is_refused() {
   host::SimulationOptions options;
   options.seconds = 60;
@@ -179,11 +221,14 @@ void test_a_step_beside_a_larger_effect_is_refused() {
   options.effects.push_back(host::sim::parse_effect("gyro_g_sensitivity=3e-4,0,0,0,3e-4,0,0,0,3e-4"));
   const host::SimulationResult session = host::simulate(options);
   host::Recording recording = session.recording;
-  host::disturb::offset(recording, host::disturb::Sensor::accel, {0, 0.1, 0}, recording.imu.samples.front().t_ns + 33000000000);
+  host::disturb::offset(recording, host::disturb::Sensor::accel, {0, 0.1, 0},
+                        recording.imu.samples.front().t_ns + 33000000000);
   const host::ReplayResult out = reviewed(session, recording);
   test::check_true(Id(), ("refused: " + out.result.status).c_str(), out.result.status != "calibrated");
-  test::check_true(Id(), ("cause: " + out.cause).c_str(), out.cause.rfind("the accelerometer's bias steps by ", 0) == 0);
-  test::check_true(Id(), "the effect is named first", !out.health.suspects.empty() && out.health.suspects.front().name == "gyro_g_sensitivity");
+  test::check_true(Id(), ("cause: " + out.cause).c_str(),
+                   out.cause.rfind("the accelerometer's bias steps by ", 0) == 0);
+  test::check_true(Id(), "the effect is named first",
+                   !out.health.suspects.empty() && out.health.suspects.front().name == "gyro_g_sensitivity");
 }
 
 /// The prior allows 4 % in f: a start that is 40 % off is no start of this device.
@@ -205,7 +250,8 @@ void test_steps_of_rotations_are_small_rotations() {
     p[i].initial = before[i];
     p[i].value = after[i];
   }
-  test::check_between(Id(), "step", 0.01, host::review::step_from_start(p).norm(), 0.04);  // 2 pi - 6.27 and 0.02 of tilt
+  test::check_between(Id(), "step", 0.01, host::review::step_from_start(p).norm(),
+                      0.04);  // 2 pi - 6.27 and 0.02 of tilt
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The sandwich covariance on linear problems with known noise: as the model's where residuals are noise, wider where segments
-// have errors of their own.
+// The sandwich covariance on linear problems with known noise: as the model's where residuals are noise, wider where
+// segments have errors of their own.
 #include "../diagnosis/linear_problem.h"
 #include "../support/cases.h"
 #include "review/segment_scatter.h"
@@ -11,7 +11,8 @@ namespace {
 
 using test::Id;
 
-/// Mean (error/sigma)^2 with and without the factor over 200 recordings of eight segments, and how often any sigma was widened.
+/// Mean (error/sigma)^2 with and without the factor over 200 recordings of eight segments, and how often any sigma was
+/// widened.
 struct Study {
   double with = 0, without = 0, widened = 0, pooled = 0;
 };
@@ -24,7 +25,9 @@ Study study_of(double shift_of_segments) {
     test::LinearRecording recording;
     recording.segments = 8;
     recording.truth = Eigen::VectorXd();
-    recording.outside = [&](int, const Eigen::MatrixXd& J, Eigen::VectorXd* r) { *r += shift_of_segments * J * random.matrix(6, 1); };
+    recording.outside = [&](int, const Eigen::MatrixXd& J, Eigen::VectorXd* r) {
+      *r += shift_of_segments * J * random.matrix(6, 1);
+    };
     const host::diagnosis::Problem problem = test::problem_of(recording, &random);
     const auto s = host::diagnosis::solve(host::diagnosis::with_prior(problem.all, problem.prior));
     const auto scatter = host::review::scatter_of_segments(problem, Eigen::MatrixXd::Identity(6, 6), 1);
@@ -39,7 +42,8 @@ Study study_of(double shift_of_segments) {
   return out;
 }
 
-/// 1200 squares of unit variance: their mean is 1 to 0.04 (one sigma). The pull's ratio over 48 degrees of freedom likewise.
+/// 1200 squares of unit variance: their mean is 1 to 0.04 (one sigma). The pull's ratio over 48 degrees of freedom
+/// likewise.
 void test_noise_is_left_as_it_is() {
   const Study s = study_of(0);
   test::check_between(Id(), "mean z^2", 0.85, s.with, 1.15);
@@ -47,8 +51,8 @@ void test_noise_is_left_as_it_is() {
   test::check_between(Id(), "recordings with a wider sigma", 0, s.widened, 0.03);  // one in 1000, twice
 }
 
-/// Each segment's theta is off by 0.3 in each entry, where it knows it to 0.09: sigmas of the mean are 3.3 times too small.
-/// From eight segments a variance is known to a half, so that 1/variance is too large by some tenths on average.
+/// Each segment's theta is off by 0.3 in each entry, where it knows it to 0.09: sigmas of the mean are 3.3 times too
+/// small. From eight segments a variance is known to a half, so that 1/variance is too large by some tenths on average.
 void test_segments_that_disagree_widen_the_sigmas() {
   const Study s = study_of(0.3);
   test::check_between(Id(), "mean z^2 of the model", 7, s.without, 18);

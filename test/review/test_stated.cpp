@@ -1,9 +1,8 @@
 // What was stated wrongly is said: noise three times too small or too large, and gravity where it can be told.
-#include "review/stated.h"
-
 #include "../replay/simulated_replay.h"
 #include "../support/cases.h"
 #include "gravity.h"
+#include "review/stated.h"
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}
@@ -13,11 +12,12 @@ namespace {
 using test::Id;
 
 struct Stated {
-  double gyro = 1, accel = 1, pixel = 1;   // factors on what is true
+  double gyro = 1, accel = 1, pixel = 1;  // factors on what is true
   double gravity = 0;
 };
 
-std::vector<host::Note> notes_of(const host::SimulationResult& session, const Stated& stated, double accel_scale_sigma = 0) {
+std::vector<host::Note> notes_of(const host::SimulationResult& session, const Stated& stated,
+                                 double accel_scale_sigma = 0) {
   host::ReplayOptions options;
   options.core.calibration = session.nominal;
   options.core.noise = session.recording.imu.noise;
@@ -39,7 +39,8 @@ std::map<std::string, double> named(const std::vector<host::Note>& notes) {
   return out;
 }
 
-/// The spectrum tells an IMU's noise to some per cent, a hundred image points theirs to ten: 20 %, and nothing else is named.
+/// The spectrum tells an IMU's noise to some per cent, a hundred image points theirs to ten: 20 %, and nothing else is
+/// named.
 void test_noise_that_is_three_times_off_is_named() {
   const double g = host::kStandardGravity;
   for (const char* scenario : {"rich", "nav"}) {
@@ -59,7 +60,8 @@ void test_noise_that_is_three_times_off_is_named() {
   }
 }
 
-/// What the raw samples say needs no fit: 20 recordings of each motion, 19 of 20 wanted, and nothing said of noise that is right.
+/// What the raw samples say needs no fit: 20 recordings of each motion, 19 of 20 wanted, and nothing said of noise that
+/// is right.
 void test_imu_noise_over_many_recordings() {
   for (const char* scenario : {"rich", "arvr", "nav"}) {
     int said[3][2] = {}, right = 0;
@@ -83,13 +85,15 @@ void test_imu_noise_over_many_recordings() {
       test::check_between(id.add("factor", factors[f]), "gyroscope", 19, said[0][f], 20);
       test::check_between(id.add("factor", factors[f]), "accelerometer", 19, said[1][f], 20);
     }
-    std::printf("%s: gyroscope %d and %d, accelerometer %d and %d of 20 stated 3 times too large and too small; %d of 20 right\n", scenario, said[0][0],
-                said[0][1], said[1][0], said[1][1], right);
+    std::printf(
+        "%s: gyroscope %d and %d, accelerometer %d and %d of 20 stated 3 times too large and too small; %d of 20 "
+        "right\n",
+        scenario, said[0][0], said[0][1], said[1][0], said[1][1], right);
   }
 }
 
-/// No residual tells wrong gravity from a scale that all three accelerometers share. It is said where the prior of the scales is narrow, and
-/// where nobody stated gravity although the scales are known better than it; else nothing is.
+/// No residual tells wrong gravity from a scale that all three accelerometers share. It is said where the prior of the
+/// scales is narrow, and where nobody stated gravity although the scales are known better than it; else nothing is.
 void test_gravity() {
   host::SimulationOptions options;
   options.seconds = 40;
@@ -97,8 +101,9 @@ void test_gravity() {
   const double g = host::kStandardGravity;
   const host::SimulationResult any = host::simulate(options);
   test::check_true(Id(), "not stated", named(notes_of(any, {})).count("gravity") == 1);
-  test::check_true(Id(), "stated, scales of the prior's 5 %", named(notes_of(any, {1, 1, 1, g + 0.03})).count("gravity") == 0);
-  options.device_scale = 0;   // an accelerometer that was calibrated
+  test::check_true(Id(), "stated, scales of the prior's 5 %",
+                   named(notes_of(any, {1, 1, 1, g + 0.03})).count("gravity") == 0);
+  options.device_scale = 0;  // an accelerometer that was calibrated
   const host::SimulationResult calibrated = host::simulate(options);
   test::check_true(Id(), "right", named(notes_of(calibrated, {1, 1, 1, g}, 1e-3)).count("gravity") == 0);
   for (const double off : {0.03, -0.03}) {
@@ -106,7 +111,8 @@ void test_gravity() {
     const Id id = Id().add("off", off);
     test::check_true(id, "named", found.count("gravity") == 1);
     // The prior of 0.1 % holds the scales back a little.
-    if (found.count("gravity")) test::check_near(id, "share", -off / g, found.at("gravity") - 1, 0.3 * std::abs(off) / g);
+    if (found.count("gravity"))
+      test::check_near(id, "share", -off / g, found.at("gravity") - 1, 0.3 * std::abs(off) / g);
   }
 }
 

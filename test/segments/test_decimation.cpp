@@ -1,4 +1,5 @@
-// Several IMU samples become one: the sensor's value at their mean time where the motion curves, and nothing of a sample that was dropped.
+// Several IMU samples become one: the sensor's value at their mean time where the motion curves, and nothing of a
+// sample that was dropped.
 #include <vector>
 
 #include "../support/cases.h"
@@ -48,7 +49,8 @@ void test_groups_of_one_pass() {
   }
 }
 
-/// Second differences of a parabola's means are exact: all but the first come out right to rounding, at the mean time, each once.
+/// Second differences of a parabola's means are exact: all but the first come out right to rounding, at the mean time,
+/// each once.
 void test_a_parabola_comes_out_as_it_is() {
   for (const int group : {2, 3, 8, 20}) {
     const Id id = Id().add("group", group);
@@ -69,7 +71,8 @@ void test_a_parabola_comes_out_as_it_is() {
   }
 }
 
-/// One or two, at each place of a group: nothing that comes out, and was not to be taken back, has anything of the wrong ones.
+/// One or two, at each place of a group: nothing that comes out, and was not to be taken back, has anything of the
+/// wrong ones.
 void test_wrong_samples_leave_nothing() {
   for (const auto& [group, in_a_row] : {std::pair(2, 1), {2, 2}, {3, 1}, {3, 2}, {4, 1}, {4, 2}}) {
     for (int wrong = 6 * group; wrong < 7 * group; ++wrong) {
@@ -92,7 +95,8 @@ void test_wrong_samples_leave_nothing() {
       }
       for (std::size_t k = 1; k < out.size(); ++k) {
         // Beside the hole a mean stays as it is.
-        check_near(id, "value", 0, difference(out[k].second, parabola(out[k].first)), 0.18 * (group * group - 1) / 24 + 1e-9);
+        check_near(id, "value", 0, difference(out[k].second, parabola(out[k].first)),
+                   0.18 * (group * group - 1) / 24 + 1e-9);
         check_true(id, "times grow", out[k].first > out[k - 1].first);
       }
       check_true(id, "one group is lost, or two", out.size() >= 8 && out.size() <= 10);

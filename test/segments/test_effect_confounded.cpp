@@ -1,5 +1,5 @@
-// What the catalogue says effects are confounded with (effect_catalogue.h), on the motions that it names: there the data
-// cannot tell, and on a lively motion they can.
+// What the catalogue says effects are confounded with (effect_catalogue.h), on the motions that it names: there the
+// data cannot tell, and on a lively motion they can.
 #include <memory>
 
 #include "../support/cases.h"
@@ -16,12 +16,13 @@ extern "C" void tearDown() {}
 
 namespace {
 
-constexpr int kTimeOffset = 0, kRollingShutter = 1, kGSensitivity = 4, kAccelNonlinearity = 6, kGyroTemperature = 7, kGyroLag = 9;
+constexpr int kTimeOffset = 0, kRollingShutter = 1, kGSensitivity = 4, kAccelNonlinearity = 6, kGyroTemperature = 7,
+              kGyroLag = 9;
 
 /// One segment of a motion; `move` and `turn` scale its two parts.
 struct Motion {
   double move = 1, turn = 1;
-  float warming = 0;   ///< degC over the segment
+  float warming = 0;  ///< degC over the segment
 };
 
 /// Largest sigma of an effect's parameters in units of the prior's, with theta (its prior included) and `free` unknown.
@@ -38,7 +39,8 @@ double relative_sigma(const Motion& motion, int effect, int free = -1) {
   options.device = 0;
   const test::SyntheticSession session(options);
   Segment<double>& segment = *session.segments[0];
-  for (int k = 0; k < segment.n_keyframes; ++k) segment.warmth[k] = motion.warming * float(k) / float(segment.n_keyframes);
+  for (int k = 0; k < segment.n_keyframes; ++k)
+    segment.warmth[k] = motion.warming * float(k) / float(segment.n_keyframes);
   CandidateTerms c;
   for (int e : {effect, free}) {
     for (int i = 0; e >= 0 && i < effect_entry(e).n; ++i) c.term[c.n++] = effect_term(e, i);
@@ -71,7 +73,8 @@ void test_time_offset_and_gyro_lag() {
   const double alone = relative_sigma(turning, kTimeOffset), with_lag = relative_sigma(turning, kTimeOffset, kGyroLag);
   const double lively = relative_sigma({}, kTimeOffset), lively_with_lag = relative_sigma({}, kTimeOffset, kGyroLag);
   // Turning in place hides ten times what accelerated motion hides.
-  test::check_between(Id().add("motion", "rotation"), "sigma with lag / alone", 10 * lively_with_lag / lively, with_lag / alone, 1e9);
+  test::check_between(Id().add("motion", "rotation"), "sigma with lag / alone", 10 * lively_with_lag / lively,
+                      with_lag / alone, 1e9);
 }
 
 void test_g_sensitivity_needs_changing_force() {
@@ -80,7 +83,8 @@ void test_g_sensitivity_needs_changing_force() {
 }
 
 void test_accel_nonlinearity_needs_attitudes() {
-  const double lively = relative_sigma({}, kAccelNonlinearity), level = relative_sigma({0.05, 0.02}, kAccelNonlinearity);
+  const double lively = relative_sigma({}, kAccelNonlinearity),
+               level = relative_sigma({0.05, 0.02}, kAccelNonlinearity);
   test::check_between(Id().add("motion", "level"), "sigma", 10, level < 0 ? 1e9 : level / lively, 1e10);
 }
 
@@ -92,7 +96,8 @@ void test_rolling_shutter_needs_image_motion() {
 /// Without a change of temperature there is no column; within one segment the bias takes most of a slow one.
 void test_temperature_needs_change() {
   TEST_ASSERT_EQUAL_DOUBLE(-1, relative_sigma({}, kGyroTemperature));
-  const double slow = relative_sigma({1, 1, 0.1f}, kGyroTemperature), fast = relative_sigma({1, 1, 2}, kGyroTemperature);
+  const double slow = relative_sigma({1, 1, 0.1f}, kGyroTemperature),
+               fast = relative_sigma({1, 1, 2}, kGyroTemperature);
   test::check_between(Id().add("motion", "warming"), "sigma of a slow over a fast change", 10, slow / fast, 30);
 }
 

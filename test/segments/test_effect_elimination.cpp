@@ -1,5 +1,5 @@
-// Terms of effects through the elimination: as part of theta and as candidates, segments alone and joined, against a dense QR
-// of the full stacked Jacobian; and what candidates must not change.
+// Terms of effects through the elimination: as part of theta and as candidates, segments alone and joined, against a
+// dense QR of the full stacked Jacobian; and what candidates must not change.
 #include <Eigen/LU>
 #include <memory>
 
@@ -32,12 +32,12 @@ test::SyntheticOptions small_options(std::uint32_t seed, int segments, double ga
 
 /// Some of every kind, camera and IMU in mixed order, with values of a bad device.
 void add_estimates(EffectTerms<double>* effects) {
-  effects->add(effect_term(4, 1), 4e-4);    // g-sensitivity xy, rad s/m
-  effects->add(effect_term(0, 0), 0.004);   // t_d, s
-  effects->add(effect_term(9, 0), 0.002);   // lag, s
-  effects->add(effect_term(2, 0), 0.004);   // radial
-  effects->add(effect_term(10, 4), 0.01);   // axis offset zy, m
-  effects->add(effect_term(1, 0), 2e-5);    // line delay, s/row
+  effects->add(effect_term(4, 1), 4e-4);   // g-sensitivity xy, rad s/m
+  effects->add(effect_term(0, 0), 0.004);  // t_d, s
+  effects->add(effect_term(9, 0), 0.002);  // lag, s
+  effects->add(effect_term(2, 0), 0.004);  // radial
+  effects->add(effect_term(10, 4), 0.01);  // axis offset zy, m
+  effects->add(effect_term(1, 0), 2e-5);   // line delay, s/row
 }
 
 CandidateTerms candidates() {
@@ -84,7 +84,8 @@ void check_same(const Id& id, const Eigen::MatrixXd& a, const Eigen::MatrixXd& b
   const Eigen::MatrixXd A = a.transpose() * a, B = b.transpose() * b;
   for (int c = 0; c < B.cols(); ++c) {
     for (int r = 0; r <= c; ++r) {
-      test::check_near(id.add("row", r).add("column", c), "R'R", 0, (A(r, c) - B(r, c)) / std::sqrt(B(r, r) * B(c, c)), kSame);
+      test::check_near(id.add("row", r).add("column", c), "R'R", 0, (A(r, c) - B(r, c)) / std::sqrt(B(r, r) * B(c, c)),
+                       kSame);
     }
   }
 }
@@ -112,7 +113,8 @@ void test_terms_against_dense() {
     DenseProblem dense({&segment}, theta, session.model, damping, {}, c);
     dense.hold_gauge(0);
     dense.add_bias_prior(0);
-    check_same(Id().add("damping", damping), scaled(wide_rows(static_cast<int>(scale.size())), scale), scaled(dense.reduced(), scale));
+    check_same(Id().add("damping", damping), scaled(wide_rows(static_cast<int>(scale.size())), scale),
+               scaled(dense.reduced(), scale));
   }
 }
 
@@ -130,7 +132,8 @@ void test_candidates_leave_information_alone() {
   TEST_ASSERT_EQUAL_INT(theta.columns(), with.n_theta);
   TEST_ASSERT_EQUAL_INT(without.dof, with.dof);
   const Eigen::VectorXd scale = scales(theta, {});
-  check_same(Id().add("check", "candidates"), scaled(matrix(with.triangle()), scale), scaled(matrix(without.triangle()), scale));
+  check_same(Id().add("check", "candidates"), scaled(matrix(with.triangle()), scale),
+             scaled(matrix(without.triangle()), scale));
 }
 
 Calibrator<double>* begin(test::SyntheticSession* session, const Calibration<double>& theta) {
@@ -161,8 +164,8 @@ void test_step_with_terms() {
     test::SyntheticSession session(small_options(53, 3, gap));
     Calibration<double> theta = session.nominal;
     add_estimates(&theta.effects);
-    DenseProblem dense = dense_chain({session.segments[0].get(), session.segments[1].get(), session.segments[2].get()}, theta,
-                                     session.model, {});
+    DenseProblem dense = dense_chain({session.segments[0].get(), session.segments[1].get(), session.segments[2].get()},
+                                     theta, session.model, {});
     Calibrator<double>* calibrator = begin(&session, theta);
     dense.add_theta_prior(prior_of(theta));
     const Eigen::VectorXd step = dense.solution();
@@ -174,7 +177,8 @@ void test_step_with_terms() {
     double offset[kMaxTheta];
     difference(expected, calibrator->theta(), offset);
     for (int i = 0; i < theta.columns(); ++i) {
-      test::check_near(Id().add("gap", gap).add("column", i), "theta in sigmas", 0, offset[i] / prior_of(theta).sigma[i], kSame);
+      test::check_near(Id().add("gap", gap).add("column", i), "theta in sigmas", 0,
+                       offset[i] / prior_of(theta).sigma[i], kSame);
     }
   }
 }
@@ -187,8 +191,12 @@ void test_rows_of_some_segments() {
   const CandidateTerms c = candidates();
   const Eigen::VectorXd scale = scales(theta, c);
   Calibrator<double>* calibrator = begin(&session, theta);
-  const struct { const char* name; bool use[4]; } sets[] = {
-      {"all", {true, true, true, true}}, {"neighbours", {false, true, true, false}}, {"apart", {true, false, false, true}}};
+  const struct {
+    const char* name;
+    bool use[4];
+  } sets[] = {{"all", {true, true, true, true}},
+              {"neighbours", {false, true, true, false}},
+              {"apart", {true, false, false, true}}};
   for (const auto& set : sets) {
     std::vector<const Segment<double>*> used;
     for (int s = 0; s < 4; ++s) {
@@ -196,7 +204,8 @@ void test_rows_of_some_segments() {
     }
     calibrator->rows_of(set.use, c, eliminator());
     const Eigen::MatrixXd actual = matrix(calibrator->theta_triangle());
-    check_same(Id().add("set", set.name), scaled(actual, scale), scaled(dense_chain(used, theta, session.model, c).reduced(), scale));
+    check_same(Id().add("set", set.name), scaled(actual, scale),
+               scaled(dense_chain(used, theta, session.model, c).reduced(), scale));
     TEST_ASSERT_EQUAL_INT(4, calibrator->count());
     TEST_ASSERT_TRUE(calibrator->link(2).join == Join::imu);
   }

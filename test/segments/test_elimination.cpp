@@ -3,8 +3,8 @@
 #include <Eigen/LU>
 #include <memory>
 
-#include "../support/cast.h"
 #include "../support/cases.h"
+#include "../support/cast.h"
 #include "../support/dense_problem.h"
 #include "../support/synthetic_segments.h"
 #include "calibration/calibrator.h"
@@ -18,14 +18,16 @@ extern "C" void tearDown() {}
 
 namespace {
 
-// Both ways are QR in double on a problem whose scaled condition is about 1e5: what differs is 1e-11 or so. A forgotten or
-// wrongly weighted row shows above this limit, even the weakest there is (the prior of 30 m/s on the first velocity).
+// Both ways are QR in double on a problem whose scaled condition is about 1e5: what differs is 1e-11 or so. A forgotten
+// or wrongly weighted row shows above this limit, even the weakest there is (the prior of 30 m/s on the first
+// velocity).
 constexpr double kSame = 1e-6;
 
 using Session = test::SyntheticSession;
 
 /// A segment small enough for a dense QR in moments, and yet with every kind of row.
-test::SyntheticOptions small_options(std::uint32_t seed, Distortion model = Distortion::fov, int segments = 1, double gap = 0) {
+test::SyntheticOptions small_options(std::uint32_t seed, Distortion model = Distortion::fov, int segments = 1,
+                                     double gap = 0) {
   test::SyntheticOptions options;
   options.seed = seed;
   options.model = model;
@@ -118,7 +120,8 @@ void check_single(const Id& id, const Session& session, double damping) {
   SegmentInformation<double> information;
   e->extract(&information);
   DenseProblem dense = dense_single(session, damping);
-  const Eigen::MatrixXd expected = scaled_rows(dense.reduced(), scale), actual = scaled_triangle(information.triangle(), scale);
+  const Eigen::MatrixXd expected = scaled_rows(dense.reduced(), scale),
+                        actual = scaled_triangle(information.triangle(), scale);
   check_same_information(id, actual, expected);
   test::check_near(id, "rho^2", rho2(expected), information.rho2(), kSame * rho2(expected));
   const Estimate a = estimate(actual), b = estimate(expected);
@@ -135,7 +138,8 @@ void check_back_substitution(const Id& id, const Session& session, double dampin
   const Eigen::VectorXd expected = dense.solution();
   std::vector<double> step(e->theta_column() + session.nominal.columns());
   for (int c = 0; c < session.nominal.columns(); ++c) step[e->theta_column() + c] = expected(dense.theta_column() + c);
-  e->back_substitute(*moved, GuestLink<double>(), session.nominal, session.model, damping, step.data(), e->theta_column());
+  e->back_substitute(*moved, GuestLink<double>(), session.nominal, session.model, damping, step.data(),
+                     e->theta_column());
   const int states = kStateColumns * moved->n_keyframes;
   const Eigen::VectorXd actual = Eigen::Map<Eigen::VectorXd>(step.data(), states);
   test::check_near(id, "states", 0, (actual - expected.head(states)).norm() / expected.head(states).norm(), kSame);
@@ -144,13 +148,16 @@ void check_back_substitution(const Id& id, const Session& session, double dampin
     Landmark<double> l = session.segments[0]->states.landmark[j];
     add_step(&l, expected.data() + dense.landmark_column(0, j));
     test::check_near(id.add("landmark", j), "direction", 0, (l.m - moved->states.landmark[j].m).norm(), kSame);
-    test::check_near(id.add("landmark", j), "rho", l.rho, moved->states.landmark[j].rho, kSame * (1 + std::fabs(l.rho)));
+    test::check_near(id.add("landmark", j), "rho", l.rho, moved->states.landmark[j].rho,
+                     kSame * (1 + std::fabs(l.rho)));
   }
 }
 
 void test_single_segment() {
-  const struct { const char* name; Distortion model; } models[] = {
-      {"fov", Distortion::fov}, {"radtan", Distortion::radtan}, {"equidistant", Distortion::equidistant}};
+  const struct {
+    const char* name;
+    Distortion model;
+  } models[] = {{"fov", Distortion::fov}, {"radtan", Distortion::radtan}, {"equidistant", Distortion::equidistant}};
   for (const auto& m : models) {
     for (double damping : {0.0, 0.7}) {
       const Session session(small_options(41, m.model));
@@ -283,7 +290,7 @@ void test_float_agrees_with_double() {
     auto single = std::make_unique<Segment<float>>();
     auto same = std::make_unique<Segment<double>>();
     test::cast<float>(*session.segments[0], single.get());
-    test::cast<double>(*single, same.get());   // double works at the very place that float holds
+    test::cast<double>(*single, same.get());  // double works at the very place that float holds
     SegmentInformation<float> f;
     SegmentInformation<double> d;
     MeasurementModel<float> model;
@@ -292,7 +299,8 @@ void test_float_agrees_with_double() {
     eliminator<float>()->extract(&f);
     eliminator<double>()->eliminate(*same, GuestLink<double>(), session.nominal, session.model, 0);
     eliminator<double>()->extract(&d);
-    const Estimate a = estimate(scaled_triangle(f.triangle(), scale)), b = estimate(scaled_triangle(d.triangle(), scale));
+    const Estimate a = estimate(scaled_triangle(f.triangle(), scale)),
+                   b = estimate(scaled_triangle(d.triangle(), scale));
     const Id id = Id().add("check", "float").add("seed", seed);
     TEST_ASSERT_EQUAL_INT(d.dof, f.dof);
     for (int i = 0; i < b.step.size(); ++i) {

@@ -1,6 +1,6 @@
 // Re-integration of raw samples: the integral itself, and its covariance against Monte Carlo.
-#include "../support/cast.h"
 #include "../support/cases.h"
+#include "../support/cast.h"
 #include "../support/path.h"
 #include "sensors/effect_catalogue.h"
 
@@ -71,14 +71,15 @@ void test_integral_follows_the_path() {
   test::check_near(id, "position", 0, r.segment<3>(6).norm(), 6e-4);
 }
 
-/// A constant reading with a large effect on it, for a tenth of a second. Each pass leaves 2 k x of the effect, after four
-/// (2 k x)^4 k x^2: 1.7e-5 rad/s of 3 rad/s and 1.3e-4 m/s^2 of 10 m/s^2.
+/// A constant reading with a large effect on it, for a tenth of a second. Each pass leaves 2 k x of the effect, after
+/// four (2 k x)^4 k x^2: 1.7e-5 rad/s of 3 rad/s and 1.3e-4 m/s^2 of 10 m/s^2.
 void test_large_terms_are_taken_off() {
   const double dt = 0.005, rate = 3, force = 10, k_w = 0.017, k_f = 6e-3;
   EffectTerms<double> terms;
-  terms.add(effect_term(5, 2), k_w);   // gyro_nonlinearity.z
-  terms.add(effect_term(6, 0), k_f);   // accel_nonlinearity.x
-  ImuIntegrator<double> integrator(ImuCalibration<double>(), Vec3<double>::Zero(), Vec3<double>::Zero(), ImuNoise<double>(), &terms);
+  terms.add(effect_term(5, 2), k_w);  // gyro_nonlinearity.z
+  terms.add(effect_term(6, 0), k_f);  // accel_nonlinearity.x
+  ImuIntegrator<double> integrator(ImuCalibration<double>(), Vec3<double>::Zero(), Vec3<double>::Zero(),
+                                   ImuNoise<double>(), &terms);
   const InertialReading<double> reading{{0, 0, rate + k_w * rate * rate}, {force + k_f * force * force, 0, 0}};
   integrator.start(reading);
   for (int i = 0; i < 20; ++i) integrator.step(reading, dt);
@@ -92,7 +93,8 @@ void test_large_terms_are_taken_off() {
 void test_integral_is_of_second_order() {
   // Halving the step must divide the error by four.
   for (int steps : {100, 200, 400}) {
-    const double coarse = path_residual<double>(0.4, 1.0, steps).norm(), fine = path_residual<double>(0.4, 1.0, 2 * steps).norm();
+    const double coarse = path_residual<double>(0.4, 1.0, steps).norm(),
+                 fine = path_residual<double>(0.4, 1.0, 2 * steps).norm();
     test::check_between(Id().add("check", "order").add("steps", steps), "ratio of errors", 3.6, coarse / fine, 4.4);
   }
 }
@@ -133,8 +135,10 @@ void test_stored_samples_are_corrected() {
 void test_correction_is_of_fourth_order() {
   // About all axes at once, with forces: coning and sculling are part of it.
   for (int period_us : {5000, 10000}) {
-    const double fine = stored_residual(make_path(), period_us).norm(), coarse = stored_residual(make_path(), 2 * period_us).norm();
-    test::check_between(Id().add("check", "fourth_order").add("period", period_us), "ratio of errors", 14, coarse / fine, 18);
+    const double fine = stored_residual(make_path(), period_us).norm(),
+                 coarse = stored_residual(make_path(), 2 * period_us).norm();
+    test::check_between(Id().add("check", "fourth_order").add("period", period_us), "ratio of errors", 14,
+                        coarse / fine, 18);
   }
 }
 

@@ -1,8 +1,8 @@
 // Triangulation: exact points come back, tracks without parallax become directions, impossible ones are refused.
 #include <memory>
 
-#include "../support/cast.h"
 #include "../support/cases.h"
+#include "../support/cast.h"
 #include "../support/random.h"
 #include "../support/synthetic_segments.h"
 #include "segments/segment_cost.h"
@@ -72,7 +72,8 @@ void check_exact() {
     test::check_true(id, "refused", run<S>(&scene, &found));
     const Vec3<double> point = found.o + found.m / found.rho;
     // Parallax at depth d from a base of 0.25 m: an error e of inverse depth is 64 e px of parallax. Image points are
-    // floats (3e-5 px); the prior on the inverse depth (2 per metre) pulls by rho / (2 * 128)^2 of rho, four points here.
+    // floats (3e-5 px); the prior on the inverse depth (2 per metre) pulls by rho / (2 * 128)^2 of rho, four points
+    // here.
     test::check_near(id, "inverse depth", 1 / (l - found.o).norm(), found.rho, 2e-5 * (1 + 1 / depth));
     test::check_near(id, "direction", 0, (found.m - (l - found.o).normalized()).norm(), 1e-5);
     test::check_near(id, "point", 0, (point - l).norm() / l.norm(), 3e-5 * (1 + depth));
@@ -137,8 +138,8 @@ void check_refused() {
   test::check_true(id.add("why", "jump"), "finite", found.m.allFinite() && is_finite(found.rho));
 }
 
-/// Where tracks drift, the rows that triangulation solves are the slope of the cost that the calibration judges steps by, also
-/// with a point far off and a slip.
+/// Where tracks drift, the rows that triangulation solves are the slope of the cost that the calibration judges steps
+/// by, also with a point far off and a slip.
 void test_drifting_rows_are_the_slope_of_the_cost() {
   test::SyntheticOptions options;
   options.seed = 61;
@@ -155,7 +156,8 @@ void test_drifting_rows_are_the_slope_of_the_cost() {
     double data[packed_size(4)];
     const Id id = Id().add("check", "slope").add("landmark", j);
     const double cost = landmark_cost<double>(segment, j, session.nominal, session.model, l, data);
-    test::check_near(id, "cost", image_cost(segment, j, TiedLandmarks(), session.nominal, session.model), cost, 1e-9 * cost);
+    test::check_near(id, "cost", image_cost(segment, j, TiedLandmarks(), session.nominal, session.model), cost,
+                     1e-9 * cost);
     const PackedTriangle<double> R(data, 4);
     for (int c = 0; c < 3; ++c) {
       double slope = 0, at[2];

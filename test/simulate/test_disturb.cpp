@@ -109,7 +109,8 @@ void g_sensitivity_adds_the_specific_force() {
   T_gs(0, 2) = 1e-3;
   host::disturb::add_g_sensitivity(after, T_gs);
   for (std::size_t k = 0; k < before.imu.samples.size(); k += 91) {
-    TEST_ASSERT_DOUBLE_WITHIN(1e-15, before.imu.samples[k].gyro[0] + 1e-3 * before.imu.samples[k].accel[2], after.imu.samples[k].gyro[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15, before.imu.samples[k].gyro[0] + 1e-3 * before.imu.samples[k].accel[2],
+                              after.imu.samples[k].gyro[0]);
     TEST_ASSERT_DOUBLE_WITHIN(0, before.imu.samples[k].gyro[1], after.imu.samples[k].gyro[1]);
   }
 }

@@ -1,4 +1,5 @@
-// The simulator's motion and sensors against each other: derivatives by differences, samples integrated back to the path.
+// The simulator's motion and sensors against each other: derivatives by differences, samples integrated back to the
+// path.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -93,7 +94,8 @@ void samples_without_noise_integrate_to_the_path() {
       const auto end = integrated(result, begin, one_second);
       const auto truth = result.state_at(samples[begin + one_second].t_ns).body;
       // A quarter of what the sensors' own noise does in one second, or less.
-      TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-4, 0, rotation_vector(end.R_GI.transpose() * truth.R_GI).norm(), scenario.name);
+      TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-4, 0, rotation_vector(end.R_GI.transpose() * truth.R_GI).norm(),
+                                        scenario.name);
       TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-3, 0, (end.v_GI - truth.v_GI).norm(), scenario.name);
       TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(7e-4, 0, (end.p_GI - truth.p_GI).norm(), scenario.name);
     }

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../replay/temporary_folder.h"
+#include "../support/cases.h"
+#include "file_output.h"
 #include "simulate/camera_simulator.h"
 #include "simulate/device.h"
 #include "simulate/effect_model.h"
@@ -11,9 +14,6 @@
 #include "simulate/effects_imu.h"
 #include "simulate/scenarios.h"
 #include "simulate/simulate.h"
-#include "../support/cases.h"
-#include "../replay/temporary_folder.h"
-#include "file_output.h"
 #include "unity.h"
 
 using Eigen::Vector2d;
@@ -91,8 +91,10 @@ void gyro_lag_is_a_first_order_low_pass() {
       const double h = 1e-3;  // h^2/6 w''' is below 1e-3 rad/s^2
       const Vector3d left = tau * (measured(t + h) - measured(t - h)) / (2 * h) + measured(t);
       // Gauss-Laguerre of degree 15 on rates of at most 2 Hz; the spline's knots leave 1e-6 at tau = 30 ms.
-      test::check_near(test::Id().add("tau", tau).add("t", t), "left minus right", 0, (left - truth.at(t).w_GI).norm(), 1e-4 * tau / 0.004 + 1e-6);
-      test::check_true(test::Id().add("tau", tau).add("t", t), "and not the rate itself", change(lag, truth, t).gyro.norm() > 1e-6);
+      test::check_near(test::Id().add("tau", tau).add("t", t), "left minus right", 0, (left - truth.at(t).w_GI).norm(),
+                       1e-4 * tau / 0.004 + 1e-6);
+      test::check_true(test::Id().add("tau", tau).add("t", t), "and not the rate itself",
+                       change(lag, truth, t).gyro.norm() > 1e-6);
     }
   }
 }
@@ -129,8 +131,10 @@ void terms_on_the_imu_have_the_stated_size() {
   turned.R_AI << 0, 1, 0, -1, 0, 0, 0, 0, 1;
   const auto a = change(*host::sim::parse_effect("accel_nonlinearity=0.01,0,0"), truth, 3, turned).accel;
   TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.01 * f.y() * f.y(), a.x());
-  TEST_ASSERT_DOUBLE_WITHIN(1e-15, 6e-4, change(*host::sim::parse_effect("gyro_temperature=0,1e-4,0"), truth, 3).gyro.y());
-  TEST_ASSERT_DOUBLE_WITHIN(1e-15, 6e-3, change(*host::sim::parse_effect("accel_temperature=0,0,1e-3"), truth, 3).accel.z());
+  TEST_ASSERT_DOUBLE_WITHIN(1e-15, 6e-4,
+                            change(*host::sim::parse_effect("gyro_temperature=0,1e-4,0"), truth, 3).gyro.y());
+  TEST_ASSERT_DOUBLE_WITHIN(1e-15, 6e-3,
+                            change(*host::sim::parse_effect("accel_temperature=0,0,1e-3"), truth, 3).accel.z());
 }
 
 /// The only landmark of a scene as a camera without noise sees it at `t`.
@@ -196,14 +200,16 @@ void noise_factor_acts_on_its_sensor_alone() {
   // The difference is twice the noise of the plain one; 2400 values: 1.5 % is one sigma.
   TEST_ASSERT_DOUBLE_WITHIN(0.1, 2, std::sqrt(gyro_sum / static_cast<double>(samples.size())) / stated);
   TEST_ASSERT_DOUBLE_WITHIN(0, 0, accel_sum);
-  TEST_ASSERT_DOUBLE_WITHIN(0, plain.recording.imu.noise.gyro_noise_density, noisy.recording.imu.noise.gyro_noise_density);
+  TEST_ASSERT_DOUBLE_WITHIN(0, plain.recording.imu.noise.gyro_noise_density,
+                            noisy.recording.imu.noise.gyro_noise_density);
 }
 
 void a_shock_leaves_what_was_before() {
   const auto plain = simulated(""), shaken = simulated("calibration_shift=r_CI,2,0.02,0,0");
   const auto &a = plain.recording.cameras[0].frames, &b = shaken.recording.cameras[0].frames;
   for (const auto& p : b[5].points) {
-    const auto same = std::find_if(a[5].points.begin(), a[5].points.end(), [&](const auto& q) { return q.track_id == p.track_id; });
+    const auto same =
+        std::find_if(a[5].points.begin(), a[5].points.end(), [&](const auto& q) { return q.track_id == p.track_id; });
     TEST_ASSERT_TRUE(same != a[5].points.end());
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, same->u, p.u);
   }
@@ -236,9 +242,10 @@ bool refused(const std::string& text) {
 }
 
 void wrong_effects_are_refused() {
-  for (const char* text : {"", "swim=1", "time_offset", "time_offset=", "time_offset=1,2", "time_offset=a", "gyro_lag=-1",
-                           "gyro_temperature=1,2", "imu_noise=0", "calibration_shift=q,1,2,3,4", "calibration_shift=r_CI,1,2",
-                           "dropped_samples=1", "axes=gyro,xxy", "axes=gyro,xy", "frozen=camera,1,1", "time_offset=nan"})
+  for (const char* text :
+       {"", "swim=1", "time_offset", "time_offset=", "time_offset=1,2", "time_offset=a", "gyro_lag=-1",
+        "gyro_temperature=1,2", "imu_noise=0", "calibration_shift=q,1,2,3,4", "calibration_shift=r_CI,1,2",
+        "dropped_samples=1", "axes=gyro,xxy", "axes=gyro,xy", "frozen=camera,1,1", "time_offset=nan"})
     test::check_true(test::Id().add("text", text), "is refused", refused(text));
 }
 
@@ -250,9 +257,10 @@ host::sim::Effects of_model(const std::string& effects) {
 
 /// What a replay or a diagnosis writes; parameters by name, whatever their order, others zero.
 void a_model_file_gives_its_effects() {
-  const auto effects = of_model("effects:\n  - name: time_offset\n    parameters:\n"
-                                "      - {name: \"t_d\", value: 0.003, sigma: 1e-5, unit: \"s\", verdict: observed}\n"
-                                "  - name: tangential_residual\n    parameters:\n      - {name: \"p2\", value: -0.002}\n");
+  const auto effects = of_model(
+      "effects:\n  - name: time_offset\n    parameters:\n"
+      "      - {name: \"t_d\", value: 0.003, sigma: 1e-5, unit: \"s\", verdict: observed}\n"
+      "  - name: tangential_residual\n    parameters:\n      - {name: \"p2\", value: -0.002}\n");
   TEST_ASSERT_EQUAL_INT(2, static_cast<int>(effects.size()));
   const host::sim::EffectTruth offset = effects[0]->truth(), lens = effects[1]->truth();
   TEST_ASSERT_EQUAL_STRING("time_offset", offset.name.c_str());
@@ -273,7 +281,8 @@ void a_wrong_model_file_is_refused_with_its_line() {
     } catch (const host::InputError& error) {
       said = error.what();
     }
-    test::check_true(test::Id().add("text", text), "names file and line", said.find("model.yaml:3") != std::string::npos);
+    test::check_true(test::Id().add("text", text), "names file and line",
+                     said.find("model.yaml:3") != std::string::npos);
   }
 }
 

@@ -96,9 +96,9 @@ void devices_scatter_as_stated() {
   const auto nominal = host::sim::nominal_device(host::DistortionModel::fov, 1);
   const auto reference = host::sim::named_parameters(nominal, true);
   TEST_ASSERT_EQUAL_size_t(26, reference.size());
-  const std::map<std::string, double> sigmas = {{"cam0.fx", 1},      {"cam0.cy", 1},       {"cam0.w", 0.005},
-                                                {"cam0.p_CI.y", 0.004}, {"gyro.sx", 0.004}, {"gyro.mz", 0.002},
-                                                {"accel.sy", 0.012}, {"accel.mx", 0.012},  {"accel.r_AI.x", 0.012}};
+  const std::map<std::string, double> sigmas = {{"cam0.fx", 1},         {"cam0.cy", 1},      {"cam0.w", 0.005},
+                                                {"cam0.p_CI.y", 0.004}, {"gyro.sx", 0.004},  {"gyro.mz", 0.002},
+                                                {"accel.sy", 0.012},    {"accel.mx", 0.012}, {"accel.r_AI.x", 0.012}};
   std::map<std::string, double> sum;
   const int devices = 2000;
   for (int seed = 0; seed < devices; ++seed) {
@@ -114,7 +114,8 @@ void devices_scatter_as_stated() {
 void the_same_seed_gives_the_same_session_and_device_seed_the_device() {
   host::SimulationOptions options = session("nav", 10);
   const auto first = host::simulate(options), again = host::simulate(options);
-  TEST_ASSERT_EQUAL_MEMORY(first.recording.imu.samples[500].gyro.data(), again.recording.imu.samples[500].gyro.data(), 24);
+  TEST_ASSERT_EQUAL_MEMORY(first.recording.imu.samples[500].gyro.data(), again.recording.imu.samples[500].gyro.data(),
+                           24);
   TEST_ASSERT_EQUAL_UINT32(first.recording.cameras[0].frames.back().points.back().track_id,
                            again.recording.cameras[0].frames.back().points.back().track_id);
   options.device_seed = options.seed;
@@ -199,7 +200,8 @@ void an_effect_reaches_the_tracks() {
   const auto& a = on_time.recording.cameras[0].frames[0].points;
   const auto& b = late.recording.cameras[0].frames[0].points;
   TEST_ASSERT_TRUE(std::abs(a[0].u - b[0].u) + std::abs(a[0].v - b[0].v) > 0.1);
-  TEST_ASSERT_EQUAL_MEMORY(on_time.recording.imu.samples[9].accel.data(), late.recording.imu.samples[9].accel.data(), 24);
+  TEST_ASSERT_EQUAL_MEMORY(on_time.recording.imu.samples[9].accel.data(), late.recording.imu.samples[9].accel.data(),
+                           24);
 }
 
 bool refused(const std::function<void(host::SimulationOptions&)>& spoil) {

@@ -44,7 +44,8 @@ void a_loose_mount_has_two_places() {
       host::CameraCalibration moved = camera();
       mount.on_camera_calibration(1.7 * (k + 0.1 + 0.8 * i), 0, moved);
       const Eigen::AngleAxisd turned(moved.R_CI);
-      TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.003, turned.angle());  // an angle of 3e-3 out of a matrix: its square root of rounding at worst
+      TEST_ASSERT_DOUBLE_WITHIN(
+          1e-9, 0.003, turned.angle());  // an angle of 3e-3 out of a matrix: its square root of rounding at worst
       sides[i] = turned.axis().y();
     }
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, sides[0], sides[1]);
@@ -87,7 +88,9 @@ void a_hum_is_on_the_gyroscope_alone() {
       squares += std::pow(a.gyro[axis] - b.gyro[axis], 2);
       TEST_ASSERT_TRUE(a.accel[axis] == b.accel[axis]);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(0.01 * 0.005, 0.005 / std::sqrt(2.0), std::sqrt(squares / static_cast<double>(n)));  // samples reach a little beyond whole periods
+    TEST_ASSERT_DOUBLE_WITHIN(
+        0.01 * 0.005, 0.005 / std::sqrt(2.0),
+        std::sqrt(squares / static_cast<double>(n)));  // samples reach a little beyond whole periods
   }
 }
 

@@ -19,12 +19,16 @@ class FakeFlash {
   struct Change {
     bool erase;
     std::uint32_t block, offset;
-    std::vector<std::uint8_t> bytes;   ///< programmed
+    std::vector<std::uint8_t> bytes;  ///< programmed
   };
 
   explicit FakeFlash(const Geometry& g)
-      : geometry(g), cells(std::size_t(g.blocks) * g.erase_bytes), used(cells.size() / g.program_bytes, true), erasures(g.blocks),
-        refuses_erase(g.blocks), refuses_program(g.blocks) {
+      : geometry(g),
+        cells(std::size_t(g.blocks) * g.erase_bytes),
+        used(cells.size() / g.program_bytes, true),
+        erasures(g.blocks),
+        refuses_erase(g.blocks),
+        refuses_program(g.blocks) {
     // As delivered: anything at all.
     for (std::size_t i = 0; i < cells.size(); ++i) cells[i] = static_cast<std::uint8_t>(i * 2654435761u >> 13);
   }
@@ -44,7 +48,7 @@ class FakeFlash {
       const std::uint8_t target = change.erase ? 0xFF : static_cast<std::uint8_t>(cell & change.bytes[i]);
       cell = i < done ? target : static_cast<std::uint8_t>(change.erase ? cell | half : cell & (target | half));
     }
-    for (std::size_t i = 0; i < n; ++i) used[(first + i) / geometry.program_bytes] = true;   // not to be relied on
+    for (std::size_t i = 0; i < n; ++i) used[(first + i) / geometry.program_bytes] = true;  // not to be relied on
   }
   void apply(const Change& change) { tear(change, change.erase ? geometry.erase_bytes : change.bytes.size()); }
 
@@ -55,30 +59,34 @@ class FakeFlash {
       random = random * 6364136223846793005ull + 1442695040888963407ull;
       const std::uint64_t draw = random >> 33;
       if (draw % 4 == 0) continue;
-      if (draw % 4 == 1) tear(change, draw >> 2 | draw << 40);
-      else apply(change);
+      if (draw % 4 == 1)
+        tear(change, draw >> 2 | draw << 40);
+      else
+        apply(change);
     }
     since_sync.clear();
   }
 
-  std::uint8_t& cell(std::uint32_t block, std::uint32_t offset) { return cells[std::size_t(block) * geometry.erase_bytes + offset]; }
+  std::uint8_t& cell(std::uint32_t block, std::uint32_t offset) {
+    return cells[std::size_t(block) * geometry.erase_bytes + offset];
+  }
 
   Geometry geometry;
   std::vector<std::uint8_t> cells, durable;
-  std::vector<bool> used;                    ///< program unit: not erased since
+  std::vector<bool> used;  ///< program unit: not erased since
   std::vector<std::uint32_t> erasures;
   std::vector<bool> refuses_erase, refuses_program;
   struct Stuck {
     std::uint32_t block, offset;
     std::uint8_t mask, value;
   };
-  std::vector<Stuck> stuck;                  ///< bits that never change, and nobody says so
+  std::vector<Stuck> stuck;  ///< bits that never change, and nobody says so
   std::vector<Change> since_sync;
-  bool keeps_changes = false;                ///< fills since_sync and durable
-  bool dead = false;                         ///< the medium cannot be reached
-  std::uint32_t misread_per_million = 0;     ///< reads that come with one wrong bit
+  bool keeps_changes = false;             ///< fills since_sync and durable
+  bool dead = false;                      ///< the medium cannot be reached
+  std::uint32_t misread_per_million = 0;  ///< reads that come with one wrong bit
   int broken_rules = 0;
-  std::uint64_t operations = 0, reads = 0;   ///< programs and erasures; reads
+  std::uint64_t operations = 0, reads = 0;  ///< programs and erasures; reads
   std::uint32_t longest_program = 0, longest_read = 0;
   /// Before each program and erasure.
   std::function<void(const Change&)> before;
@@ -125,7 +133,7 @@ class FakeFlash {
     if (f.refuses_program[block]) return SEGCAL_FLASH_BAD;
     const std::size_t first = std::size_t(block) * f.geometry.erase_bytes + offset;
     for (std::size_t u = first / unit; u < (first + n) / unit; ++u) {
-      if (f.used[u]) ++f.broken_rules;   // programmed twice, or never erased
+      if (f.used[u]) ++f.broken_rules;  // programmed twice, or never erased
     }
     f.apply(change);
     f.hold_stuck_bits();

@@ -1,5 +1,5 @@
-// Fuzz target: a stored device whose records are changed in any way, with all checksums right again, is restored or refused; a restored
-// one answers every question, calibrates and is fed: never a crash or a byte out of bounds.
+// Fuzz target: a stored device whose records are changed in any way, with all checksums right again, is restored or
+// refused; a restored one answers every question, calibrates and is fed: never a crash or a byte out of bounds.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -52,7 +52,8 @@ void feed(segcal_t* device, double seconds) {
     segcal_background(device, 1000000);
     if (i % 20 != 0) continue;
     const SyntheticStream::Frame& frame = stream().frames[i / 20];
-    segcal_push_tracks(device, frame.state.t_ns, frame.points.data(), std::min(static_cast<int>(frame.points.size()), SEGCAL_MAX_TRACKS));
+    segcal_push_tracks(device, frame.state.t_ns, frame.points.data(),
+                       std::min(static_cast<int>(frame.points.size()), SEGCAL_MAX_TRACKS));
   }
 }
 
@@ -100,8 +101,10 @@ void change(FuzzBytes* in, std::vector<TestReader::Record>* records) {
       const std::size_t span = in->flag() ? 200 : r.bytes.size();
       const std::size_t at = std::size_t(in->below(int(std::min(span, r.bytes.size() - 4)))) / 4 * 4;
       const std::uint32_t value = edges[in->below(8)];
-      if (in->flag()) std::memcpy(&r.bytes[at], &value, 4);
-      else r.bytes[at] = std::uint8_t(r.bytes[at] + in->byte());
+      if (in->flag())
+        std::memcpy(&r.bytes[at], &value, 4);
+      else
+        r.bytes[at] = std::uint8_t(r.bytes[at] + in->byte());
     }
   }
 }
@@ -148,7 +151,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                            return record.info;
                          },
                          [](void* r, std::uint32_t i, std::uint32_t offset, std::uint8_t* to, std::uint32_t n) {
-                           std::memcpy(to, (*static_cast<std::vector<TestReader::Record>*>(r))[i].bytes.data() + offset, n);
+                           std::memcpy(to, (*static_cast<std::vector<TestReader::Record>*>(r))[i].bytes.data() + offset,
+                                       n);
                          },
                          [](void*) { return true; }};
   ring.save(source);
@@ -160,7 +164,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   finish_store(&store);
   require(segcal_restore(&store, device) == SEGCAL_OK);
   const int answer = finish_store(&store);
-  require(answer == SEGCAL_OK || answer == SEGCAL_EMPTY || answer == SEGCAL_ERROR_CONFIG || answer == SEGCAL_ERROR_CAPACITY);
+  require(answer == SEGCAL_OK || answer == SEGCAL_EMPTY || answer == SEGCAL_ERROR_CONFIG ||
+          answer == SEGCAL_ERROR_CAPACITY);
   ask_everything(device);
   segcal_calibrate(device);
   ask_everything(device);

@@ -1,5 +1,6 @@
-// Fuzz target: an image of a store, changed anywhere and in any way, heads and checksums put right again now and then, is looked
-// through to an end: never a crash, a byte out of bounds, or a search without end; and what is saved next is there.
+// Fuzz target: an image of a store, changed anywhere and in any way, heads and checksums put right again now and then,
+// is looked through to an end: never a crash, a byte out of bounds, or a search without end; and what is saved next is
+// there.
 #include <cstdlib>
 
 #include "../fuzz/fuzz_bytes.h"
@@ -36,7 +37,8 @@ void put_right(FuzzBytes* in, FakeFlash* flash, std::uint32_t block) {
   } else {
     const std::uint32_t lengths[] = {0, 12, 40, 100, 5000, 1u << 28, 0xFFFFFFF0u, 0xFFFFFFFFu};
     const SEGCAL_NS::RecordInfo record = {std::uint16_t(in->flag() ? 0xFFFF : in->below(4)), 0, lengths[in->below(8)]};
-    SEGCAL_NS::encode(record, std::uint32_t(in->below(9)), std::uint32_t(in->below(4)), &flash->cell(block, 64 * (1 + std::uint32_t(in->below(7)))));
+    SEGCAL_NS::encode(record, std::uint32_t(in->below(9)), std::uint32_t(in->below(4)),
+                      &flash->cell(block, 64 * (1 + std::uint32_t(in->below(7)))));
   }
 }
 
@@ -56,7 +58,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::uint32_t block = std::uint32_t(in.below(kFlash.blocks));
     switch (in.below(4)) {
       case 0: put_right(&in, &flash, block); break;
-      case 1: std::memcpy(&flash.cell(block, 0), &flash.cell(std::uint32_t(in.below(kFlash.blocks)), 0), kFlash.erase_bytes); break;
+      case 1:
+        std::memcpy(&flash.cell(block, 0), &flash.cell(std::uint32_t(in.below(kFlash.blocks)), 0), kFlash.erase_bytes);
+        break;
       case 2: std::memset(&flash.cell(block, std::uint32_t(in.below(512))), in.flag() ? 0xFF : 0, 1); break;
       default: flash.cell(block, std::uint32_t(in.below(512))) ^= in.byte();
     }

@@ -1,5 +1,5 @@
-// States to store: records whose number, lengths and bytes follow from one number, so that a state that comes back is known to be
-// one of those that were saved, to the last byte.
+// States to store: records whose number, lengths and bytes follow from one number, so that a state that comes back is
+// known to be one of those that were saved, to the last byte.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ using SEGCAL_NS::RecordSink;
 using SEGCAL_NS::RecordSource;
 using SEGCAL_NS::Ring;
 
-inline std::uint64_t mixed(std::uint64_t a, std::uint64_t b) {   // splitmix64's finish
+inline std::uint64_t mixed(std::uint64_t a, std::uint64_t b) {  // splitmix64's finish
   std::uint64_t z = a * 0x9E3779B97F4A7C15ull + b + 1;
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
   z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
@@ -66,7 +66,9 @@ struct TestReader {
 
   RecordSink sink() {
     return {this,
-            [](void* r) { *static_cast<TestReader*>(r) = TestReader{{}, false, static_cast<TestReader*>(r)->states + 1}; },
+            [](void* r) {
+              *static_cast<TestReader*>(r) = TestReader{{}, false, static_cast<TestReader*>(r)->states + 1};
+            },
             [](void* r, const RecordInfo& info) {
               static_cast<TestReader*>(r)->records.push_back({info, {}});
               return 0;

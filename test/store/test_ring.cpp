@@ -1,5 +1,5 @@
-// The ring of states on flash that ages and fails: bad blocks, stuck bits, misread and flipped bits, a newer format, other
-// geometries; how evenly it wears; how much one step does.
+// The ring of states on flash that ages and fails: bad blocks, stuck bits, misread and flipped bits, a newer format,
+// other geometries; how evenly it wears; how much one step does.
 #include <algorithm>
 #include <fstream>
 #include <iterator>
@@ -19,7 +19,9 @@ namespace {
 constexpr std::uint32_t kBytes = 5000;
 const Geometry kFlash = {16, 1024, 40};
 
-void check_equal(const Id& id, const char* what, double expected, double actual) { check_near(id, what, expected, actual, 0); }
+void check_equal(const Id& id, const char* what, double expected, double actual) {
+  check_near(id, what, expected, actual, 0);
+}
 
 void check_stored(FakeFlash* flash, std::uint32_t seed, const Id& id, std::uint32_t bytes = kBytes) {
   Ring ring;
@@ -36,13 +38,21 @@ void test_empty_flash_is_empty() {
 }
 
 void test_what_was_saved_comes_back() {
-  for (const Geometry& g : {Geometry{1, 512, 40}, {2, 512, 40}, {4, 4096, 6}, {8, 1024, 40}, {64, 512, 60}, {128, 2048, 20},
-                            {256, 4096, 8}, {256, 131072, 2}, {32, 131072, 3}}) {
+  for (const Geometry& g : {Geometry{1, 512, 40},
+                            {2, 512, 40},
+                            {4, 4096, 6},
+                            {8, 1024, 40},
+                            {64, 512, 60},
+                            {128, 2048, 20},
+                            {256, 4096, 8},
+                            {256, 131072, 2},
+                            {32, 131072, 3}}) {
     FakeFlash flash(g);
     Ring ring;
     open(&ring, &flash);
     for (std::uint32_t seed = 1; seed <= 60; ++seed) {
-      const Id id = Id().add("check", "round_trip").add("program", g.program_bytes).add("erase", g.erase_bytes).add("seed", seed);
+      const Id id =
+          Id().add("check", "round_trip").add("program", g.program_bytes).add("erase", g.erase_bytes).add("seed", seed);
       check_equal(id, "answer", SEGCAL_OK, save(&ring, seed, kBytes));
       check_equal(id, "the same ring", seed, stored(&ring, kBytes));
       check_stored(&flash, seed, id);
@@ -67,8 +77,10 @@ void test_a_step_is_bounded() {
       TEST_ASSERT_LESS_OR_EQUAL_UINT64(2, flash.reads - reads);
       if (done) break;
     }
-    if (round % 2 == 0) ring.save(state.source());
-    else ring.look(&sink);
+    if (round % 2 == 0)
+      ring.save(state.source());
+    else
+      ring.look(&sink);
   }
   TEST_ASSERT_LESS_OR_EQUAL_UINT32(SEGCAL_STORE_PAGE_MAX, flash.longest_program);
   TEST_ASSERT_LESS_OR_EQUAL_UINT32(SEGCAL_STORE_PAGE_MAX, flash.longest_read);
@@ -84,7 +96,7 @@ void test_the_commit_waits_for_sync() {
   flash.before = [&](const FakeFlash::Change&) { waiting = flash.since_sync.size(); };
   for (std::uint32_t seed = 1; seed < 30; ++seed) {
     save(&ring, seed, kBytes);
-    TEST_ASSERT_EQUAL_UINT64(0, waiting);   // at the last change, the commit
+    TEST_ASSERT_EQUAL_UINT64(0, waiting);  // at the last change, the commit
     TEST_ASSERT_EQUAL_UINT64(0, flash.since_sync.size());
   }
 }
@@ -110,8 +122,8 @@ void test_wear_is_spread() {
     }
     const auto [least, most] = std::minmax_element(flash.erasures.begin(), flash.erasures.end());
     std::printf("%s: blocks erased %u to %u times\n", cuts ? "interrupted saves" : "whole saves", *least, *most);
-    // The ring goes round: all the same but for the round that is under way. After a cut a stretch that leaves too little room is
-    // jumped over, so that the spread is that of chance: 8 % here.
+    // The ring goes round: all the same but for the round that is under way. After a cut a stretch that leaves too
+    // little room is jumped over, so that the spread is that of chance: 8 % here.
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(cuts ? *least + *least / 5 : *least + 1, *most);
   }
 }
@@ -124,10 +136,13 @@ void test_bad_blocks() {
       for (int i = 0; i < bad; ++i) {
         const std::uint32_t block = mixed(run, i) % kFlash.blocks;
         const std::uint32_t kind = mixed(run, i) >> 20 & 3;
-        if (kind == 0) flash.refuses_erase[block] = true;
-        else if (kind == 1) flash.refuses_program[block] = true;
-        else flash.stuck.push_back({block, static_cast<std::uint32_t>(mixed(run, 99 + i) % kFlash.erase_bytes), 0x10,
-                                    static_cast<std::uint8_t>(kind == 2 ? 0x10 : 0)});
+        if (kind == 0)
+          flash.refuses_erase[block] = true;
+        else if (kind == 1)
+          flash.refuses_program[block] = true;
+        else
+          flash.stuck.push_back({block, static_cast<std::uint32_t>(mixed(run, 99 + i) % kFlash.erase_bytes), 0x10,
+                                 static_cast<std::uint8_t>(kind == 2 ? 0x10 : 0)});
       }
       Ring ring;
       open(&ring, &flash);
@@ -136,18 +151,21 @@ void test_bad_blocks() {
         const Id id = Id().add("check", "bad_blocks").add("bad", bad).add("run", run).add("seed", seed);
         const int answer = save(&ring, seed, kBytes);
         check_true(id, "answer is neither OK nor FULL", answer == SEGCAL_OK || answer == SEGCAL_ERROR_FULL);
-        if (answer == SEGCAL_OK) last = seed;
-        else ++full;
+        if (answer == SEGCAL_OK)
+          last = seed;
+        else
+          ++full;
         check_stored(&flash, last, id);
       }
       // A state takes 6 blocks here, and two of them must find room.
-      if (bad <= 9) check_equal(Id().add("check", "bad_blocks").add("bad", bad).add("run", run), "saves refused", 0, full);
+      if (bad <= 9)
+        check_equal(Id().add("check", "bad_blocks").add("bad", bad).add("run", run), "saves refused", 0, full);
     }
   }
 }
 
 void test_too_small_flash_says_so() {
-  FakeFlash flash({16, 1024, 8});   // one state fits, two do not
+  FakeFlash flash({16, 1024, 8});  // one state fits, two do not
   Ring ring;
   open(&ring, &flash);
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, save(&ring, 1, kBytes));
@@ -180,17 +198,17 @@ void test_misread_bits() {
   open(&ring, &flash);
   save(&ring, 1, kBytes);
   save(&ring, 2, kBytes);
-  flash.misread_per_million = 1500;   // one in seven readings of the state, which takes about 100 reads
+  flash.misread_per_million = 1500;  // one in seven readings of the state, which takes about 100 reads
   int newest = 0;
   for (int i = 0; i < 300; ++i) {
     Ring reader;
     open(&reader, &flash);
     const std::uint32_t found = stored(&reader, kBytes);
-    TEST_ASSERT_TRUE(found == 2 || found == 1 || found == 0);   // never anything else
+    TEST_ASSERT_TRUE(found == 2 || found == 1 || found == 0);  // never anything else
     newest += found == 2 ? 1 : 0;
   }
-  // A state's first head misread once loses it for this search: 40 heads are read to find it, each right with 0.9985; three readings
-  // of the rest are enough.
+  // A state's first head misread once loses it for this search: 40 heads are read to find it, each right with 0.9985;
+  // three readings of the rest are enough.
   TEST_ASSERT_GREATER_OR_EQUAL_INT(280, newest);
 }
 
@@ -216,19 +234,23 @@ void test_every_flipped_byte() {
     if (flash.erasures[block] == erasures[block]) check_equal(id, "in a block that the save did not take", 2, found);
     older += found == 1 ? 1 : 0;
   }
-  TEST_ASSERT_GREATER_THAN_INT(900, older);   // each of its bytes counts
+  TEST_ASSERT_GREATER_THAN_INT(900, older);  // each of its bytes counts
 }
 
-/// Two states of the same number (power failed, and a head that could not be read then can be now): blocks of one in the other do not
-/// count, not even where each record is one block and right in itself.
+/// Two states of the same number (power failed, and a head that could not be read then can be now): blocks of one in
+/// the other do not count, not even where each record is one block and right in itself.
 void test_blocks_of_another_state_do_not_count() {
   FakeFlash flash[2] = {FakeFlash(kFlash), FakeFlash(kFlash)};
   for (int i = 0; i < 2; ++i) {
     static std::uint8_t filling;
     filling = static_cast<std::uint8_t>(i);
-    RecordSource source = {nullptr, 5, [](void*, std::uint32_t n) { return RecordInfo{static_cast<std::uint16_t>(n), 0, 936}; },
-                           [](void*, std::uint32_t, std::uint32_t, std::uint8_t* to, std::uint32_t n) { std::memset(to, filling, n); },
-                           [](void*) { return true; }};
+    RecordSource source = {
+        nullptr, 5,
+        [](void*, std::uint32_t n) {
+          return RecordInfo{static_cast<std::uint16_t>(n), 0, 936};
+        },
+        [](void*, std::uint32_t, std::uint32_t, std::uint8_t* to, std::uint32_t n) { std::memset(to, filling, n); },
+        [](void*) { return true; }};
     Ring ring;
     open(&ring, &flash[i]);
     ring.save(source);
@@ -239,7 +261,8 @@ void test_blocks_of_another_state_do_not_count() {
     std::copy_n(&flash[1].cell(block, 0), kFlash.erase_bytes, &spliced.cell(block, 0));
     Ring ring;
     const Id id = Id().add("check", "spliced").add("block", block);
-    // Only the block that is not theirs may be another's. Page 0, the head, and 15 pages of a record: block 5 has the commit.
+    // Only the block that is not theirs may be another's. Page 0, the head, and 15 pages of a record: block 5 has the
+    // commit.
     check_equal(id, "answer", block < 6 ? SEGCAL_EMPTY : SEGCAL_OK, open(&ring, &spliced));
     segcal_store_info_t info;
     ring.fill(&info);
@@ -247,12 +270,13 @@ void test_blocks_of_another_state_do_not_count() {
   }
 }
 
-/// The stretch behind an interrupted save turns out too short because of a bad block: the save begins again where all is free.
+/// The stretch behind an interrupted save turns out too short because of a bad block: the save begins again where all
+/// is free.
 void test_a_stretch_that_is_too_short() {
   FakeFlash flash({16, 1024, 20});
   Ring ring;
   open(&ring, &flash);
-  save(&ring, 1, kBytes);   // blocks 0 to 5
+  save(&ring, 1, kBytes);  // blocks 0 to 5
   TestState state{2, 7000};
   RecordSource source = state.source();
   source.unchanged = [](void* s) { return static_cast<TestState*>(s)->seed == 2; };
@@ -260,7 +284,7 @@ void test_a_stretch_that_is_too_short() {
   while (flash.erasures[13] == 0) ring.step();
   state.seed = 0;
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_BUSY, finish(&ring));
-  flash.refuses_erase[16] = true;   // 14 to 19 would just do
+  flash.refuses_erase[16] = true;  // 14 to 19 would just do
   Ring again;
   open(&again, &flash);
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, save(&again, 3, kBytes));
@@ -283,7 +307,7 @@ void test_newer_format_is_refused() {
   const std::vector<std::uint8_t> cells = flash.cells;
   Ring newer;
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_VERSION, open(&newer, &flash));
-  TEST_ASSERT_FALSE(newer.known());   // nothing can be saved over it
+  TEST_ASSERT_FALSE(newer.known());  // nothing can be saved over it
   segcal_store_info_t info;
   newer.fill(&info);
   TEST_ASSERT_EQUAL_UINT32(SEGCAL_STORE_MAJOR + 1, info.format_major);
@@ -295,7 +319,8 @@ std::vector<std::uint8_t> stored_cells(const char* file) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-/// Stores that earlier formats wrote, with three states in them, are read for ever. (1.1 differs from 1.0 by its number alone.)
+/// Stores that earlier formats wrote, with three states in them, are read for ever. (1.1 differs from 1.0 by its number
+/// alone.)
 void test_earlier_formats_are_read() {
   for (const char* file : {"format_1_0.bin", "format_1_2.bin"}) {
     FakeFlash flash({16, 512, 16});
@@ -308,7 +333,8 @@ void test_earlier_formats_are_read() {
 
 /// Today's format is written as it was: other bytes are another format, with a number and a fixture of its own.
 void test_the_format_stays() {
-  TEST_ASSERT_TRUE_MESSAGE(SEGCAL_STORE_MAJOR == 1 && SEGCAL_STORE_MINOR == 2, "a new format: add its fixture and compare with that one");
+  TEST_ASSERT_TRUE_MESSAGE(SEGCAL_STORE_MAJOR == 1 && SEGCAL_STORE_MINOR == 2,
+                           "a new format: add its fixture and compare with that one");
   FakeFlash now({16, 512, 16});
   std::fill(now.cells.begin(), now.cells.end(), 0xFF);
   Ring ring;

@@ -1,5 +1,6 @@
-// A device across power-off: restored anywhere in memory it goes on with the same bits as one that never stopped; what does not fit
-// it is refused by name; power cuts leave the old or the new state of a real device; a save beside feeding is whole or not at all.
+// A device across power-off: restored anywhere in memory it goes on with the same bits as one that never stopped; what
+// does not fit it is refused by name; power cuts leave the old or the new state of a real device; a save beside feeding
+// is whole or not at all.
 #include <functional>
 #include <memory>
 
@@ -82,15 +83,39 @@ const Kind kKinds[] = {
     {"multi_session", [](segcal_config_t*) {}, Way::tracks, 0},
     {"single_session", [](segcal_config_t* c) { c->strategy = SEGCAL_SINGLE_SESSION; }, Way::tracks, 0},
     {"set_d", [](segcal_config_t* c) { c->metric = SEGCAL_METRIC_SET_D; }, Way::tracks, 0},
-    {"random", [](segcal_config_t* c) { c->metric = SEGCAL_METRIC_RANDOM; c->seed = 77; }, Way::tracks, 0},
-    {"adaptive", [](segcal_config_t* c) { c->least_segment_s = 1.5; c->most_segment_s = 3; }, Way::tracks, 0},
+    {"random",
+     [](segcal_config_t* c) {
+       c->metric = SEGCAL_METRIC_RANDOM;
+       c->seed = 77;
+     },
+     Way::tracks, 0},
+    {"adaptive",
+     [](segcal_config_t* c) {
+       c->least_segment_s = 1.5;
+       c->most_segment_s = 3;
+     },
+     Way::tracks, 0},
     {"odometry", [](segcal_config_t*) {}, Way::keyframes, 0},
-    {"time_offset", [](segcal_config_t* c) { if (SEGCAL_MAX_EFFECT_ESTIMATES >= 1) c->estimate_effects = SEGCAL_EFFECT_TIME_OFFSET; }, Way::tracks, 4000000},
-    {"condensing", [](segcal_config_t* c) { c->keep_segments = 3; c->condense = SEGCAL_MAX_EPOCHS > 0 ? 1 : 0; c->calibration_window = 1; }, Way::tracks, 0},
-    {"watching", [](segcal_config_t* c) { if (SEGCAL_MAX_EFFECT_COLUMNS >= 3) c->watch_effects = SEGCAL_EFFECT_ROLLING_SHUTTER; }, Way::tracks, 0}};
+    {"time_offset",
+     [](segcal_config_t* c) {
+       if (SEGCAL_MAX_EFFECT_ESTIMATES >= 1) c->estimate_effects = SEGCAL_EFFECT_TIME_OFFSET;
+     },
+     Way::tracks, 4000000},
+    {"condensing",
+     [](segcal_config_t* c) {
+       c->keep_segments = 3;
+       c->condense = SEGCAL_MAX_EPOCHS > 0 ? 1 : 0;
+       c->calibration_window = 1;
+     },
+     Way::tracks, 0},
+    {"watching",
+     [](segcal_config_t* c) {
+       if (SEGCAL_MAX_EFFECT_COLUMNS >= 3) c->watch_effects = SEGCAL_EFFECT_ROLLING_SHUTTER;
+     },
+     Way::tracks, 0}};
 
 struct Hashes {
-  std::uint64_t begun, ended;   ///< when the second session begins, and when it has ended
+  std::uint64_t begun, ended;  ///< when the second session begins, and when it has ended
   bool operator==(const Hashes& o) const { return begun == o.begun && ended == o.ended; }
 };
 
@@ -115,13 +140,14 @@ Hashes run(const Kind& kind, Stop stop, int fill, std::size_t offset, segcal_cou
   segcal_flush(device);
   segcal_calibrate(device);
   FakeFlash flash = new_flash();
-  if (stop == Stop::before_new_session || stop == Stop::saved_and_went_on) TEST_ASSERT_EQUAL_INT(SEGCAL_OK, save(&flash, device));
+  if (stop == Stop::before_new_session || stop == Stop::saved_and_went_on)
+    TEST_ASSERT_EQUAL_INT(SEGCAL_OK, save(&flash, device));
   if (stop != Stop::before_new_session) segcal_new_session(device);
   if (stop == Stop::after_new_session) TEST_ASSERT_EQUAL_INT(SEGCAL_OK, save(&flash, device));
   std::unique_ptr<Storage> second;
   if (stop == Stop::before_new_session || stop == Stop::after_new_session) {
     second = std::make_unique<Storage>(fill, offset);
-    first.reset();   // another address, and nothing of the first one is left
+    first.reset();  // another address, and nothing of the first one is left
     device = create(second.get(), c);
     TEST_ASSERT_EQUAL_INT(SEGCAL_OK, restore(&flash, device));
   }
@@ -142,8 +168,11 @@ void test_the_same_bits_as_without_the_stop() {
       const Hashes h = run(kind, stop, stop == Stop::before_new_session ? 0xFF : 0, 16, &counters);
       check_true(id, "another hash when the session begins", h.begun == expected.begun);
       check_true(id, "another hash at its end", h.ended == expected.ended);
-      check_true(id, "other counters", counters.imu_samples == expected_counters.imu_samples && counters.calibrations == expected_counters.calibrations &&
-                                           counters.segments_closed == expected_counters.segments_closed && counters.points_left_out == expected_counters.points_left_out);
+      check_true(id, "other counters",
+                 counters.imu_samples == expected_counters.imu_samples &&
+                     counters.calibrations == expected_counters.calibrations &&
+                     counters.segments_closed == expected_counters.segments_closed &&
+                     counters.points_left_out == expected_counters.points_left_out);
     }
   }
 }
@@ -165,7 +194,8 @@ void test_results_come_back() {
   static double mean[2][SEGCAL_MAX_PARAMETERS], covariance[2][SEGCAL_MAX_PARAMETERS * SEGCAL_MAX_PARAMETERS];
   const int n = segcal_get_posterior(device, mean[0], covariance[0], SEGCAL_MAX_PARAMETERS * SEGCAL_MAX_PARAMETERS);
   TEST_ASSERT_GREATER_THAN_INT(0, n);
-  TEST_ASSERT_EQUAL_INT(n, segcal_get_posterior(again, mean[1], covariance[1], SEGCAL_MAX_PARAMETERS * SEGCAL_MAX_PARAMETERS));
+  TEST_ASSERT_EQUAL_INT(
+      n, segcal_get_posterior(again, mean[1], covariance[1], SEGCAL_MAX_PARAMETERS * SEGCAL_MAX_PARAMETERS));
   TEST_ASSERT_EQUAL_MEMORY(mean[0], mean[1], n * sizeof(double));
   TEST_ASSERT_EQUAL_MEMORY(covariance[0], covariance[1], n * n * sizeof(double));
   segcal_camera_t cameras[2] = {};
@@ -183,7 +213,8 @@ void test_results_come_back() {
   TEST_ASSERT_EQUAL_INT(3, kept);
 }
 
-/// Each change of the configuration that gives stored numbers another meaning is refused, in words; the device is as created.
+/// Each change of the configuration that gives stored numbers another meaning is refused, in words; the device is as
+/// created.
 void test_another_configuration_is_refused() {
   Storage one(0);
   segcal_t* device = create(&one, config());
@@ -196,7 +227,11 @@ void test_another_configuration_is_refused() {
     const char* name;
     std::function<void(segcal_config_t*)> change;
   };
-  const Change changes[] = {{"camera", [](segcal_config_t* c) { c->camera[0].model = SEGCAL_EQUIDISTANT; c->camera[0].distortion[0] = 0; }},
+  const Change changes[] = {{"camera",
+                             [](segcal_config_t* c) {
+                               c->camera[0].model = SEGCAL_EQUIDISTANT;
+                               c->camera[0].distortion[0] = 0;
+                             }},
                             {"camera", [](segcal_config_t* c) { c->camera[0].height = 500; }},
                             {"starting calibration", [](segcal_config_t* c) { c->camera[0].intrinsics[1] += 1; }},
                             {"starting calibration", [](segcal_config_t* c) { c->imu.accel_misalignment[2] = 1e-3; }},
@@ -208,7 +243,8 @@ void test_another_configuration_is_refused() {
                             {"keep_segments", [](segcal_config_t* c) { c->keep_segments = 2; }},
                             {"strategy", [](segcal_config_t* c) { c->strategy = SEGCAL_SINGLE_SESSION; }},
                             {"segment_s", [](segcal_config_t* c) { c->segment_s = 1.5; }},
-                            {SEGCAL_PROFILE == SEGCAL_PROFILE_MCU ? "imu_rate_hz or segment_s" : "segment_s", [](segcal_config_t* c) { c->segment_s = 4; }}};
+                            {SEGCAL_PROFILE == SEGCAL_PROFILE_MCU ? "imu_rate_hz or segment_s" : "segment_s",
+                             [](segcal_config_t* c) { c->segment_s = 4; }}};
   for (const Change& change : changes) {
     segcal_config_t c = config();
     change.change(&c);
@@ -245,7 +281,7 @@ void test_calls_at_the_wrong_time() {
   bad.sync = nullptr;
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_SIZE, segcal_store_open(&store, &bad));
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_store_open(&store, &port));
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_BUSY, segcal_save(&store, device));   // it still looks
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_BUSY, segcal_save(&store, device));  // it still looks
   TEST_ASSERT_EQUAL_INT(SEGCAL_EMPTY, finish(&store));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_store_work(&store, 1));
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_save(&store, nullptr));
@@ -254,7 +290,7 @@ void test_calls_at_the_wrong_time() {
   // An empty store leaves a device that works: the same bits as one that never asked.
   feed(device, 0);
   feed(other, 0);
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_restore(&store, device));   // it was fed
+  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_restore(&store, device));  // it was fed
   segcal_flush(device);
   segcal_flush(other);
   TEST_ASSERT_TRUE(segcal_result_hash(device) == segcal_result_hash(other));
@@ -264,7 +300,8 @@ void test_calls_at_the_wrong_time() {
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_CONFIG, segcal_save(&store, create(&three, c)));
 }
 
-/// Power fails at each program and erasure of a device's second save: the restored one is the first state or the second, and goes on.
+/// Power fails at each program and erasure of a device's second save: the restored one is the first state or the
+/// second, and goes on.
 void test_power_cuts_of_a_device() {
   Storage one(0), two(0);
   segcal_t* device = create(&one, config());
@@ -302,8 +339,8 @@ void test_power_cuts_of_a_device() {
   TEST_ASSERT_GREATER_OR_EQUAL_INT(1, found_new);
 }
 
-/// A save goes on while the device is fed: what is stored is the device as it stood at the call, or, where a segment ended before all
-/// was written, what was stored before.
+/// A save goes on while the device is fed: what is stored is the device as it stood at the call, or, where a segment
+/// ended before all was written, what was stored before.
 void test_feeding_while_it_saves() {
   for (const int pieces_per_sample : {4, 40}) {
     Storage one(0), two(0);
@@ -350,8 +387,8 @@ segcal_config_t condensing(bool on) {
   return c;
 }
 
-/// Samples [from, until) of 30 s, with the caller's odometry. `lost`: it has lost its way, and no segment fits. Images are `off_px`
-/// beside where they should be.
+/// Samples [from, until) of 30 s, with the caller's odometry. `lost`: it has lost its way, and no segment fits. Images
+/// are `off_px` beside where they should be.
 void feed_part(segcal_t* device, std::size_t from, std::size_t until, bool lost, float off_px = 0) {
   for (std::size_t i = from; i < until; ++i) {
     segcal_push_imu(device, &long_stream<30>().imu[i]);
@@ -383,7 +420,7 @@ void check_goes_on(segcal_t* device, const Id& id) {
   segcal_new_session(device);
   check_true(id, "another state", segcal_result_hash(device) == segcal_result_hash(restored));
   for (segcal_t* d : {device, restored}) {
-    feed_part(d, 0, 500, true);   // one segment more that does not fit, then good ones
+    feed_part(d, 0, 500, true);  // one segment more that does not fit, then good ones
     feed_part(d, 500, 2500, false);
   }
   check_true(id, "another state later", segcal_result_hash(device) == segcal_result_hash(restored));
@@ -429,7 +466,7 @@ void test_epochs_go_on() {
   feed_part(device, 0, 2400, false);
   segcal_calibrate(device);
   feed_part(device, 2400, 3000, true);
-  TEST_ASSERT_EQUAL_INT(0, condensed(device).second);   // begun, and nothing came into it
+  TEST_ASSERT_EQUAL_INT(0, condensed(device).second);  // begun, and nothing came into it
   FakeFlash flash = new_flash();
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, save(&flash, device));
   check_goes_on(device, Id().add("newest", "empty"));

@@ -2,8 +2,8 @@
 //
 // A failing case prints, for example,
 //   case: model=fov type=float seed=7 column=12
-// and `SEGCAL_CASE="model=fov type=float seed=7 column=12" ./test_camera` (or the same text as arguments) runs that case
-// alone. Fewer words select more cases: "type=float" runs all of float.
+// and `SEGCAL_CASE="model=fov type=float seed=7 column=12" ./test_camera` (or the same text as arguments) runs that
+// case alone. Fewer words select more cases: "type=float" runs all of float.
 #pragma once
 
 #include <unity.h>
@@ -69,7 +69,9 @@ class Id {
     return next;
   }
   template <class S>
-  Id type() const { return add("type", type_name<S>()); }
+  Id type() const {
+    return add("type", type_name<S>());
+  }
   const std::string& text() const { return text_; }
 
  private:

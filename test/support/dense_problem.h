@@ -1,8 +1,8 @@
 // The same least-squares problem as the core's elimination, stacked as one dense matrix and solved by Eigen in double.
 //
-// Columns: for each segment [states 15 K | landmarks 3 L], then theta and candidate terms; the right-hand side apart. Only the rows of single
-// measurements (reprojection_rows, link_rows) come from the core; order, whitening, weights and priors are written here.
-// Landmarks that segments share stand in the columns of the first segment that has them.
+// Columns: for each segment [states 15 K | landmarks 3 L], then theta and candidate terms; the right-hand side apart.
+// Only the rows of single measurements (reprojection_rows, link_rows) come from the core; order, whitening, weights and
+// priors are written here. Landmarks that segments share stand in the columns of the first segment that has them.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -36,7 +36,8 @@ class DenseProblem {
       nuisance_ += kStateColumns * s->n_keyframes;
       landmark_.emplace_back(s->n_landmarks, -1);
       for (const SameLandmark& l : same) {
-        if (l.segment + 1u == first_.size()) landmark_.back()[l.landmark] = landmark_[l.first_segment][l.first_landmark];
+        if (l.segment + 1u == first_.size())
+          landmark_.back()[l.landmark] = landmark_[l.first_segment][l.first_landmark];
       }
       for (int& column : landmark_.back()) {
         if (column >= 0) continue;
@@ -113,7 +114,8 @@ class DenseProblem {
   /// [every unknown | rhs], and the sensor that each row is a measurement of.
   Eigen::MatrixXd rows() const {
     Eigen::MatrixXd out(rows_.size(), columns() + 1);
-    for (std::size_t i = 0; i < rows_.size(); ++i) out.row(static_cast<Eigen::Index>(i)) << rows_[i].transpose(), rhs_[i];
+    for (std::size_t i = 0; i < rows_.size(); ++i)
+      out.row(static_cast<Eigen::Index>(i)) << rows_[i].transpose(), rhs_[i];
     return out;
   }
   enum Sensor { kPrior, kCamera, kGyro, kAccel };
@@ -145,10 +147,11 @@ class DenseProblem {
 
   void add_segment(int s) {
     const Segment<double>& segment = *segments_[s];
-    for (int i = 0; i < 3; ++i) add_single(state_column(s, 0) + 6 + i, 1 / model_.velocity_sigma, segment.states.x[0].v_GI(i));
+    for (int i = 0; i < 3; ++i)
+      add_single(state_column(s, 0) + 6 + i, 1 / model_.velocity_sigma, segment.states.x[0].v_GI(i));
     for (int k = 0; k < segment.n_keyframes; ++k) damp_state(state_column(s, k));
     for (int k = 0; k + 1 < segment.n_keyframes; ++k) {
-      const State<double>*x = segment.states.x + k;
+      const State<double>* x = segment.states.x + k;
       ImuTermColumns<double> terms = imu_terms();
       const ImuIntegral<double> I = segment.integrate(k + 1, theta_, x[0].b_a, x[0].b_g, model_.imu, &terms);
       add_link(I, x[0], x[1], state_column(s, k), state_column(s, k + 1), terms);
@@ -172,7 +175,8 @@ class DenseProblem {
     }
     const std::size_t first_row = rows_.size();
     points_.clear();
-    for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) add_observation(s, j, segment.observation[o]);
+    for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o)
+      add_observation(s, j, segment.observation[o]);
     if (model_.track_walk > 0) whiten_tracks(segment, first_row);
   }
 
@@ -191,7 +195,8 @@ class DenseProblem {
         step(a) = std::pow(model_.track_walk, 2) * 1e-6 * (segment.t_us[z.keyframe] - segment.t_us[y.keyframe]);
       }
       if (step(a) > 0) sums(a, a) = 1;
-      for (int i = 0; i < 2; ++i) r(a, i) = -rhs_[first_row + 2 * static_cast<std::size_t>(a) + static_cast<std::size_t>(i)];
+      for (int i = 0; i < 2; ++i)
+        r(a, i) = -rhs_[first_row + 2 * static_cast<std::size_t>(a) + static_cast<std::size_t>(i)];
     }
     white *= model_.pixel_sigma * model_.pixel_sigma;
     Eigen::VectorXd weighted = step;
@@ -236,7 +241,8 @@ class DenseProblem {
       Eigen::VectorXd row = Eigen::VectorXd::Zero(columns());
       row.segment<3>(landmark_column(s, j)) = scale * rows.J_l.row(i).transpose();
       row.segment<6>(state_column(s, z.keyframe)) = scale * rows.J_pose.row(i).transpose();
-      row.segment(theta_column() + theta_.camera_column(z.camera), n_camera) = scale * rows.J_camera.row(i).head(n_camera).transpose();
+      row.segment(theta_column() + theta_.camera_column(z.camera), n_camera) =
+          scale * rows.J_camera.row(i).head(n_camera).transpose();
       for (std::size_t t = 0; t < terms_.size(); ++t) {
         if (terms_[t].of_imu()) continue;
         row(term_column(t)) = scale * camera_term_column(terms_[t], z, theta_, at, false, rows)(i);
@@ -255,8 +261,8 @@ class DenseProblem {
     return columns;
   }
 
-  void add_link(const ImuIntegral<double>& I, const State<double>& x0, const State<double>& x1, int column0, int column1,
-                ImuTermColumns<double>& terms) {
+  void add_link(const ImuIntegral<double>& I, const State<double>& x0, const State<double>& x1, int column0,
+                int column1, ImuTermColumns<double>& terms) {
     ImuRows<double> rows;
     link_rows(I, x0, x1, x0, x1, model_.g, &rows);
     link_term_columns(rows, &terms);
@@ -284,11 +290,11 @@ class DenseProblem {
   }
 
   std::vector<const Segment<double>*> segments_;
-  std::vector<Observation> points_;          ///< of the landmark that is being added, with a row for each axis
+  std::vector<Observation> points_;  ///< of the landmark that is being added, with a row for each axis
   Calibration<double> theta_;
   MeasurementModel<double> model_;
   double damping_;
-  std::vector<Term> terms_;                  ///< of theta, then candidates
+  std::vector<Term> terms_;  ///< of theta, then candidates
   int nuisance_ = 0;
   std::vector<int> first_;
   std::vector<std::vector<int>> landmark_;  ///< first column of each

@@ -24,7 +24,7 @@ struct Wave {
 struct Path {
   Wave move[3], turn[3];
   Vec3<double> g{0, 0, -9.80665};
-  double rest_s = 0;   ///< it stands still for so long, then sets off within two seconds
+  double rest_s = 0;  ///< it stands still for so long, then sets off within two seconds
 
   Vec3<double> position(double t, int derivative) const { return along(move, t, derivative); }
   Vec3<double> angles(double t, int derivative) const { return along(turn, t, derivative); }
@@ -51,7 +51,7 @@ struct Path {
  private:
   /// Derivative 0, 1 or 2 by time of the waves at s(t), the path's own time: ds/dt goes from 0 to 1 as 3 u^2 - 2 u^3.
   Vec3<double> along(const Wave* wave, double t, int derivative) const {
-    constexpr double kRamp = 2;   // s
+    constexpr double kRamp = 2;  // s
     const double u = std::min(std::max((t - rest_s) / kRamp, 0.0), 1.0);
     const bool moves = rest_s <= 0 || u == 1;
     const double behind = rest_s > 0 ? rest_s + kRamp / 2 : 0;

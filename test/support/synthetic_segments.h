@@ -16,14 +16,14 @@ struct SyntheticOptions {
   Distortion model = Distortion::fov;
   int segments = 4, keyframes = 20, landmarks = 100;
   double keyframe_interval = 0.2;
-  int shared = 0;               ///< landmarks beside these that every segment sees
-  double drift = 0;             ///< rad and 3 m: how far each segment's states but the first's are off as a whole
-  double gap = 0;               ///< 0: each segment's IMU samples begin at the last keyframe of the one before
-  double move = 1, turn = 1;    ///< how much of the path's translation and rotation is used
-  double nearest = 0.8, farthest = 5.8;   ///< m, landmarks along the optical axis when they are drawn
-  double device = 1;            ///< the device's true values: this times the usual deviation from nominal
-  double track_walk = 0;        ///< px/sqrt(s), drift of the image points along their tracks
-  double start_error = 1;       ///< of the states that the segments begin with
+  int shared = 0;             ///< landmarks beside these that every segment sees
+  double drift = 0;           ///< rad and 3 m: how far each segment's states but the first's are off as a whole
+  double gap = 0;             ///< 0: each segment's IMU samples begin at the last keyframe of the one before
+  double move = 1, turn = 1;  ///< how much of the path's translation and rotation is used
+  double nearest = 0.8, farthest = 5.8;  ///< m, landmarks along the optical axis when they are drawn
+  double device = 1;                     ///< the device's true values: this times the usual deviation from nominal
+  double track_walk = 0;                 ///< px/sqrt(s), drift of the image points along their tracks
+  double start_error = 1;                ///< of the states that the segments begin with
 };
 
 inline Calibration<double> nominal_calibration(Distortion model) {
@@ -72,9 +72,9 @@ class SyntheticSession {
   SyntheticOptions options_;
   Random random_;
   Path path_;
-  std::vector<InertialReading<double>> imu_;   ///< sample i at i * kPeriod
+  std::vector<InertialReading<double>> imu_;  ///< sample i at i * kPeriod
   std::vector<Vec3<double>> b_a_, b_g_;
-  std::vector<Vec3<double>> map_;              ///< the shared landmarks, track 0 and on
+  std::vector<Vec3<double>> map_;  ///< the shared landmarks, track 0 and on
   std::uint32_t next_track_ = 1000;
   static constexpr double kPeriod = 0.005;
 
@@ -128,7 +128,8 @@ class SyntheticSession {
     }
     if (options_.drift > 0 && s > 0) drift(segment);
     see_landmarks(t0, segment);
-    for (std::size_t i = 0; i < map_.size(); ++i) follow(t0, map_[i], 0, options_.keyframes, static_cast<std::uint32_t>(i), segment);
+    for (std::size_t i = 0; i < map_.size(); ++i)
+      follow(t0, map_[i], 0, options_.keyframes, static_cast<std::uint32_t>(i), segment);
     for (int j = 0; j < segment->n_landmarks; ++j) triangulate(segment, j, nominal, model, 1e6);
   }
 
@@ -189,7 +190,8 @@ class SyntheticSession {
       for (int s = 0; s < options_.segments && seen_by_all; ++s) {
         int seen = 0;
         Vec2<double> uv;
-        for (int k = 0; k < options_.keyframes; ++k) seen += image_of(l, start_of(s) + k * options_.keyframe_interval, &uv) ? 1 : 0;
+        for (int k = 0; k < options_.keyframes; ++k)
+          seen += image_of(l, start_of(s) + k * options_.keyframe_interval, &uv) ? 1 : 0;
         seen_by_all = 2 * seen >= options_.keyframes;
       }
       if (seen_by_all) map_.push_back(l);
@@ -205,7 +207,8 @@ class SyntheticSession {
       Vec3<double> in_G;
       if (!draw_landmark(t0 + seen_from * options_.keyframe_interval, &in_G)) continue;
       const int half = random_.index(9) + 1;
-      follow(t0, in_G, std::max(0, seen_from - half), std::min(options_.keyframes, seen_from + half + 1), next_track_++, segment);
+      follow(t0, in_G, std::max(0, seen_from - half), std::min(options_.keyframes, seen_from + half + 1), next_track_++,
+             segment);
     }
   }
 
@@ -215,12 +218,16 @@ class SyntheticSession {
     Vec2<double> walked(0, 0);
     for (int k = first; k < end && n < kMaxObservations; ++k) {
       Vec2<double> uv;
-      if (k > first && options_.track_walk > 0) walked += random_.vector(options_.track_walk * std::sqrt(options_.keyframe_interval)).head<2>();
+      if (k > first && options_.track_walk > 0)
+        walked += random_.vector(options_.track_walk * std::sqrt(options_.keyframe_interval)).head<2>();
       if (!image_of(l, t0 + k * options_.keyframe_interval, &uv)) continue;
       uv += walked;
       segment->observation[n++] = {static_cast<float>(uv.x() + random_.normal(model.pixel_sigma)),
                                    static_cast<float>(uv.y() + random_.normal(model.pixel_sigma)),
-                                   static_cast<std::uint16_t>(segment->n_landmarks), static_cast<std::uint8_t>(k), 0, 0};
+                                   static_cast<std::uint16_t>(segment->n_landmarks),
+                                   static_cast<std::uint8_t>(k),
+                                   0,
+                                   0};
     }
     if (n - begin < 3) return;
     segment->n_observations = n;

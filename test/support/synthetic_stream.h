@@ -14,11 +14,11 @@ namespace test {
 class SyntheticStream {
  public:
   struct Frame {
-    segcal_state_t state;   ///< the true one
+    segcal_state_t state;  ///< the true one
     std::vector<segcal_point_t> points;
   };
   std::vector<segcal_imu_t> imu;
-  std::vector<Frame> frames;   ///< frame i has the stamp of IMU sample 20 i
+  std::vector<Frame> frames;  ///< frame i has the stamp of IMU sample 20 i
 
   /// `rest_s`: it stands still for so long.
   SyntheticStream(std::uint32_t seed, double seconds, double rest_s = 0) : random_(seed) {
@@ -52,7 +52,8 @@ class SyntheticStream {
   static std::int64_t stamp(int sample) { return 1000000000 + std::int64_t(sample) * 5000000; }
 
   void add_sample(int i) {
-    const InertialReading<double> r = measure(path_, ImuCalibration<double>(), {0.05, -0.03, 0.02}, {0.004, 0.002, -0.003}, i * 0.005);
+    const InertialReading<double> r =
+        measure(path_, ImuCalibration<double>(), {0.05, -0.03, 0.02}, {0.004, 0.002, -0.003}, i * 0.005);
     segcal_imu_t sample;
     sample.t_ns = stamp(i);
     for (int c = 0; c < 3; ++c) {

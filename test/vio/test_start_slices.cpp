@@ -1,5 +1,5 @@
-// The filter's start as background work (profile mcu): it takes effect at a fixed time, with the same bits whatever the slices,
-// and no frame does more than a share of the features.
+// The filter's start as background work (profile mcu): it takes effect at a fixed time, with the same bits whatever the
+// slices, and no frame does more than a share of the features.
 #include <unity.h>
 
 #include <algorithm>
@@ -28,9 +28,9 @@ Scene in_motion(int seed) {
 
 struct Outcome {
   std::uint64_t hash = 0;
-  double first_tracking = -1;   ///< s
-  double worst_position = 0;    ///< m, from where it started
-  int most_features = 0;        ///< in one frame
+  double first_tracking = -1;  ///< s
+  double worst_position = 0;   ///< m, from where it started
+  int most_features = 0;       ///< in one frame
   VioStatistics statistics;
 };
 
@@ -54,7 +54,8 @@ Outcome run(const Scene& scene, int slices, const std::vector<Span>& blind = {})
   };
   for (const TrueFrame& frame : recording.frames) {
     for (; next < recording.imu.size() && recording.imu_time[next] <= frame.t_ns; ++next) {
-      history->push(recording.imu_time[next], {recording.imu[next].gyro.cast<Real>(), recording.imu[next].accel.cast<Real>()});
+      history->push(recording.imu_time[next],
+                    {recording.imu[next].gyro.cast<Real>(), recording.imu[next].accel.cast<Real>()});
       work();
     }
     const double t = static_cast<double>(frame.t_ns - 1000000000) * 1e-9;
@@ -83,8 +84,8 @@ Outcome run(const Scene& scene, int slices, const std::vector<Span>& blind = {})
 
 void say(const char* what, int seed, int slices, const Outcome& out) {
   char line[160];
-  std::snprintf(line, sizeof line, "%s: seed %d, %d slices: from %.1f s, worst %.3f m, starts %d, late %d, restarts %d", what, seed, slices,
-                out.first_tracking, out.worst_position, static_cast<int>(out.statistics.starts),
+  std::snprintf(line, sizeof line, "%s: seed %d, %d slices: from %.1f s, worst %.3f m, starts %d, late %d, restarts %d",
+                what, seed, slices, out.first_tracking, out.worst_position, static_cast<int>(out.statistics.starts),
                 static_cast<int>(out.statistics.late_starts), static_cast<int>(out.statistics.restarts));
   TEST_MESSAGE(line);
 }
@@ -102,24 +103,26 @@ void the_same_bits_whatever_the_slices(void) {
   }
 }
 
-/// Eight frames are collected by 0.8 s; half a second later, at the first frame that is not before, the start takes effect.
-/// A hard scene may need a second try.
+/// Eight frames are collected by 0.8 s; half a second later, at the first frame that is not before, the start takes
+/// effect. A hard scene may need a second try.
 void it_starts_and_stays_on_its_path(void) {
   int at_first = 0;
   for (int seed = 1; seed <= 16; ++seed) {
     const Outcome out = run(in_motion(seed), 7);
     say("start", seed, 7, out);
-    TEST_ASSERT_TRUE_MESSAGE(out.first_tracking > 0.8 + SEGCAL_START_DELAY_MS * 1e-3 - 0.05, "earlier than the start may take effect");
+    TEST_ASSERT_TRUE_MESSAGE(out.first_tracking > 0.8 + SEGCAL_START_DELAY_MS * 1e-3 - 0.05,
+                             "earlier than the start may take effect");
     TEST_ASSERT_TRUE_MESSAGE(out.first_tracking < 2.5, "started late");
     TEST_ASSERT_EQUAL_INT(0, out.statistics.restarts);
-    TEST_ASSERT_TRUE_MESSAGE(out.worst_position < 0.2, "far from the path");  // as starts in one call: 0.15 m over 20 s, 60 tracks
+    TEST_ASSERT_TRUE_MESSAGE(out.worst_position < 0.2,
+                             "far from the path");  // as starts in one call: 0.15 m over 20 s, 60 tracks
     at_first += out.first_tracking < 0.85 + SEGCAL_START_DELAY_MS * 1e-3 ? 1 : 0;
   }
   TEST_ASSERT_TRUE_MESSAGE(at_first >= 12, "most starts succeed at their first try");
 }
 
-/// Hardly a frame comes until the history of 1.5 s has lost the start's first samples: what was done is thrown away, in slices
-/// or not, and eight new frames are collected. Gaps of up to 0.6 s would be survived otherwise.
+/// Hardly a frame comes until the history of 1.5 s has lost the start's first samples: what was done is thrown away, in
+/// slices or not, and eight new frames are collected. Gaps of up to 0.6 s would be survived otherwise.
 void lost_samples_cancel_it(void) {
   const Outcome kept = run(in_motion(2), 100000, {{0.85, 1.15}, {1.25, 1.45}});
   TEST_ASSERT_TRUE_MESSAGE(kept.first_tracking < 1.55, "the start was lost for no reason");
@@ -129,8 +132,8 @@ void lost_samples_cancel_it(void) {
   TEST_ASSERT_TRUE(run(in_motion(2), 0, blind).hash == lost.hash);
 }
 
-/// All tracks of a first window are due in one frame when its oldest pose leaves: most wait. The shortest features cost an
-/// eighth of a full one; without a bound there would be 30 of them.
+/// All tracks of a first window are due in one frame when its oldest pose leaves: most wait. The shortest features cost
+/// an eighth of a full one; without a bound there would be 30 of them.
 void a_frame_does_its_share_of_features(void) {
   for (int seed = 1; seed <= 4; ++seed) {
     const Outcome out = run(in_motion(seed), 7);

@@ -41,9 +41,10 @@ std::unique_ptr<Window<double>> window(const Calibration<double>& theta, test::R
   PackedTriangle<double> R = w->R();
   R.clear();
   for (int j = 0; j < n; ++j) {
-    const bool used = j < pose_column(2) || j >= camera_column(0);   // poses that are not there have no information
+    const bool used = j < pose_column(2) || j >= camera_column(0);  // poses that are not there have no information
     for (int c = j; used && c < n; ++c) {
-      if (c < pose_column(2) || c >= camera_column(0)) R.row(j)[c] = c == j ? random->uniform(1, 2) : random->normal(0.3);
+      if (c < pose_column(2) || c >= camera_column(0))
+        R.row(j)[c] = c == j ? random->uniform(1, 2) : random->normal(0.3);
     }
   }
   return w;
@@ -74,11 +75,13 @@ void check(int terms) {
     test::check_near(id.add("axis", i), "accelerometer bias", step(3 + i), w->now.b_a(i), 1e-12);
     test::check_near(id.add("axis", i), "gyroscope bias", step(6 + i), w->now.b_g(i), 1e-12);
     for (int k = 0; k < 2; ++k) {
-      test::check_near(id.add("pose", k).add("axis", i), "place", step(pose_column(k) + 3 + i), w->pose[k].p_GI(i), 1e-12);
+      test::check_near(id.add("pose", k).add("axis", i), "place", step(pose_column(k) + 3 + i), w->pose[k].p_GI(i),
+                       1e-12);
     }
   }
   // The calibration is the given one, to the bit, and known as one that was given.
-  TEST_ASSERT_TRUE(w->theta.camera[0].R_CI == after.camera[0].R_CI && w->theta.imu.accel_scale == after.imu.accel_scale);
+  TEST_ASSERT_TRUE(w->theta.camera[0].R_CI == after.camera[0].R_CI &&
+                   w->theta.imu.accel_scale == after.imu.accel_scale);
   for (int j = first; j < n; ++j) {
     for (int c = j + 1; c <= n; ++c) TEST_ASSERT_TRUE(w->R()(j, c) == 0);
   }

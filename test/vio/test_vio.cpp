@@ -32,9 +32,9 @@ double block_nees(const Vec<double, 15>& e, const Mat<double, 15, 15>& P, int fi
 
 struct Outcome {
   double attitude = 0, position = 0, velocity = 0, yaw = 0;  ///< mean normalised squared errors
-  double worst_position = 0;       ///< m
-  double still_drift = 0;          ///< m, from 1.5 s after the scene's rest_from
-  double first_tracking = -1;      ///< s
+  double worst_position = 0;                                 ///< m
+  double still_drift = 0;                                    ///< m, from 1.5 s after the scene's rest_from
+  double first_tracking = -1;                                ///< s
   int samples = 0;
   VioStatistics statistics;
 };

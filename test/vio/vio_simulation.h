@@ -33,19 +33,19 @@ class Random {
 struct Scene {
   std::uint64_t seed = 1;
   double seconds = 20;
-  double rest_until = 0;        ///< s at rest at the beginning
-  double rest_from = 1e9;       ///< s; from here it stands still again
-  double sway = 0;              ///< m, and rad: a hand that tries to hold still
+  double rest_until = 0;   ///< s at rest at the beginning
+  double rest_from = 1e9;  ///< s; from here it stands still again
+  double sway = 0;         ///< m, and rad: a hand that tries to hold still
   double pixel_noise = 0.5;
   double gyro_bias = 0.02, accel_bias = 0.1;
   double r_CI_error = 0.01, p_CI_error = 0.005;  ///< sigma of the filter's initial extrinsics
-  double focal_error = 0;       ///< share of f; sigma of the filter's initial intrinsics, 0: exact and not estimated
-  double centre_error = 6;      ///< px
+  double focal_error = 0;   ///< share of f; sigma of the filter's initial intrinsics, 0: exact and not estimated
+  double centre_error = 6;  ///< px
   double distortion_error = 0.02;
-  double imu_error = 0;         ///< scale, misalignment and rotation (rad) of the accelerometer; the gyroscope's: half
-  double outliers = 0;          ///< share of tracks that slide over the image
+  double imu_error = 0;  ///< scale, misalignment and rotation (rad) of the accelerometer; the gyroscope's: half
+  double outliers = 0;   ///< share of tracks that slide over the image
   int tracks = 60;
-  int cameras = 1;              ///< 2: every second point is seen by both, under one id; every seventh frame cam1 is blind
+  int cameras = 1;  ///< 2: every second point is seen by both, under one id; every seventh frame cam1 is blind
 };
 
 /// Path and attitude: sums of sinusoids with random phases, slowed down to rest where the scene says so.
@@ -134,8 +134,8 @@ inline Calibration<double> simulated_device(int cameras = 1) {
 struct SimulatedTrack {
   std::uint32_t id;
   int frames_left;
-  Vec3<double> l;       ///< m, in G
-  Vec2<double> slide;   ///< px per frame; an outlier's own motion
+  Vec3<double> l;      ///< m, in G
+  Vec2<double> slide;  ///< px per frame; an outlier's own motion
   int age;
 };
 
@@ -170,8 +170,9 @@ inline bool see_track(const CameraCalibration<double>& camera, const Scene& scen
 }
 
 /// The image points of one frame; tracks that left the image of their camera or are too old are replaced.
-inline void observe_frame(const Calibration<double>& theta, const Scene& scene, bool blind, std::vector<SimulatedTrack>* tracks,
-                          std::uint32_t* next_id, Random* random, TrueFrame* frame) {
+inline void observe_frame(const Calibration<double>& theta, const Scene& scene, bool blind,
+                          std::vector<SimulatedTrack>* tracks, std::uint32_t* next_id, Random* random,
+                          TrueFrame* frame) {
   while (static_cast<int>(tracks->size()) < scene.tracks) {
     tracks->push_back(new_track(theta, frame->x, scene, (*next_id)++, random));
   }

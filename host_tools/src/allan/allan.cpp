@@ -30,16 +30,23 @@ Columns columns_of(const std::vector<ImuSample>& samples) {
 double spread(const std::vector<double>& column) { return quantile(column, 0.99) - quantile(column, 0.01); }
 
 [[noreturn]] void refuse(const Columns& axes, double rate_hz, const Span& rest) {
-  const double all_s = static_cast<double>(axes[0].size()) / rate_hz, rest_s = static_cast<double>(rest.end - rest.begin) / rate_hz;
+  const double all_s = static_cast<double>(axes[0].size()) / rate_hz,
+               rest_s = static_cast<double>(rest.end - rest.begin) / rate_hz;
   if (all_s < least_rest_s)
-    throw NotAtRest(formatted("too short: %.1f s of IMU samples, at least %.0f s at rest are needed, an hour for the bias walks", all_s, least_rest_s));
+    throw NotAtRest(
+        formatted("too short: %.1f s of IMU samples, at least %.0f s at rest are needed, an hour for the bias walks",
+                  all_s, least_rest_s));
   double turn = 0, push = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     turn = std::max(turn, spread(axes[i]));
     push = std::max(push, spread(axes[3 + i]));
   }
-  throw NotAtRest(formatted("not at rest: the longest rest takes %.1f s; rates spread over %.3g rad/s and accelerations over %.3g m/s^2", rest_s, turn, push) +
-                  formatted("; put the device on a table that nobody touches, for %.0f s at least, an hour for the bias walks", least_rest_s));
+  throw NotAtRest(
+      formatted(
+          "not at rest: the longest rest takes %.1f s; rates spread over %.3g rad/s and accelerations over %.3g m/s^2",
+          rest_s, turn, push) +
+      formatted("; put the device on a table that nobody touches, for %.0f s at least, an hour for the bias walks",
+                least_rest_s));
 }
 
 /// Overlapping averages do not multiply what a rest tells: T / tau - 1 of them are independent.
@@ -107,7 +114,8 @@ AxisFit fit_axis(const std::vector<AllanPoint>& points, std::size_t axis, double
   out.density = std::sqrt(fit[0]);
   out.instability = std::sqrt(fit[1]);
   const Eigen::Vector3d scale = A.colwise().norm().transpose().cwiseMax(1e-300);
-  const Eigen::Matrix3d information = scale.cwiseInverse().asDiagonal() * (A.transpose() * A) * scale.cwiseInverse().asDiagonal();
+  const Eigen::Matrix3d information =
+      scale.cwiseInverse().asDiagonal() * (A.transpose() * A) * scale.cwiseInverse().asDiagonal();
   const double sigma_square = std::sqrt(information.inverse()(2, 2)) / scale[2];  // of walk^2
   out.walk_seen = fit[2] > walk_sigmas * sigma_square;
   out.walk = std::sqrt(out.walk_seen ? fit[2] : fit[2] + walk_sigmas * sigma_square);
@@ -140,7 +148,9 @@ AllanResult allan_of(const std::vector<ImuSample>& samples) {
   result.start_s = static_cast<double>(samples[rest.begin].t_ns - samples.front().t_ns) * 1e-9;
   const double by_stamps_s = static_cast<double>(samples[rest.end - 1].t_ns - samples[rest.begin].t_ns) * 1e-9;
   if (std::abs(by_stamps_s - result.rest_s) > 0.01 * result.rest_s)
-    throw NotAtRest(formatted("samples are missing: the rest holds %.1f s of samples at %.1f Hz within %.1f s of stamps", result.rest_s, result.rate_hz, by_stamps_s));
+    throw NotAtRest(
+        formatted("samples are missing: the rest holds %.1f s of samples at %.1f Hz within %.1f s of stamps",
+                  result.rest_s, result.rate_hz, by_stamps_s));
   result.gyro = fit_sensor(&axes[0], rest, result.rate_hz, result.rest_s);
   result.accel = fit_sensor(&axes[3], rest, result.rate_hz, result.rest_s);
   if (!(result.gyro.density() > 0 && result.accel.density() > 0))

@@ -1,5 +1,5 @@
-// Noise of an IMU from a recording at rest: white noise and bias walk by the overlapping Allan deviation (IEEE Std 952-1997,
-// annex C; Allan's own definition, Proc. IEEE 54, 1966).
+// Noise of an IMU from a recording at rest: white noise and bias walk by the overlapping Allan deviation (IEEE Std
+// 952-1997, annex C; Allan's own definition, Proc. IEEE 54, 1966).
 #pragma once
 
 #include <array>
@@ -13,11 +13,11 @@ namespace host {
 
 /// One axis: deviation^2 = density^2 / tau + instability^2 2 ln 2 / pi + walk^2 tau / 3.
 struct AxisFit {
-  double density = 0;       ///< rad/s/sqrt(Hz) or m/s^2/sqrt(Hz)
-  double instability = 0;   ///< rad/s or m/s^2: the floor between the two slopes
-  double walk = 0;          ///< rad/s^2/sqrt(Hz) or m/s^3/sqrt(Hz)
+  double density = 0;      ///< rad/s/sqrt(Hz) or m/s^2/sqrt(Hz)
+  double instability = 0;  ///< rad/s or m/s^2: the floor between the two slopes
+  double walk = 0;         ///< rad/s^2/sqrt(Hz) or m/s^3/sqrt(Hz)
   double walk_sigma = 0;
-  bool walk_seen = false;   ///< false: the rest is too short for it, `walk` is the most that the longest times allow
+  bool walk_seen = false;  ///< false: the rest is too short for it, `walk` is the most that the longest times allow
 };
 
 struct SensorFit {

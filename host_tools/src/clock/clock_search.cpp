@@ -18,7 +18,7 @@ constexpr double significant = 5;
 
 struct Rates {
   std::vector<const FramePair*> pair;
-  std::vector<Eigen::Vector3d> image;   ///< rad/s, camera's axes
+  std::vector<Eigen::Vector3d> image;  ///< rad/s, camera's axes
 };
 
 /// Correlation of the rates at an offset, means taken off: a bias of the gyroscope is no rotation.
@@ -62,7 +62,8 @@ struct Peak {
 };
 
 Peak find_peak(const std::vector<double>& offsets, const std::vector<double>& correlation) {
-  const auto best = static_cast<std::size_t>(std::max_element(correlation.begin(), correlation.end()) - correlation.begin());
+  const auto best =
+      static_cast<std::size_t>(std::max_element(correlation.begin(), correlation.end()) - correlation.begin());
   Peak out{offsets[best], correlation[best], -1};
   for (std::size_t i = 0; i < offsets.size(); ++i) {
     if (std::abs(offsets[i] - offsets[best]) > kLobe_s) out.elsewhere = std::max(out.elsewhere, correlation[i]);
@@ -74,8 +75,8 @@ Peak find_peak(const std::vector<double>& offsets, const std::vector<double>& co
   return out;
 }
 
-/// Weighted mean of the windows' offsets (diagnose/clock.h, which knows parallax from rotation); its sigma is at least what
-/// their scatter tells. False where no window tells.
+/// Weighted mean of the windows' offsets (diagnose/clock.h, which knows parallax from rotation); its sigma is at least
+/// what their scatter tells. False where no window tells.
 bool refine(const std::vector<FramePair>& pairs, const GyroPath& gyro, const Eigen::Matrix3d& R_CI, ClockSearch* out) {
   const std::vector<OffsetInWindow> windows = offsets_over_time(pairs, gyro, R_CI, out->offset_s);
   double weight = 0, sum = 0, scatter = 0;
@@ -111,7 +112,8 @@ ClockSearch search_clock(const Recording& recording, const CameraCalibration& ca
   const Rates rates = rates_within(pairs, gyro, start_s);
   const bool too_few = rates.pair.size() < static_cast<std::size_t>(kLeastPairs);
   if (too_few || turning(rates) < kLeastTurning) {
-    out.words = too_few ? "too few images with common corners to compare clocks" : "the device turns too little to compare clocks";
+    out.words = too_few ? "too few images with common corners to compare clocks"
+                        : "the device turns too little to compare clocks";
     return out;
   }
   std::vector<double> offsets, correlation;
@@ -123,12 +125,17 @@ ClockSearch search_clock(const Recording& recording, const CameraCalibration& ca
   out.correlation = peak.correlation;
   out.correlation_at_start = correlation[offsets.size() / 2];
   if (peak.correlation < kLeastCorrelation) {
-    out.words = in_words("rotation of the images and of the gyroscope do not agree at any offset within 0.5 s (correlation %.2f at best): "
-                         "check R_CI, the axes and the units", peak.correlation);
+    out.words = in_words(
+        "rotation of the images and of the gyroscope do not agree at any offset within 0.5 s (correlation %.2f at "
+        "best): "
+        "check R_CI, the axes and the units",
+        peak.correlation);
     return out;
   }
   if (1 - peak.correlation > kPeakStandsOut * (1 - peak.elsewhere)) {
-    out.words = in_words("the motion repeats itself: offsets of the clocks are not told apart (correlation %.2f, elsewhere %.2f)", peak.correlation, peak.elsewhere);
+    out.words = in_words(
+        "the motion repeats itself: offsets of the clocks are not told apart (correlation %.2f, elsewhere %.2f)",
+        peak.correlation, peak.elsewhere);
     return out;
   }
   out.judged = true;

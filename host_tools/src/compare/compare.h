@@ -14,11 +14,11 @@ namespace host {
 
 struct CompareOptions {
   std::filesystem::path a, b;
-  std::vector<std::filesystem::path> truth;   ///< .json: parameters; else a trajectory
+  std::vector<std::filesystem::path> truth;  ///< .json: parameters; else a trajectory
   ErrorOptions trajectory;
   SigmaOf sigma_of = SigmaOf::difference;
-  double sigmas = 4;                          ///< tolerance of each parameter
-  std::optional<double> sigma_ratio;          ///< tolerance of sigma_A / sigma_B - 1
+  double sigmas = 4;                               ///< tolerance of each parameter
+  std::optional<double> sigma_ratio;               ///< tolerance of sigma_A / sigma_B - 1
   std::optional<double> position_m, attitude_rad;  ///< tolerances of trajectory RMSE
 };
 
@@ -36,8 +36,8 @@ struct TrajectoryComparison {
 struct Comparison {
   std::vector<ParameterComparison> parameters;
   std::vector<TrajectoryComparison> trajectories;
-  std::vector<std::string> exceeded;   ///< what is above its tolerance, one sentence each
-  std::string verdict;                 ///< one line
+  std::vector<std::string> exceeded;  ///< what is above its tolerance, one sentence each
+  std::string verdict;                ///< one line
 };
 
 /// Reads both folders and compares. Throws InputError where nothing can be compared.

@@ -14,7 +14,6 @@
 namespace host {
 namespace {
 
-
 constexpr const char* compare_footer = R"(Examples:
   segcal compare out1 out2
       the same device on two days: differences in units of their sigma
@@ -42,11 +41,13 @@ std::string number(const std::optional<double>& value, const char* format) {
 }
 
 void print(const ParameterComparison& c) {
-  std::printf("%s against %s\n%-14s %-4s %14s %14s %12s %10s %10s %10s\n", c.of.c_str(), c.against.c_str(), "parameter", "unit", c.of.c_str(),
-              c.against.c_str(), "difference", ("/sig " + c.of).c_str(), ("/sig " + c.against).c_str(), "/sig diff");
+  std::printf("%s against %s\n%-14s %-4s %14s %14s %12s %10s %10s %10s\n", c.of.c_str(), c.against.c_str(), "parameter",
+              "unit", c.of.c_str(), c.against.c_str(), "difference", ("/sig " + c.of).c_str(),
+              ("/sig " + c.against).c_str(), "/sig diff");
   for (const ParameterDifference& d : c.parameters) {
-    std::printf("%-14s %-4s %14.6f %14.6f %12.2e %10s %10s %10s\n", d.name.c_str(), d.unit.c_str(), d.a, d.b, d.difference,
-                number(d.in_a, "%.3f").c_str(), number(d.in_b, "%.3f").c_str(), number(d.in_difference, "%.3f").c_str());
+    std::printf("%-14s %-4s %14.6f %14.6f %12.2e %10s %10s %10s\n", d.name.c_str(), d.unit.c_str(), d.a, d.b,
+                d.difference, number(d.in_a, "%.3f").c_str(), number(d.in_b, "%.3f").c_str(),
+                number(d.in_difference, "%.3f").c_str());
   }
 }
 
@@ -55,8 +56,9 @@ void print_row(const char* what, const Spread& s, double unit) {
 }
 
 void print(const TrajectoryComparison& c) {
-  std::printf("%s against %s: %.1f s, %.2f m of path, time shift %.4f s\n  %-24s %10s %10s %10s %8s\n", c.of.c_str(), c.against.c_str(),
-              c.error.duration_s, c.error.path_m, c.error.time_shift_s, "", "RMSE", "median", "max", "poses");
+  std::printf("%s against %s: %.1f s, %.2f m of path, time shift %.4f s\n  %-24s %10s %10s %10s %8s\n", c.of.c_str(),
+              c.against.c_str(), c.error.duration_s, c.error.path_m, c.error.time_shift_s, "", "RMSE", "median", "max",
+              "poses");
   print_row("position [m]", c.error.position_m, 1);
   print_row("attitude [deg]", c.error.attitude_rad, rad_per_deg);
   for (const RelativeError& r : c.error.relative) {
@@ -98,26 +100,37 @@ int run(CompareArguments a) {
 void add_compare_command(CLI::App& app, int& exit_code) {
   const auto a = std::make_shared<CompareArguments>();
   CompareOptions& o = a->options;
-  CLI::App* sub = app.add_subcommand("compare", "two results against each other and the truth: parameters in units of sigma, trajectories");
+  CLI::App* sub = app.add_subcommand(
+      "compare", "two results against each other and the truth: parameters in units of sigma, trajectories");
   sub->add_option("DIR_A", o.a, "folder that segcal wrote: result.json, trajectory.tum")->required();
   sub->add_option("DIR_B", o.b, "the other one")->required();
-  sub->add_option("--truth", o.truth, "truth.json of a simulation, or a trajectory: TUM, or EuRoC's data.csv; may be given twice")
-      ->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  sub->add_option("--truth", o.truth,
+                  "truth.json of a simulation, or a trajectory: TUM, or EuRoC's data.csv; may be given twice")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   sub->add_option("--out", a->out, "folder for compare.json");
   sub->add_flag("--json", a->json, "print compare.json on standard output");
-  sub->add_option("--sigmas", o.sigmas, "tolerance of each parameter, sigma")->capture_default_str()->check(CLI::PositiveNumber);
+  sub->add_option("--sigmas", o.sigmas, "tolerance of each parameter, sigma")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   sub->add_option("--sigma-of", a->sigma_of, "whose sigma: of the difference of independent results, of a, or of b")
-      ->capture_default_str()->check(CLI::IsMember({"difference", "a", "b"}));
+      ->capture_default_str()
+      ->check(CLI::IsMember({"difference", "a", "b"}));
   sub->add_option("--sigma-ratio", a->sigma_ratio, "tolerance of sigma_A / sigma_B - 1")->check(CLI::NonNegativeNumber);
   sub->add_option("--position-rmse", a->position_m, "tolerance, m")->check(CLI::NonNegativeNumber);
   sub->add_option("--attitude-rmse", a->attitude_deg, "tolerance, deg")->check(CLI::NonNegativeNumber);
   sub->add_option("--align", a->align, "transformation allowed between the trajectories: none, yaw (and position), se3")
-      ->capture_default_str()->check(CLI::IsMember({"none", "yaw", "se3"}));
-  sub->add_option("--time-shift", o.trajectory.largest_shift_s, "estimate a shift of the clocks within +- this, s; 0: none")
-      ->capture_default_str()->check(CLI::Range(0.0, 10.0));
+      ->capture_default_str()
+      ->check(CLI::IsMember({"none", "yaw", "se3"}));
+  sub->add_option("--time-shift", o.trajectory.largest_shift_s,
+                  "estimate a shift of the clocks within +- this, s; 0: none")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 10.0));
   sub->add_option("--largest-gap", o.trajectory.largest_gap_s, "the reference is not interpolated across more, s")
-      ->capture_default_str()->check(CLI::PositiveNumber);
-  sub->add_option("--relative", o.trajectory.segment_m, "lengths of path for the relative pose error, m")->check(CLI::PositiveNumber);
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  sub->add_option("--relative", o.trajectory.segment_m, "lengths of path for the relative pose error, m")
+      ->check(CLI::PositiveNumber);
   sub->footer(compare_footer);
   sub->callback([a, &exit_code] { exit_code = run(*a); });
 }

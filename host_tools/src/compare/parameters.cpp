@@ -63,7 +63,8 @@ std::optional<double> joint_sigma(const std::optional<double>& a, const std::opt
 }
 
 const ParameterEstimate* find(const ParameterList& list, const std::string& name) {
-  const auto it = std::find_if(list.begin(), list.end(), [&name](const ParameterEstimate& p) { return p.name == name; });
+  const auto it =
+      std::find_if(list.begin(), list.end(), [&name](const ParameterEstimate& p) { return p.name == name; });
   return it == list.end() ? nullptr : &*it;
 }
 
@@ -92,7 +93,8 @@ ParameterList read_parameters(const fs::path& dir) {
     ParameterList list = listed(result);
     if (!list.empty()) return list;
   }
-  if (!fs::exists(camchain)) throw InputError(dir.string() + ": expected result.json with parameters, or camchain-imucam.yaml");
+  if (!fs::exists(camchain))
+    throw InputError(dir.string() + ": expected result.json with parameters, or camchain-imucam.yaml");
   ParameterList out;
   for (const sim::NamedParameter& p : sim::named_parameters(read_calibration(camchain), fs::exists(dir / "imu.yaml"))) {
     out.push_back({p.name, "", p.value, std::nullopt, ""});
@@ -102,7 +104,8 @@ ParameterList read_parameters(const fs::path& dir) {
 
 ParameterList read_truth_parameters(const fs::path& file) {
   ParameterList list = listed(file);
-  if (list.empty()) throw InputError(file.string() + ": expected parameters, as `segcal simulate` writes truth/truth.json");
+  if (list.empty())
+    throw InputError(file.string() + ": expected parameters, as `segcal simulate` writes truth/truth.json");
   for (ParameterEstimate& p : list) p.sigma.reset();
   return list;
 }

@@ -34,13 +34,16 @@ bool stamp_from_seconds(std::string_view text, std::int64_t* t_ns) {
   if (text.find_first_of("eE") != std::string_view::npos) {
     double seconds = 0;
     const auto r = std::from_chars(text.data(), text.data() + text.size(), seconds);
-    if (r.ec != std::errc() || r.ptr != text.data() + text.size() || !(std::abs(seconds) < static_cast<double>(most_seconds))) return false;
+    if (r.ec != std::errc() || r.ptr != text.data() + text.size() ||
+        !(std::abs(seconds) < static_cast<double>(most_seconds)))
+      return false;
     *t_ns = std::llround(seconds * 1e9);
     return true;
   }
   std::int64_t seconds = 0, ns = 0;
   const auto r = std::from_chars(whole.data(), whole.data() + whole.size(), seconds);
-  if (r.ec != std::errc() || r.ptr != whole.data() + whole.size() || seconds < -most_seconds || seconds > most_seconds) return false;
+  if (r.ec != std::errc() || r.ptr != whole.data() + whole.size() || seconds < -most_seconds || seconds > most_seconds)
+    return false;
   std::string digits(dot == std::string_view::npos ? "" : text.substr(dot + 1));
   if (digits.find_first_not_of("0123456789") != std::string::npos) return false;
   digits.resize(9, '0');
@@ -107,7 +110,9 @@ Poses read_tum(const std::filesystem::path& file) {
   return poses;
 }
 
-Poses read_poses(const std::filesystem::path& file) { return file.extension() == ".csv" ? read_asl(file) : read_tum(file); }
+Poses read_poses(const std::filesystem::path& file) {
+  return file.extension() == ".csv" ? read_asl(file) : read_tum(file);
+}
 
 Poses poses_of(const std::vector<CoreState>& trajectory) {
   Poses out;
@@ -130,7 +135,8 @@ Poses poses_of(const std::vector<TruthPose>& truth) {
 }
 
 bool pose_at(const Poses& poses, std::int64_t t_ns, double largest_gap_s, Pose* out) {
-  const auto after = std::lower_bound(poses.begin(), poses.end(), t_ns, [](const Pose& p, std::int64_t t) { return p.t_ns < t; });
+  const auto after =
+      std::lower_bound(poses.begin(), poses.end(), t_ns, [](const Pose& p, std::int64_t t) { return p.t_ns < t; });
   if (after == poses.end()) return false;
   if (after->t_ns == t_ns) {
     *out = *after;

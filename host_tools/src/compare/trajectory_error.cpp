@@ -8,8 +8,8 @@
 namespace host {
 namespace {
 
-constexpr double pair_tolerance = 0.1;   // of the length of a piece of path
-constexpr double coarse_step_s = 0.01;   // the position changes little within: one metre per second gives a centimetre
+constexpr double pair_tolerance = 0.1;  // of the length of a piece of path
+constexpr double coarse_step_s = 0.01;  // the position changes little within: one metre per second gives a centimetre
 constexpr double fine_step_s = 1e-6;
 
 /// Poses of the estimate and of the reference at the same times.
@@ -36,7 +36,8 @@ Eigen::Vector3d centre_of(const Poses& poses) {
 }
 
 /// sum (onto - centre) (from - centre)'.
-Eigen::Matrix3d cross_covariance(const Poses& from, const Poses& onto, const Eigen::Vector3d& c_from, const Eigen::Vector3d& c_onto) {
+Eigen::Matrix3d cross_covariance(const Poses& from, const Poses& onto, const Eigen::Vector3d& c_from,
+                                 const Eigen::Vector3d& c_onto) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < from.size(); ++i) sum += (onto[i].p_GI - c_onto) * (from[i].p_GI - c_from).transpose();
   return sum;
@@ -53,7 +54,8 @@ void move(Poses& poses, const Motion& motion) {
 double aligned_rmse(const Poses& estimate, const Poses& reference, double shift_s, const ErrorOptions& options) {
   const Pairs pairs = paired(estimate, reference, shift_s, options.largest_gap_s);
   // A shift that leaves little overlap must not win by having little to explain.
-  if (2 * pairs.estimate.size() < estimate.size() || pairs.estimate.size() < 3) return std::numeric_limits<double>::infinity();
+  if (2 * pairs.estimate.size() < estimate.size() || pairs.estimate.size() < 3)
+    return std::numeric_limits<double>::infinity();
   const Motion m = align(pairs.estimate, pairs.reference, options.alignment);
   double sum = 0;
   for (std::size_t i = 0; i < pairs.estimate.size(); ++i) {
@@ -119,7 +121,8 @@ RelativeError relative_error(const Pairs& pairs, double length) {
     if (std::abs(along[j] - along[i] - length) > pair_tolerance * length) continue;
     const Pose &e0 = pairs.estimate[i], &e1 = pairs.estimate[j], &r0 = pairs.reference[i], &r1 = pairs.reference[j];
     const Eigen::Quaterniond turn_e = e0.q_GI.conjugate() * e1.q_GI, turn_r = r0.q_GI.conjugate() * r1.q_GI;
-    const Eigen::Vector3d step_e = e0.q_GI.conjugate() * (e1.p_GI - e0.p_GI), step_r = r0.q_GI.conjugate() * (r1.p_GI - r0.p_GI);
+    const Eigen::Vector3d step_e = e0.q_GI.conjugate() * (e1.p_GI - e0.p_GI),
+                          step_r = r0.q_GI.conjugate() * (r1.p_GI - r0.p_GI);
     position.push_back((step_e - step_r).norm());
     attitude.push_back(angle_of(turn_r.conjugate() * turn_e));
   }
@@ -155,7 +158,8 @@ Motion align(const Poses& from, const Poses& onto, Alignment alignment) {
   const Eigen::Vector3d c_from = centre_of(from), c_onto = centre_of(onto);
   const Eigen::Matrix3d C = cross_covariance(from, onto, c_from, c_onto);
   if (alignment == Alignment::yaw) {
-    motion.R = Eigen::AngleAxisd(std::atan2(C(1, 0) - C(0, 1), C(0, 0) + C(1, 1)), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    motion.R = Eigen::AngleAxisd(std::atan2(C(1, 0) - C(0, 1), C(0, 0) + C(1, 1)), Eigen::Vector3d::UnitZ())
+                   .toRotationMatrix();
   } else {
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(C, Eigen::ComputeFullU | Eigen::ComputeFullV);  // Umeyama 1991
     Eigen::Vector3d sign(1, 1, svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1);
@@ -165,7 +169,8 @@ Motion align(const Poses& from, const Poses& onto, Alignment alignment) {
   return motion;
 }
 
-std::optional<TrajectoryError> trajectory_error(const Poses& estimate, const Poses& reference, const ErrorOptions& options) {
+std::optional<TrajectoryError> trajectory_error(const Poses& estimate, const Poses& reference,
+                                                const ErrorOptions& options) {
   TrajectoryError out;
   if (options.largest_shift_s > 0) out.time_shift_s = estimated_shift(estimate, reference, options);
   Pairs pairs = paired(estimate, reference, out.time_shift_s, options.largest_gap_s);

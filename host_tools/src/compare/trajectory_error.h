@@ -8,15 +8,16 @@
 
 namespace host {
 
-/// What is unknown between the two worlds: nothing, yaw and position (gravity tells the rest: an odometry), all of SE(3).
+/// What is unknown between the two worlds: nothing, yaw and position (gravity tells the rest: an odometry), all of
+/// SE(3).
 enum class Alignment { none, yaw, se3 };
 Alignment alignment_from_name(const std::string& name);  ///< none, yaw, se3. Throws InputError.
 
 struct ErrorOptions {
   Alignment alignment = Alignment::yaw;
-  double largest_gap_s = 0.25;             ///< the reference is not interpolated across more
-  double largest_shift_s = 0;              ///< a time shift is estimated within +- this; 0: none
-  std::vector<double> segment_m = {};      ///< lengths of path for the relative pose error
+  double largest_gap_s = 0.25;         ///< the reference is not interpolated across more
+  double largest_shift_s = 0;          ///< a time shift is estimated within +- this; 0: none
+  std::vector<double> segment_m = {};  ///< lengths of path for the relative pose error
 };
 
 struct Spread {
@@ -31,10 +32,10 @@ struct RelativeError {
 };
 
 struct TrajectoryError {
-  std::size_t poses = 0;                   ///< of the estimate with a reference
-  double duration_s = 0, path_m = 0;       ///< of the reference over these
-  double time_shift_s = 0;                 ///< t_reference = t_estimate + shift
-  Spread position_m, attitude_rad;         ///< at each pose, after alignment
+  std::size_t poses = 0;              ///< of the estimate with a reference
+  double duration_s = 0, path_m = 0;  ///< of the reference over these
+  double time_shift_s = 0;            ///< t_reference = t_estimate + shift
+  Spread position_m, attitude_rad;    ///< at each pose, after alignment
   std::vector<RelativeError> relative;
 };
 
@@ -45,12 +46,13 @@ struct Motion {
 };
 Motion align(const Poses& from, const Poses& onto, Alignment alignment);
 
-/// Errors of `estimate` against `reference`, which is interpolated at the estimate's stamps. Empty where fewer than three
-/// poses have a reference.
+/// Errors of `estimate` against `reference`, which is interpolated at the estimate's stamps. Empty where fewer than
+/// three poses have a reference.
 ///
 /// Position and attitude errors are those of the pose difference at each time after alignment: the paper's evaluation
-/// (Sec. VI-C1). The relative pose error compares the motion over pieces of path: for each pose the one whose distance along
-/// the reference is nearest to `segment_m` and within 10 % of it, as evo's RPE with all pairs does.
-std::optional<TrajectoryError> trajectory_error(const Poses& estimate, const Poses& reference, const ErrorOptions& options);
+/// (Sec. VI-C1). The relative pose error compares the motion over pieces of path: for each pose the one whose distance
+/// along the reference is nearest to `segment_m` and within 10 % of it, as evo's RPE with all pairs does.
+std::optional<TrajectoryError> trajectory_error(const Poses& estimate, const Poses& reference,
+                                                const ErrorOptions& options);
 
 }  // namespace host

@@ -22,7 +22,8 @@ struct ConvertArguments {
 
 /// One session into the folder itself, several into folders 0, 1, ... in it.
 int to_folders(const ConvertArguments& a) {
-  if (a.recordings.size() > 1) throw InputError("expected one device log at a time, found " + std::to_string(a.recordings.size()));
+  if (a.recordings.size() > 1)
+    throw InputError("expected one device log at a time, found " + std::to_string(a.recordings.size()));
   DeviceLog log = read_device_log(a.recordings.front(), a.salvage ? Damaged::leave_out : Damaged::refuse);
   for (const std::string& note : log.notes) std::cerr << "segcal: " << note << std::endl;
   for (std::size_t i = 0; i < log.sessions.size(); ++i) {
@@ -34,8 +35,8 @@ int to_folders(const ConvertArguments& a) {
     write_camchain(session.root / "camchain-imucam.yaml", log.calibration);
     write_imu_yaml(session.root / "imu.yaml", log.calibration, log.noise);
     run.finish();
-    std::cout << session.root.string() << ": " << session.imu.samples.size() << " IMU samples, " << session.cameras[0].frames.size()
-              << " frames" << std::endl;
+    std::cout << session.root.string() << ": " << session.imu.samples.size() << " IMU samples, "
+              << session.cameras[0].frames.size() << " frames" << std::endl;
   }
   return 0;
 }
@@ -57,13 +58,20 @@ int to_log(const ConvertArguments& a) {
 void add_convert_command(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<ConvertArguments>();
   CLI::App* sub = app.add_subcommand("convert", "device log to recording folder, or recording folders to a device log");
-  sub->add_option("recordings", a->recordings, "a device log (*.segcal), or recordings in ASL layout with tracks, sessions in order")->required();
+  sub->add_option("recordings", a->recordings,
+                  "a device log (*.segcal), or recordings in ASL layout with tracks, sessions in order")
+      ->required();
   sub->add_option("--out", a->out, "the folder, or the file NAME.segcal, to write")->required();
   sub->add_option("--calib", a->calibration, "starting calibration to store in the log (default: the recording's own)");
-  sub->add_option("--cameras", a->cameras, "cameras that go into the log, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
-  sub->add_option("--pixel-sigma", a->pixel_sigma, "stated noise of a tracked corner per axis that goes into the log, px")
-      ->capture_default_str()->check(CLI::PositiveNumber);
-  sub->add_option("--profile", a->profile, "capacities that the log is for: mcu, mobile, host, mobile_double")->capture_default_str();
+  sub->add_option("--cameras", a->cameras, "cameras that go into the log, cam0 first")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 2));
+  sub->add_option("--pixel-sigma", a->pixel_sigma,
+                  "stated noise of a tracked corner per axis that goes into the log, px")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  sub->add_option("--profile", a->profile, "capacities that the log is for: mcu, mobile, host, mobile_double")
+      ->capture_default_str();
   sub->add_flag("--salvage", a->salvage, "skip damaged blocks of a log, with a line for each");
   sub->footer(R"(Examples:
   segcal convert flight.segcal --out rec

@@ -38,7 +38,9 @@ class Decoder {
  private:
   void take(const LogBlockView& block) {
     const bool first = block.type <= static_cast<std::uint16_t>(LogBlock::config);
-    if (!first && !has_config_) fail(name_, block.offset, "expected a header and a configuration first, found a block of type " + std::to_string(block.type));
+    if (!first && !has_config_)
+      fail(name_, block.offset,
+           "expected a header and a configuration first, found a block of type " + std::to_string(block.type));
     ByteReader in(block.payload, block.size);
     switch (static_cast<LogBlock>(block.type)) {
       case LogBlock::header: take_header(block, &in); break;
@@ -48,20 +50,26 @@ class Decoder {
       case LogBlock::mark: take_mark(block, in.integer<std::int32_t>()); break;
       case LogBlock::hash: session().device->calls.push_back({DeviceCall::hash, in.integer<std::uint64_t>()}); break;
       case LogBlock::end: break;
-      default: fail(name_, block.offset, "expected a block type from 0 to 6, found " + std::to_string(block.type) + ", of a newer segcal");
+      default:
+        fail(name_, block.offset,
+             "expected a block type from 0 to 6, found " + std::to_string(block.type) + ", of a newer segcal");
     }
     if (!in.complete() || in.left() > 0) {
-      fail(name_, block.offset, "expected another number of bytes in a block of type " + std::to_string(block.type) + ", found " + std::to_string(block.size));
+      fail(name_, block.offset,
+           "expected another number of bytes in a block of type " + std::to_string(block.type) + ", found " +
+               std::to_string(block.size));
     }
   }
 
   void take_header(const LogBlockView& block, ByteReader* in) {
     const std::uint32_t format = in->integer<std::uint32_t>();
     if (format != SEGCAL_LOG_FORMAT) {
-      fail(name_, block.offset, "expected log format " + std::to_string(SEGCAL_LOG_FORMAT) + ", found " + std::to_string(format));
+      fail(name_, block.offset,
+           "expected log format " + std::to_string(SEGCAL_LOG_FORMAT) + ", found " + std::to_string(format));
     }
     in->integer<std::uint32_t>();  // version of the library
-    const int n = in->left() == kFewestLoggedCapacities * sizeof(std::uint32_t) ? kFewestLoggedCapacities : kLoggedCapacities;
+    const int n =
+        in->left() == kFewestLoggedCapacities * sizeof(std::uint32_t) ? kFewestLoggedCapacities : kLoggedCapacities;
     std::uint32_t capacities[kLoggedCapacities];
     for (int i = 0; i < n; ++i) capacities[i] = in->integer<std::uint32_t>();
     profile_ = profile_of(capacities, n);
@@ -71,7 +79,9 @@ class Decoder {
     if (has_config_) fail(name_, block.offset, "expected one configuration, found a second one");
     segcal_config_t config;
     if (!read_config(block.payload, block.size, &config)) {
-      fail(name_, block.offset, "expected a configuration of at most " + std::to_string(SEGCAL_MAX_CAMERAS) + " cameras, found another one or a newer one");
+      fail(name_, block.offset,
+           "expected a configuration of at most " + std::to_string(SEGCAL_MAX_CAMERAS) +
+               " cameras, found another one or a newer one");
     }
     has_config_ = true;
     has_temperature_ = config.has_temperature != 0;
@@ -85,10 +95,13 @@ class Decoder {
   void take_samples(const LogBlockView& block, ByteReader* in) {
     const std::int64_t t0 = in->integer<std::int64_t>();
     const std::uint32_t n = in->integer<std::uint32_t>();
-    if (in->left() != n * kImuSample) fail(name_, block.offset, "expected " + std::to_string(n) + " samples, found " + std::to_string(in->left()) + " bytes");
+    if (in->left() != n * kImuSample)
+      fail(name_, block.offset,
+           "expected " + std::to_string(n) + " samples, found " + std::to_string(in->left()) + " bytes");
     for (std::uint32_t i = 0; i < n; ++i) {
       ImuSample sample;
-      sample.t_ns = static_cast<std::int64_t>(static_cast<std::uint64_t>(t0) + static_cast<std::uint64_t>(std::int64_t{in->integer<std::int32_t>()}));
+      sample.t_ns = static_cast<std::int64_t>(static_cast<std::uint64_t>(t0) +
+                                              static_cast<std::uint64_t>(std::int64_t{in->integer<std::int32_t>()}));
       for (double& value : sample.gyro) value = in->number32();
       for (double& value : sample.accel) value = in->number32();
       sample.temperature_degC = in->number32();
@@ -100,7 +113,9 @@ class Decoder {
   void take_frame(const LogBlockView& block, ByteReader* in) {
     const std::int64_t t_ns = in->integer<std::int64_t>();
     const std::uint32_t n = in->integer<std::uint32_t>();
-    if (in->left() != n * kTrackPoint) fail(name_, block.offset, "expected " + std::to_string(n) + " points, found " + std::to_string(in->left()) + " bytes");
+    if (in->left() != n * kTrackPoint)
+      fail(name_, block.offset,
+           "expected " + std::to_string(n) + " points, found " + std::to_string(in->left()) + " bytes");
     for (CameraData& camera : session().cameras) camera.frames.push_back({t_ns, {}});
     for (std::uint32_t i = 0; i < n; ++i) {
       TrackPoint point;
@@ -109,7 +124,9 @@ class Decoder {
       point.u = in->number32();
       point.v = in->number32();
       if (camera >= session().cameras.size()) {
-        fail(name_, block.offset, "expected cameras below " + std::to_string(session().cameras.size()) + ", found a point of camera " + std::to_string(camera));
+        fail(name_, block.offset,
+             "expected cameras below " + std::to_string(session().cameras.size()) + ", found a point of camera " +
+                 std::to_string(camera));
       }
       session().cameras[camera].frames.back().points.push_back(point);
     }
@@ -129,8 +146,9 @@ class Decoder {
 
   void take_late(const LogBlockView& block) {
     std::vector<DeviceCall>& calls = session().device->calls;
-    const bool fed = !calls.empty() && (calls.back().what == DeviceCall::sample || calls.back().what == DeviceCall::frame);
-    if (!fed && !blocks_.damage.empty()) return;   // the call is in what was left out
+    const bool fed =
+        !calls.empty() && (calls.back().what == DeviceCall::sample || calls.back().what == DeviceCall::frame);
+    if (!fed && !blocks_.damage.empty()) return;  // the call is in what was left out
     if (!fed) fail(name_, block.offset, "expected late work to be noted after a sample or a frame, found it elsewhere");
     calls.back().late = session().device->was_late = true;
   }
@@ -169,12 +187,15 @@ DeviceLog parse_device_log(const fs::path& name, const std::vector<std::uint8_t>
   const LogBlocks blocks = find_blocks(bytes);
   std::vector<std::string> notes;
   for (const LogDamage& d : blocks.damage) {
-    if (damaged == Damaged::refuse) fail(name, d.offset, d.found + " (segcal convert --salvage leaves such blocks out)");
-    notes.push_back(name.string() + ": byte " + std::to_string(d.offset) + ": " + d.found + ": " + std::to_string(d.bytes) + " bytes left out");
+    if (damaged == Damaged::refuse)
+      fail(name, d.offset, d.found + " (segcal convert --salvage leaves such blocks out)");
+    notes.push_back(name.string() + ": byte " + std::to_string(d.offset) + ": " + d.found + ": " +
+                    std::to_string(d.bytes) + " bytes left out");
   }
   if (blocks.torn.bytes > 0) {
     notes.push_back(name.string() + ": byte " + std::to_string(blocks.torn.offset) + ": " + blocks.torn.found +
-                    ": the log was cut off here, the last " + std::to_string(blocks.torn.bytes) + " bytes are left out");
+                    ": the log was cut off here, the last " + std::to_string(blocks.torn.bytes) +
+                    " bytes are left out");
   } else if (!blocks.ended) {
     notes.push_back(name.string() + ": byte " + std::to_string(bytes.size()) +
                     ": expected the end mark of a log, found the end of the file: the device did not close it");
@@ -184,7 +205,9 @@ DeviceLog parse_device_log(const fs::path& name, const std::vector<std::uint8_t>
   return log;
 }
 
-DeviceLog read_device_log(const fs::path& file, Damaged damaged) { return parse_device_log(file, bytes_of(file), damaged); }
+DeviceLog read_device_log(const fs::path& file, Damaged damaged) {
+  return parse_device_log(file, bytes_of(file), damaged);
+}
 
 std::vector<std::uint64_t> read_hashes(const fs::path& file) {
   std::vector<std::uint64_t> hashes;
@@ -194,16 +217,20 @@ std::vector<std::uint64_t> read_hashes(const fs::path& file) {
         if (call.what == DeviceCall::hash) hashes.push_back(call.hash_value);
       }
     }
-    if (hashes.empty()) throw InputError(file.string() + ": expected a result hash in the log (segcal_log_hash), found none");
+    if (hashes.empty())
+      throw InputError(file.string() + ": expected a result hash in the log (segcal_log_hash), found none");
     return hashes;
   }
   const std::vector<std::uint8_t> bytes = bytes_of(file);
   const std::string text(bytes.begin(), bytes.end()), word = "result_hash";
   const std::size_t at = text.find(word);
-  const std::size_t from = at == std::string::npos ? at : text.find_first_of("0123456789abcdefABCDEF", at + word.size());
+  const std::size_t from =
+      at == std::string::npos ? at : text.find_first_of("0123456789abcdefABCDEF", at + word.size());
   const std::size_t to = from == std::string::npos ? from : text.find_first_not_of("0123456789abcdefABCDEF", from);
   const std::string digits = from == std::string::npos ? "" : text.substr(from, to - from);
-  if (digits.size() != 16) throw InputError(file.string() + ": expected 'result_hash' and 16 hexadecimal digits, found '" + digits.substr(0, 20) + "'");
+  if (digits.size() != 16)
+    throw InputError(file.string() + ": expected 'result_hash' and 16 hexadecimal digits, found '" +
+                     digits.substr(0, 20) + "'");
   return {std::stoull(digits, nullptr, 16)};
 }
 

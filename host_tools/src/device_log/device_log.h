@@ -7,11 +7,11 @@
 namespace host {
 
 struct DeviceLog {
-  std::vector<Recording> sessions;   ///< each with its calls in Recording::device
-  Calibration calibration;           ///< where the device started from
+  std::vector<Recording> sessions;  ///< each with its calls in Recording::device
+  Calibration calibration;          ///< where the device started from
   ImuNoise noise;
-  double pixel_sigma = 0.5;          ///< px
-  std::vector<std::string> notes;    ///< what a user should know: a torn end, a log that was not closed, damage left out
+  double pixel_sigma = 0.5;        ///< px
+  std::vector<std::string> notes;  ///< what a user should know: a torn end, a log that was not closed, damage left out
 };
 
 /// By its first bytes; false for folders and for files that cannot be read.
@@ -26,8 +26,8 @@ enum class Damaged {
 DeviceLog read_device_log(const std::filesystem::path& file, Damaged damaged = Damaged::refuse);
 DeviceLog parse_device_log(const std::filesystem::path& name, const std::vector<std::uint8_t>& bytes, Damaged damaged);
 
-/// Result hashes in a file: of a device log its marks in order; else the number after the word result_hash in a text, as
-/// `segcal replay --hash` prints it. Throws InputError if there is none.
+/// Result hashes in a file: of a device log its marks in order; else the number after the word result_hash in a text,
+/// as `segcal replay --hash` prints it. Throws InputError if there is none.
 std::vector<std::uint64_t> read_hashes(const std::filesystem::path& file);
 
 /// Sixteen hexadecimal digits.

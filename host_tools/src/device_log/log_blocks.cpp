@@ -64,7 +64,8 @@ class Scan {
   /// Damage after which nothing whole follows: power went while this was written, whatever stands there now.
   void take_off_torn_end() {
     std::size_t end = bytes_.size();
-    while (!out_.damage.empty() && out_.damage.back().bytes > 0 && out_.damage.back().offset + out_.damage.back().bytes == end) {
+    while (!out_.damage.empty() && out_.damage.back().bytes > 0 &&
+           out_.damage.back().offset + out_.damage.back().bytes == end) {
       out_.torn = out_.damage.back();
       end = out_.torn.offset;
       out_.torn.bytes = bytes_.size() - end;
@@ -78,7 +79,8 @@ class Scan {
     const Head head = head_at(bytes_, at_);
     const std::size_t all = kBlockHead + head.size + kBlockTail;
     if (!head.ok) {
-      skip(next_head(bytes_, at_) - at_, "expected the head of a block with CRC " + hex(head.computed) + ", found " + hex(head.crc));
+      skip(next_head(bytes_, at_) - at_,
+           "expected the head of a block with CRC " + hex(head.computed) + ", found " + hex(head.crc));
     } else if (left < all) {
       skip(left, "expected a block of " + std::to_string(all) + " bytes, found " + std::to_string(left));
     } else {
@@ -91,12 +93,14 @@ class Scan {
     const std::uint32_t expected = ByteReader(payload + head.size, kBlockTail).integer<std::uint32_t>();
     const std::uint32_t found = crc32(payload, head.size);
     if (head.sequence != sequence_ && !after_damage_) {  // else the gap is that of the stretch left out
-      out_.damage.push_back({at_, 0, "expected block " + std::to_string(sequence_) + ", found block " + std::to_string(head.sequence)});
+      out_.damage.push_back(
+          {at_, 0, "expected block " + std::to_string(sequence_) + ", found block " + std::to_string(head.sequence)});
     }
     sequence_ = static_cast<std::uint16_t>(head.sequence + 1);
     after_damage_ = false;
     if (found != expected) {
-      return skip(all, "expected CRC " + hex(expected) + " of a block of " + std::to_string(head.size) + " bytes, found " + hex(found));
+      return skip(all, "expected CRC " + hex(expected) + " of a block of " + std::to_string(head.size) +
+                           " bytes, found " + hex(found));
     }
     out_.blocks.push_back({head.type, at_, payload, head.size});
     out_.ended = head.type == static_cast<std::uint16_t>(LogBlock::end);

@@ -57,7 +57,9 @@ Calibration calibration_of(const segcal_config_t& c) {
 
 ImuNoise noise_of(const segcal_config_t& c) {
   ImuNoise out;
-  const auto put = [](double value, double* to) { if (value > 0) *to = value; };
+  const auto put = [](double value, double* to) {
+    if (value > 0) *to = value;
+  };
   put(c.imu_rate_hz, &out.rate_hz);
   put(c.gyro_noise_density, &out.gyro_noise_density);
   put(c.gyro_random_walk, &out.gyro_random_walk);

@@ -9,8 +9,8 @@
 
 namespace host {
 
-/// Numbers of the header that tell a profile, from the size of a number on. The last two are not in the headers of older writers,
-/// which are taken to be as the profile is.
+/// Numbers of the header that tell a profile, from the size of a number on. The last two are not in the headers of
+/// older writers, which are taken to be as the profile is.
 constexpr int kLoggedCapacities = 19, kFewestLoggedCapacities = 17;
 /// Name of the profile with these capacities, of which the log has the first n; empty: it is none of ours.
 std::string profile_of(const std::uint32_t* capacities, int n);

@@ -14,9 +14,23 @@ namespace host::diagnosis {
 namespace {
 
 const char* signal_words(int signal) {
-  static const char* const kWords[] = {"", "rate x", "rate y", "rate z", "the size of rate x", "the size of rate y",
-                                       "the size of rate z", "the size of the rate", "accel x", "accel y", "accel z",
-                                       "the change of rate x", "the change of rate y", "the change of rate z", "temperature", "time", "the cosine of the heading",
+  static const char* const kWords[] = {"",
+                                       "rate x",
+                                       "rate y",
+                                       "rate z",
+                                       "the size of rate x",
+                                       "the size of rate y",
+                                       "the size of rate z",
+                                       "the size of the rate",
+                                       "accel x",
+                                       "accel y",
+                                       "accel z",
+                                       "the change of rate x",
+                                       "the change of rate y",
+                                       "the change of rate z",
+                                       "temperature",
+                                       "time",
+                                       "the cosine of the heading",
                                        "the sine of the heading"};
   return signal >= 0 && signal < SEGCAL_NS::kNamedSignals ? kWords[signal] : "";
 }
@@ -57,7 +71,8 @@ std::string sentence_of(const DiagnosedEffect& e) {
 }
 
 std::string gap_words(const Diagnosis& d) {
-  if (d.effects.size() == 1 && std::isnan(d.effects[0].gap_closed)) return formatted("Without it nothing can be fitted; with it an excess of %.2g is left", d.after.total);
+  if (d.effects.size() == 1 && std::isnan(d.effects[0].gap_closed))
+    return formatted("Without it nothing can be fitted; with it an excess of %.2g is left", d.after.total);
   return "Held-out excess " + formatted("%.2g", d.before.total) + " -> " + formatted("%.2g", d.after.total) + ", " +
          formatted("%.1f", 100 * d.gap_closed) + " % of the gap";
 }
@@ -147,10 +162,14 @@ DiagnosedEffect named(const Shift& shift, const Accepted& accepted) {
   out.parameters.push_back({"calibration_shift.time", shift.time_s, shift.uncertainty_s, "s"});
   const std::string& block = shift.block.name;
   const std::string end = block.substr(block.rfind('.') + 1);
-  const std::string unit = end == "r_CI" || end == "r_AI" ? "rad" : end == "p_CI" ? "m" : end == "f" || end == "c" ? "px" : "-";
+  const std::string unit = end == "r_CI" || end == "r_AI" ? "rad"
+                           : end == "p_CI"                ? "m"
+                           : end == "f" || end == "c"     ? "px"
+                                                          : "-";
   for (int i = 0; i < shift.block.columns.count; ++i) {
     const std::string axis = i < 3 ? std::string(1, "xyz"[i]) : std::to_string(i);
-    out.parameters.push_back({"calibration_shift." + block + "." + axis, accepted.test.value(i), accepted.test.sigma(i), unit});
+    out.parameters.push_back(
+        {"calibration_shift." + block + "." + axis, accepted.test.value(i), accepted.test.sigma(i), unit});
   }
   std::size_t most = 1;
   for (std::size_t i = 1; i < out.parameters.size(); ++i) {
@@ -197,14 +216,15 @@ void conclude_fits(Diagnosis* d) {
   const bool open = d->before.total > 0 && d->open_excess > (1 - decision::kNamesFrom) * d->before.total;
   if (d->effects.empty()) {
     d->verdict = open ? "unexplained" : "consistent";
-    d->sentence = open ? "something is missing in the model that has no name here: excess " + formatted("%.2g", d->before.total) +
-                             " of chi2 per degree of freedom" + where_words(*d)
+    d->sentence = open ? "something is missing in the model that has no name here: excess " +
+                             formatted("%.2g", d->before.total) + " of chi2 per degree of freedom" + where_words(*d)
                        : "model and measurements agree: nothing is missing that this motion would have shown";
     say_cut_short(d);
     return;
   }
   d->verdict = open ? "partly_explained" : "explained";
-  d->sentence = effects_in_words(*d) + ". " + gap_words(*d) + (open ? "; the rest has no name here" + where_words(*d) : "");
+  d->sentence =
+      effects_in_words(*d) + ". " + gap_words(*d) + (open ? "; the rest has no name here" + where_words(*d) : "");
   say_cut_short(d);
 }
 
@@ -217,7 +237,8 @@ void conclude(Diagnosis* d) {
     return;
   }
   conclude_fits(d);
-  if (spoil_fits(d->faults)) d->sentence += ". The data are at fault, which may be behind this or hide more: " + fault_words(*d);
+  if (spoil_fits(d->faults))
+    d->sentence += ". The data are at fault, which may be behind this or hide more: " + fault_words(*d);
 }
 
 }  // namespace host::diagnosis

@@ -8,8 +8,8 @@
 namespace host {
 
 struct AxisOrder {
-  Eigen::Matrix3d P;    ///< right axes = P logged axes
-  std::string name;     ///< of the rows: "y x -z" means right x is logged y
+  Eigen::Matrix3d P;  ///< right axes = P logged axes
+  std::string name;   ///< of the rows: "y x -z" means right x is logged y
 };
 
 /// The identity first.

@@ -10,12 +10,18 @@
 namespace host::diagnosis {
 namespace {
 
-constexpr std::size_t kBatch = 30;     ///< columns of one linearisation beside those that are estimated
+constexpr std::size_t kBatch = 30;  ///< columns of one linearisation beside those that are estimated
 
 }  // namespace
 
-Beyond::Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<double>* start, Selection* selection, Budget* fits, bool has_temperature)
-    : fits_(fits), evidence_(evidence), terms_(terms), start_(start), selection_(selection), dictionary_(dictionary(has_temperature)) {}
+Beyond::Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<double>* start, Selection* selection,
+               Budget* fits, bool has_temperature)
+    : fits_(fits),
+      evidence_(evidence),
+      terms_(terms),
+      start_(start),
+      selection_(selection),
+      dictionary_(dictionary(has_temperature)) {}
 
 void Beyond::run(const Fit& fit) {
   std::vector<Open> open = scan();
@@ -39,25 +45,28 @@ std::vector<Beyond::Open> Beyond::scan() {
   const auto size = static_cast<double>(dictionary_.size());
   for (std::size_t from = 0; from < dictionary_.size(); from += kBatch) {
     const std::size_t to = std::min(from + kBatch, dictionary_.size());
-    const std::vector<TermInfo> batch(dictionary_.begin() + static_cast<std::ptrdiff_t>(from), dictionary_.begin() + static_cast<std::ptrdiff_t>(to));
+    const std::vector<TermInfo> batch(dictionary_.begin() + static_cast<std::ptrdiff_t>(from),
+                                      dictionary_.begin() + static_cast<std::ptrdiff_t>(to));
     const Problem problem = problem_with(batch, false);
     for (std::size_t i = 0; i < batch.size(); ++i) {
       const EffectTest test = test_effect(problem, candidate_at(i, batch[i]), free_in(problem));
-      if (test.seen > 0 && called(test.log10_p, decision::kLeftShare / size)) out.push_back({batch[i], test.chi2, test.log10_p});
+      if (test.seen > 0 && called(test.log10_p, decision::kLeftShare / size))
+        out.push_back({batch[i], test.chi2, test.log10_p});
     }
   }
   std::sort(out.begin(), out.end(), [](const Open& a, const Open& b) { return a.log10_p < b.log10_p; });
   return out;
 }
 
-/// The best term of each axis of a sensor, of the few that are asked. What an effect leaks into other axes goes again when it is
-/// in the fit.
+/// The best term of each axis of a sensor, of the few that are asked. What an effect leaks into other axes goes again
+/// when it is in the fit.
 std::vector<TermInfo> Beyond::best_that_hold(const std::vector<Open>& open) {
   std::vector<TermInfo> out;
   int asked = 0;
   for (const Open& o : open) {
     if (!called(o.log10_p, share()) || asked == decision::kTermsAsked) break;
-    if (std::any_of(out.begin(), out.end(), [&o](const TermInfo& t) { return t.term.kind == o.term.term.kind; })) continue;
+    if (std::any_of(out.begin(), out.end(), [&o](const TermInfo& t) { return t.term.kind == o.term.term.kind; }))
+      continue;
     ++asked;
     const Problem problem = problem_with({o.term}, true);
     if (holds(problem, candidate_at(0, o.term))) out.push_back(o.term);
@@ -65,7 +74,8 @@ std::vector<TermInfo> Beyond::best_that_hold(const std::vector<Open>& open) {
   return out;
 }
 
-/// As for an effect of the catalogue: significant against its own scatter, the same in both halves, and of use to the other.
+/// As for an effect of the catalogue: significant against its own scatter, the same in both halves, and of use to the
+/// other.
 bool Beyond::holds(const Problem& problem, const Candidate& candidate) const {
   const std::vector<TermGroup> free = free_in(problem);
   if (!called(judge_effect(problem, candidate, free).log10_p, share())) return false;
@@ -96,7 +106,8 @@ std::vector<TermGroup> Beyond::free_in(const Problem& problem) const {
 
 void Beyond::add(const TermInfo& term) {
   dictionary_.erase(std::find_if(dictionary_.begin(), dictionary_.end(), [&term](const TermInfo& t) {
-    return t.term.kind == term.term.kind && t.term.a == term.term.a && t.term.b == term.term.b && t.term.c == term.term.c;
+    return t.term.kind == term.term.kind && t.term.a == term.term.a && t.term.b == term.term.b &&
+           t.term.c == term.term.c;
   }));
   selection_->candidates.push_back({"unlisted", {static_cast<int>(terms_->size()), 1}, {term.size}, share()});
   terms_->push_back(term);

@@ -1,8 +1,8 @@
-// Beyond the catalogue: simple additive terms, searched the same way. One that passes every test of an effect becomes a term of
-// the model, and takes the place of an effect of the catalogue that was only its likeness. One that is significant, but not
-// the same throughout the recording, gets no name; but then something is left over, and a name beside it must explain much
-// more than that (held_out_report.h): a small hysteresis of the gyroscope looks like a lag, an accelerometer's error that
-// follows attitude like g-sensitivity, except to these terms.
+// Beyond the catalogue: simple additive terms, searched the same way. One that passes every test of an effect becomes a
+// term of the model, and takes the place of an effect of the catalogue that was only its likeness. One that is
+// significant, but not the same throughout the recording, gets no name; but then something is left over, and a name
+// beside it must explain much more than that (held_out_report.h): a small hysteresis of the gyroscope looks like a lag,
+// an accelerometer's error that follows attitude like g-sensitivity, except to these terms.
 #pragma once
 
 #include "diagnose/evidence.h"
@@ -14,8 +14,8 @@ class Beyond {
   using Fit = std::function<Problem(const std::vector<bool>& estimated)>;
 
   /// Works on the selection in place; `terms` and `start` grow by what is added.
-  Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<double>* start, Selection* selection, Budget* fits,
-         bool has_temperature);
+  Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<double>* start, Selection* selection,
+         Budget* fits, bool has_temperature);
   /// What stays significant is in the selection's leftover.
   void run(const Fit& fit);
 

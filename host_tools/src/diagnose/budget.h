@@ -1,5 +1,5 @@
-// How many fits a diagnosis may still make. Selection, rounds of noise and terms beyond the catalogue draw on one budget, so that
-// no recording takes much longer than others; an answer that it cut short says so.
+// How many fits a diagnosis may still make. Selection, rounds of noise and terms beyond the catalogue draw on one
+// budget, so that no recording takes much longer than others; an answer that it cut short says so.
 #pragma once
 
 namespace host::diagnosis {

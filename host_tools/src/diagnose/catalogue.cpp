@@ -8,18 +8,27 @@ struct Words {
 };
 
 constexpr Words kWords[] = {
-    {"time_offset", "camera and IMU stamps are apart", "turns and accelerations that change within a second, before a scene with corners"},
-    {"rolling_shutter", "image rows are exposed one after another", "quick turns, with tracks at the top and at the bottom of the image"},
-    {"radial_residual", "the lens bends rays more or less than the distortion model says", "tracks out to the corners of the image"},
-    {"tangential_residual", "the lens is decentred by more than the distortion model says", "tracks out to all four corners of the image"},
-    {"gyro_g_sensitivity", "the gyroscope's reading follows the specific force", "the device held at many attitudes, and shaken along each axis"},
+    {"time_offset", "camera and IMU stamps are apart",
+     "turns and accelerations that change within a second, before a scene with corners"},
+    {"rolling_shutter", "image rows are exposed one after another",
+     "quick turns, with tracks at the top and at the bottom of the image"},
+    {"radial_residual", "the lens bends rays more or less than the distortion model says",
+     "tracks out to the corners of the image"},
+    {"tangential_residual", "the lens is decentred by more than the distortion model says",
+     "tracks out to all four corners of the image"},
+    {"gyro_g_sensitivity", "the gyroscope's reading follows the specific force",
+     "the device held at many attitudes, and shaken along each axis"},
     {"gyro_nonlinearity", "the gyroscope's scale changes with the rate", "slow and quick turns about each axis"},
-    {"accel_nonlinearity", "the accelerometer's scale changes with the force", "all six faces down, and strong accelerations along each axis"},
-    {"gyro_temperature", "the gyroscope's bias follows the temperature", "a log with temperature, over several degrees"},
-    {"accel_temperature", "the accelerometer's bias follows the temperature", "a log with temperature, over several degrees"},
+    {"accel_nonlinearity", "the accelerometer's scale changes with the force",
+     "all six faces down, and strong accelerations along each axis"},
+    {"gyro_temperature", "the gyroscope's bias follows the temperature",
+     "a log with temperature, over several degrees"},
+    {"accel_temperature", "the accelerometer's bias follows the temperature",
+     "a log with temperature, over several degrees"},
     {"gyro_lag", "the gyroscope is late against the accelerometer and the camera", "turns that begin and end quickly"},
     {"accel_axis_offset", "the accelerometer's axes sit at different places", "quick turns about each axis"},
-    {"calibration_shift", "the calibration is another one from a moment on", "lively motion before and after the shock"},
+    {"calibration_shift", "the calibration is another one from a moment on",
+     "lively motion before and after the shock"},
 };
 
 const Words* find(const std::string& effect) {
@@ -36,7 +45,8 @@ struct Apart {
 constexpr Apart kApart[] = {
     {"time_offset", "gyro_lag", "accelerations without turns: the accelerometer is not late with the gyroscope"},
     {"time_offset", "rolling_shutter", "quick turns with tracks at the top and at the bottom of the image"},
-    {"rolling_shutter", "gyro_lag", "turns that begin and end quickly, with tracks at the top and at the bottom of the image"},
+    {"rolling_shutter", "gyro_lag",
+     "turns that begin and end quickly, with tracks at the top and at the bottom of the image"},
     {"radial_residual", "tangential_residual", "tracks out to all four corners of the image"},
     {"gyro_g_sensitivity", "gyro_nonlinearity", "shaking without turns, and turns at rest on a table"},
     {"accel_nonlinearity", "accel_axis_offset", "all six faces down at rest, and quick turns about each axis"},

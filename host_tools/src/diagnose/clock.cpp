@@ -13,7 +13,7 @@ namespace {
 constexpr double window_s = 10;
 constexpr std::size_t least_pairs = 30;
 constexpr double least_telling_s = 0.02;
-constexpr double outlier = 9;              // pairs that fit ten times worse than the middle one count logarithmically
+constexpr double outlier = 9;  // pairs that fit ten times worse than the middle one count logarithmically
 constexpr int rounds = 5;
 
 using Vector7 = Eigen::Matrix<double, 7, 1>;  // gyroscope bias, rad/s; rotation of the camera, rad; offset, s
@@ -34,7 +34,8 @@ class Window {
     const Eigen::Matrix3d R_CI = rotation_of(x.segment<3>(3)) * R_CI_;
     std::vector<double> out;
     for (const FramePair* p : pairs_) {
-      const Eigen::Matrix3d R_I12 = gyro_.rotation(p->t1 + start_offset_ + x[6], p->t2 + start_offset_ + x[6], x.head<3>());
+      const Eigen::Matrix3d R_I12 =
+          gyro_.rotation(p->t1 + start_offset_ + x[6], p->t2 + start_offset_ + x[6], x.head<3>());
       out.push_back(misfit(*p, R_CI * R_I12 * R_CI.transpose()) / static_cast<double>(p->rays1.size()));
     }
     return out;
@@ -102,15 +103,16 @@ bool minimise(Window& window, Vector7* x, double* offset_sigma) {
     if (std::abs(move[6]) < 1e-5 && round > 0) break;
   }
   differentiate(window, *x, &gradient, &hessian);
-  const Eigen::MatrixXd covariance = 2 * Eigen::MatrixXd(hessian).inverse();  // any size, as elsewhere: 7 x 7 would be compiled anew
+  const Eigen::MatrixXd covariance =
+      2 * Eigen::MatrixXd(hessian).inverse();  // any size, as elsewhere: 7 x 7 would be compiled anew
   *offset_sigma = std::sqrt(covariance(6, 6));
   return covariance(6, 6) > 0 && eigenvalues_of(hessian)[0] > 0;
 }
 
 }  // namespace
 
-std::vector<OffsetInWindow> offsets_over_time(const std::vector<FramePair>& pairs, const GyroPath& gyro, const Eigen::Matrix3d& R_CI,
-                                              double start_offset) {
+std::vector<OffsetInWindow> offsets_over_time(const std::vector<FramePair>& pairs, const GyroPath& gyro,
+                                              const Eigen::Matrix3d& R_CI, double start_offset) {
   std::vector<OffsetInWindow> out;
   std::size_t k = 0;
   Vector7 x = Vector7::Zero();

@@ -11,22 +11,23 @@ namespace host {
 
 /// Offset t_imu - t_cam in one window.
 struct OffsetInWindow {
-  double t = 0;          ///< middle of the window, s since the first IMU sample
-  double offset = 0, sigma = 0;   ///< s
+  double t = 0;                  ///< middle of the window, s since the first IMU sample
+  double offset = 0, sigma = 0;  ///< s
 };
 
 struct ClockDrift {
-  double slope = 0, sigma = 0;    ///< s/s
-  double offset = 0;              ///< s, in the middle of the recording
-  double change = 0;              ///< s, from the first to the last frame
+  double slope = 0, sigma = 0;  ///< s/s
+  double offset = 0;            ///< s, in the middle of the recording
+  double change = 0;            ///< s, from the first to the last frame
 };
 
-/// Offset per window of ten seconds, each with its own gyroscope bias and camera rotation, so that errors of these are not
-/// taken for time. Windows whose motion does not tell (sigma above 20 ms) are left out.
-std::vector<OffsetInWindow> offsets_over_time(const std::vector<FramePair>& pairs, const GyroPath& gyro, const Eigen::Matrix3d& R_CI,
-                                              double start_offset);
+/// Offset per window of ten seconds, each with its own gyroscope bias and camera rotation, so that errors of these are
+/// not taken for time. Windows whose motion does not tell (sigma above 20 ms) are left out.
+std::vector<OffsetInWindow> offsets_over_time(const std::vector<FramePair>& pairs, const GyroPath& gyro,
+                                              const Eigen::Matrix3d& R_CI, double start_offset);
 
-/// A line through the offsets, weighted; slope sigma grows with how badly the line fits. All zero for fewer than three windows.
+/// A line through the offsets, weighted; slope sigma grows with how badly the line fits. All zero for fewer than three
+/// windows.
 ClockDrift drift_of(const std::vector<OffsetInWindow>& offsets);
 
 }  // namespace host

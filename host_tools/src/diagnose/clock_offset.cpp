@@ -19,9 +19,9 @@ constexpr const char* effect_name = "time_offset";
 /// By the IMU's clock, up to what is left to estimate.
 struct AlignedSessions {
   std::vector<Recording> sessions;
-  double offset_s = 0;   ///< of the first session that has one, t_imu - t_cam; added to its camera stamps
+  double offset_s = 0;  ///< of the first session that has one, t_imu - t_cam; added to its camera stamps
   double sigma_s = 0;
-  bool searched = false; ///< rotation says so; else it was stated
+  bool searched = false;  ///< rotation says so; else it was stated
 };
 
 double stated(const CoreOptions& options) { return options.calibration.cameras.front().timeshift_cam_imu; }
@@ -61,7 +61,8 @@ AlignedSessions by_rotation(const std::vector<Recording>& sessions, const CoreOp
     const ClockSearch found = search_clock(session, options.calibration.cameras.front(), stated(options));
     const bool differs = found.differs_from(stated(options));
     shift_frames(differs ? found.offset_s : stated(options), &session);
-    if (differs && !out.searched) out = {std::move(out.sessions), found.offset_s, std::hypot(found.sigma_s, clock_systematic_s), true};
+    if (differs && !out.searched)
+      out = {std::move(out.sessions), found.offset_s, std::hypot(found.sigma_s, clock_systematic_s), true};
   }
   return out;
 }
@@ -74,8 +75,10 @@ void count_from_recording(const AlignedSessions& aligned, Diagnosis* out) {
     DiagnosedParameter& p = e.parameters.front();
     p.value += aligned.offset_s;
     e.words = "camera and gyroscope disagree by " + in_words(p.value, p.sigma, p.unit) +
-              formatted(aligned.searched ? ", of which rotation told %.1f ms before anything could be fitted: " : ", of which %.1f ms were stated: ",
-                        1e3 * aligned.offset_s) + effect_name;
+              formatted(aligned.searched ? ", of which rotation told %.1f ms before anything could be fitted: "
+                                         : ", of which %.1f ms were stated: ",
+                        1e3 * aligned.offset_s) +
+              effect_name;
   }
   for (ModelTerm& t : out->model)
     if (t.effect == effect_name) t.parameter.value += aligned.offset_s;

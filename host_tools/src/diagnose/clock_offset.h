@@ -1,5 +1,5 @@
-// Clocks that are far apart: odometry does not run with them, so that there is no fit to ask. Rotation tells the offset beforehand
-// (clock/clock_search.h); what is left of it is an effect like others.
+// Clocks that are far apart: odometry does not run with them, so that there is no fit to ask. Rotation tells the offset
+// beforehand (clock/clock_search.h); what is left of it is an effect like others.
 #pragma once
 
 #include <functional>
@@ -8,9 +8,10 @@
 
 namespace host::diagnosis {
 
-/// `run` with the stamps of all cameras moved by the camera chain's timeshift_cam_imu, and again, where odometry is lost with them, by what
-/// rotation shows. Offsets in the answer count from the recording's own stamps. An offset that rotation found is named also where nothing of it
-/// was left to be found: what it closes of the gap is not known then, since nothing can be fitted without it.
+/// `run` with the stamps of all cameras moved by the camera chain's timeshift_cam_imu, and again, where odometry is
+/// lost with them, by what rotation shows. Offsets in the answer count from the recording's own stamps. An offset that
+/// rotation found is named also where nothing of it was left to be found: what it closes of the gap is not known then,
+/// since nothing can be fitted without it.
 Diagnosis with_clocks_aligned(const std::vector<Recording>& sessions, const CoreOptions& options,
                               const std::function<Diagnosis(const std::vector<Recording>&)>& run);
 

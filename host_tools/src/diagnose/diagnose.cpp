@@ -1,5 +1,5 @@
-// The order of diagnosis: faults, noise of the raw samples, a fit, noise of the image points, selection with refits, terms
-// beyond the catalogue, the gap on held-out segments, the answer.
+// The order of diagnosis: faults, noise of the raw samples, a fit, noise of the image points, selection with refits,
+// terms beyond the catalogue, the gap on held-out segments, the answer.
 #include "diagnose/diagnose.h"
 
 #include <algorithm>
@@ -27,7 +27,10 @@ using namespace diagnosis;
 class Diagnoser {
  public:
   Diagnoser(const std::vector<Recording>& sessions, const DiagnoseOptions& options)
-      : sessions_(sessions), options_(options), has_temperature_(std::all_of(sessions.begin(), sessions.end(), [](const Recording& r) { return r.imu.has_temperature; })),
+      : sessions_(sessions),
+        options_(options),
+        has_temperature_(
+            std::all_of(sessions.begin(), sessions.end(), [](const Recording& r) { return r.imu.has_temperature; })),
         model_(options.core, has_temperature_),
         evidence_(sessions, with_temperature(options.core, has_temperature_), options.profile,
                   [this](double fraction) { report(fraction); }) {}
@@ -79,7 +82,8 @@ class Diagnoser {
   void find_imu_noise() {
     begin("noise of the raw samples");
     out_.raw_noise = raw_imu_noise(sessions_.front());
-    const std::optional<NoiseEffect> found = imu_noise_effect(sessions_.front(), out_.raw_noise, &evidence_.options().noise);
+    const std::optional<NoiseEffect> found =
+        imu_noise_effect(sessions_.front(), out_.raw_noise, &evidence_.options().noise);
     out_.noise = evidence_.options().noise;
     if (found) noise_effects_.push_back(*found);
   }
@@ -95,9 +99,9 @@ class Diagnoser {
   /// Without effects.
   void fit_plain() { plain_ = fit(model_.columns_of({})); }
 
-  /// Less noise than stated is no fault, as in the raw samples (imu_noise.h): it was stated on purpose, and corner tracks follow
-  /// their own error for many images, which differences of neighbours do not show and a stated noise must cover.
-  /// Image noise above the stated one shows when the effects are in the model; then everything is weighed again.
+  /// Less noise than stated is no fault, as in the raw samples (imu_noise.h): it was stated on purpose, and corner
+  /// tracks follow their own error for many images, which differences of neighbours do not show and a stated noise must
+  /// cover. Image noise above the stated one shows when the effects are in the model; then everything is weighed again.
   void find_effects() {
     out_.fit_before = evidence_.result();
     search();
@@ -106,7 +110,9 @@ class Diagnoser {
       out_.fit_before = evidence_.result();
       search();
     }
-    for (int round = 0; round < decision::kNoiseRounds && fits_left_.allows() && !lens_has_no_name() && pixel_noise_is_above(); ++round) {
+    for (int round = 0;
+         round < decision::kNoiseRounds && fits_left_.allows() && !lens_has_no_name() && pixel_noise_is_above();
+         ++round) {
       fit_plain();
       search();
       noisy_pixels_ = true;
@@ -137,7 +143,8 @@ class Diagnoser {
   bool lens_has_no_name() const {
     return std::any_of(selection_.accepted.begin(), selection_.accepted.end(), [this](const Accepted& a) {
       const Candidate& c = selection_.candidates[a.candidate];
-      return c.name == "unlisted" && model_.terms[c.columns.first].term.kind >= static_cast<int>(SEGCAL_NS::TermKind::image_u);
+      return c.name == "unlisted" &&
+             model_.terms[c.columns.first].term.kind >= static_cast<int>(SEGCAL_NS::TermKind::image_u);
     });
   }
 
@@ -154,14 +161,15 @@ class Diagnoser {
   bool pixel_noise_is_above() {
     if (evidence_.options().track_walk > 0) return false;  // differences of neighbours hold both drifts
     find_pixel_factor();
-    const double so_far = evidence_.options().pixel_sigma / options_.core.pixel_sigma, above = out_.pixels.factor / so_far - 1;
+    const double so_far = evidence_.options().pixel_sigma / options_.core.pixel_sigma,
+                 above = out_.pixels.factor / so_far - 1;
     if (above <= std::max(decision::kNoiseAbove, decision::kNoiseSigmas * out_.pixels.sigma / so_far)) return false;
     evidence_.options().pixel_sigma = out_.pixels.factor * options_.core.pixel_sigma;
     return true;
   }
 
-  /// At the last fit, over the stated noise. What the model leaves in all is an upper bound of noise: near neighbours differ
-  /// by more where a step of the calibration is not in the fit.
+  /// At the last fit, over the stated noise. What the model leaves in all is an upper bound of noise: near neighbours
+  /// differ by more where a step of the calibration is not in the fit.
   void find_pixel_factor() {
     if (evidence_.options().track_walk > 0) {
       pixels_ = out_.pixels = PixelNoise{};
@@ -172,7 +180,8 @@ class Diagnoser {
     for (const Accepted& a : selection_.accepted) groups.push_back(selection_.candidates[a.candidate].columns);
     Problem bare = selection_.problem;
     bare.noise = 0;
-    if (pixels_.factor > 1) pixels_.factor = std::min(pixels_.factor, std::max(1.0, std::sqrt(dispersion(bare, groups))));
+    if (pixels_.factor > 1)
+      pixels_.factor = std::min(pixels_.factor, std::max(1.0, std::sqrt(dispersion(bare, groups))));
     out_.pixels = pixels_;
     out_.pixels.factor *= ratio;
     out_.pixels.sigma *= ratio;
@@ -187,12 +196,14 @@ class Diagnoser {
   }
 
   void collect() {
-    for (const Rejected& r : selection_.rejected) out_.rejected.push_back({selection_.candidates[r.candidate].name, r.why});
+    for (const Rejected& r : selection_.rejected)
+      out_.rejected.push_back({selection_.candidates[r.candidate].name, r.why});
     for (int c : selection_.cannot_tell) {
       out_.cannot_tell.push_back({selection_.candidates[c].name, "needs " + needs(selection_.candidates[c].name)});
     }
     if (!has_temperature_) {
-      for (const char* name : {"gyro_temperature", "accel_temperature"}) out_.cannot_tell.push_back({name, "needs " + needs(name)});
+      for (const char* name : {"gyro_temperature", "accel_temperature"})
+        out_.cannot_tell.push_back({name, "needs " + needs(name)});
     }
     for (std::size_t i = 0; i < selection_.alone.size(); ++i) {
       const EffectTest& t = selection_.alone[i];
@@ -201,12 +212,15 @@ class Diagnoser {
   }
 
   void measure_gap() {
-    if (selection_.accepted.empty() && !evidence_.taken().empty()) fit_plain();   // what was fitted last was dropped
+    if (selection_.accepted.empty() && !evidence_.taken().empty()) fit_plain();  // what was fitted last was dropped
     const CoreModel& weights = evidence_.result().model;
-    report_gap({selection_, model_.terms, evidence_.sensors(), noise_floors(selection_.problem.noise, pixels_, out_.raw_noise, weights, out_.noise)}, &out_);
+    report_gap({selection_, model_.terms, evidence_.sensors(),
+                noise_floors(selection_.problem.noise, pixels_, out_.raw_noise, weights, out_.noise)},
+               &out_);
     begin("structure of the residuals");
     report_structure(sessions_, evidence_.result(), &out_);
-    if (noisy_pixels_ && !lens_has_no_name() && out_.open_excess <= (1 - decision::kNamesFrom) * out_.before.total) name_pixel_noise();
+    if (noisy_pixels_ && !lens_has_no_name() && out_.open_excess <= (1 - decision::kNamesFrom) * out_.before.total)
+      name_pixel_noise();
     add_noise_gap(noise_effects_, &out_);
   }
 
@@ -237,7 +251,9 @@ class Diagnoser {
 
 Diagnosis diagnose(const std::vector<Recording>& sessions, const DiagnoseOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  Diagnosis out = with_clocks_aligned(sessions, options.core, [&options](const std::vector<Recording>& aligned) { return Diagnoser(aligned, options).run(); });
+  Diagnosis out = with_clocks_aligned(sessions, options.core, [&options](const std::vector<Recording>& aligned) {
+    return Diagnoser(aligned, options).run();
+  });
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return out;
 }

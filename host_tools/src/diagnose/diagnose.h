@@ -1,5 +1,5 @@
-// Where do the model and the measurements disagree, what is missing in the model, and how much of the gap does it close?
-// `segcal diagnose`, and for experiments without files.
+// Where do the model and the measurements disagree, what is missing in the model, and how much of the gap does it
+// close? `segcal diagnose`, and for experiments without files.
 #pragma once
 
 #include <functional>
@@ -14,24 +14,24 @@
 namespace host {
 
 struct DiagnoseOptions {
-  CoreOptions core;                  ///< starting calibration, stated noise, effects that are known already
-  std::string profile = "host";      ///< keeps up to 64 segments: four minutes; of longer recordings the most informative
-  bool accept_faults = false;        ///< fits even where the data are bad
-  bool dictionary = true;            ///< look beyond the catalogue where a gap stays open
+  CoreOptions core;              ///< starting calibration, stated noise, effects that are known already
+  std::string profile = "host";  ///< keeps up to 64 segments: four minutes; of longer recordings the most informative
+  bool accept_faults = false;    ///< fits even where the data are bad
+  bool dictionary = true;        ///< look beyond the catalogue where a gap stays open
   std::function<void(const std::string& step, double fraction)> progress;  ///< may be empty
 };
 
 struct DiagnosedParameter {
-  std::string name;                  ///< "time_offset.t_d"
+  std::string name;  ///< "time_offset.t_d"
   double value = 0, sigma = 0;
   std::string unit;
 };
 
 /// An effect with a name, or an unlisted one in words.
 struct DiagnosedEffect {
-  std::string name;                  ///< as in docs/diagnosis.md, section 4; "unlisted" for a term that the catalogue has not
+  std::string name;  ///< as in docs/diagnosis.md, section 4; "unlisted" for a term that the catalogue has not
   std::vector<DiagnosedParameter> parameters;
-  double statistic = 0;              ///< with the other effects free; over the dispersion
+  double statistic = 0;  ///< with the other effects free; over the dispersion
   int dof = 0;
   double log10_p = 0;                ///< not corrected for the number of candidates
   double gap_closed = 0;             ///< of what this effect alone is about, on held-out segments
@@ -51,8 +51,8 @@ struct NotNamed {
 
 /// A term that is estimated from now on, with its value.
 struct ModelTerm {
-  std::string effect;                ///< "time_offset"; empty: a term of the dictionary
-  int bit = -1;                      ///< of the effect in SEGCAL_EFFECT_*
+  std::string effect;  ///< "time_offset"; empty: a term of the dictionary
+  int bit = -1;        ///< of the effect in SEGCAL_EFFECT_*
   CoreTerm term;
   DiagnosedParameter parameter;
 };
@@ -61,43 +61,46 @@ struct ModelTerm {
 struct CandidateScore {
   std::string name;
   double statistic = 0, log10_p = 0;
-  int dof = 0;                       ///< directions that would have shown; 0: cannot tell
+  int dof = 0;  ///< directions that would have shown; 0: cannot tell
 };
 
 struct Diagnosis {
   std::string verdict = "consistent";  ///< consistent, explained, partly_explained, unexplained or bad_data
-  bool judged = true;                ///< false: too short or too still; the verdict then says nothing
-  std::string lost;                  ///< why nothing could be fitted although there is motion; empty: a fit was made
-  std::string sentence;              ///< the answer, to read aloud
-  bool cut_short = false;            ///< the number of fits was used up: something may be left that more would have found
+  bool judged = true;                  ///< false: too short or too still; the verdict then says nothing
+  std::string lost;                    ///< why nothing could be fitted although there is motion; empty: a fit was made
+  std::string sentence;                ///< the answer, to read aloud
+  bool cut_short = false;  ///< the number of fits was used up: something may be left that more would have found
   std::vector<DiagnosedEffect> effects;
-  SensorShares before, after, noise_floor;  ///< excess over the own noise floor without and with the effects; chi2/dof of noise
-  double after_sigma = 0;            ///< of after.total
-  SensorShares gap_sigma, gap_dof;   ///< of each sensor's `before` and `after` by chance; degrees of freedom. No total of the sigmas
-  double gap_closed = 0;             ///< share of before.total: by nested folds where there are eight segments, named or not
-  double open_excess = 0;            ///< part of before.total that the verdict counts as open: without a name, or refused one
+  SensorShares before, after,
+      noise_floor;         ///< excess over the own noise floor without and with the effects; chi2/dof of noise
+  double after_sigma = 0;  ///< of after.total
+  SensorShares gap_sigma,
+      gap_dof;  ///< of each sensor's `before` and `after` by chance; degrees of freedom. No total of the sigmas
+  double gap_closed = 0;   ///< share of before.total: by nested folds where there are eight segments, named or not
+  double open_excess = 0;  ///< part of before.total that the verdict counts as open: without a name, or refused one
   std::vector<diagnosis::Structure> where;
   std::vector<diagnosis::Structure> left;  ///< the same with the effects, one per entry of `where`
-  std::vector<double> where_after;   ///< correlation that is left with the effects, one per entry of `where`
+  std::vector<double> where_after;         ///< correlation that is left with the effects, one per entry of `where`
   std::vector<NotNamed> rejected, cannot_tell;
   std::vector<CandidateScore> scores;
-  std::vector<ModelTerm> model;      ///< effects by bit, then terms of the dictionary
-  ImuNoise noise;                    ///< with the factors that were found
-  double pixel_sigma = 0.5;          ///< px, with the factor that was found
+  std::vector<ModelTerm> model;  ///< effects by bit, then terms of the dictionary
+  ImuNoise noise;                ///< with the factors that were found
+  double pixel_sigma = 0.5;      ///< px, with the factor that was found
   std::vector<Fault> faults;
-  bool faults_accepted = false;      ///< asked to go on in spite of them
+  bool faults_accepted = false;  ///< asked to go on in spite of them
   RawNoise raw_noise;
   diagnosis::PixelNoise pixels;
-  TrackNoise tracks;                 ///< of the last fit, where corner tracks drift and points were weighed so; no points: they do not
+  TrackNoise tracks;  ///< of the last fit, where corner tracks drift and points were weighed so; no points: they do not
   ReplayResult fit_before, fit_after;  ///< without and with the effects; empty with bad_data
-  double seconds = 0;                ///< wall clock
+  double seconds = 0;                  ///< wall clock
 };
 
 /// Throws InputError where a recording cannot be used at all.
 Diagnosis diagnose(const std::vector<Recording>& sessions, const DiagnoseOptions& options);
 
 /// diagnosis.json, model.yaml, segcal_effects.h, diagnosis_data.json (what the report draws).
-void write_diagnosis(const std::filesystem::path& folder, const Diagnosis& diagnosis, const std::vector<Recording>& sessions);
+void write_diagnosis(const std::filesystem::path& folder, const Diagnosis& diagnosis,
+                     const std::vector<Recording>& sessions);
 std::string diagnosis_json(const Diagnosis& diagnosis);
 
 }  // namespace host

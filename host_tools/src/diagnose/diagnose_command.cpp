@@ -39,32 +39,40 @@ void show_progress(const std::string& step, double fraction) {
 
 void print_effects(const Diagnosis& d) {
   if (d.effects.empty()) return;
-  std::printf("%-34s %14s %12s %-12s %10s %8s %7s\n", "effect", "value", "sigma", "unit", "statistic", "log10 p", "closed");
+  std::printf("%-34s %14s %12s %-12s %10s %8s %7s\n", "effect", "value", "sigma", "unit", "statistic", "log10 p",
+              "closed");
   for (const DiagnosedEffect& e : d.effects) {
     bool first = true;
     for (const DiagnosedParameter& p : e.parameters) {
       std::printf("%-34s %14.6g %12.2g %-12s", p.name.c_str(), p.value, p.sigma, p.unit.c_str());
-      if (first) std::printf(" %10.1f %8.1f %s", e.statistic, e.log10_p, std::isnan(e.gap_closed) ? "      -" : formatted("%6.1f %%", 100 * e.gap_closed).c_str());
+      if (first)
+        std::printf(" %10.1f %8.1f %s", e.statistic, e.log10_p,
+                    std::isnan(e.gap_closed) ? "      -" : formatted("%6.1f %%", 100 * e.gap_closed).c_str());
       std::printf("\n");
       first = false;
     }
-    for (const std::string& other : e.or_else) std::printf("  or %s; told apart by %s\n", other.c_str(), e.separates.c_str());
+    for (const std::string& other : e.or_else)
+      std::printf("  or %s; told apart by %s\n", other.c_str(), e.separates.c_str());
   }
 }
 
 void print_table(const Diagnosis& d) {
-  for (const Fault& f : d.faults) std::printf("%s, %s: %zu times, %s\n", f.kind.c_str(), f.sensor.c_str(), f.count, f.words.c_str());
+  for (const Fault& f : d.faults)
+    std::printf("%s, %s: %zu times, %s\n", f.kind.c_str(), f.sensor.c_str(), f.count, f.words.c_str());
   print_effects(d);
   for (const NotNamed& n : d.rejected) std::printf("not %s: %s\n", n.name.c_str(), n.why.c_str());
   for (const NotNamed& n : d.cannot_tell) std::printf("cannot tell %s: %s\n", n.name.c_str(), n.why.c_str());
   std::size_t shown = 0;
   for (const diagnosis::Structure& s : d.where) {
     if (++shown > 5) break;
-    std::printf("%s %s follows %s, correlation %.3f\n", s.sensor.c_str(), s.axis.c_str(), s.against.c_str(), s.correlation);
+    std::printf("%s %s follows %s, correlation %.3f\n", s.sensor.c_str(), s.axis.c_str(), s.against.c_str(),
+                s.correlation);
   }
   if (d.tracks.points > 0) {
-    std::printf("corner tracks drift: %.2f px of white noise and a walk of %.2f px/sqrt(s) were taken, and not the stated noise\n", d.tracks.white_px,
-                d.tracks.walk_px_per_sqrt_s);
+    std::printf(
+        "corner tracks drift: %.2f px of white noise and a walk of %.2f px/sqrt(s) were taken, and not the stated "
+        "noise\n",
+        d.tracks.white_px, d.tracks.walk_px_per_sqrt_s);
   }
   std::printf("%s: %s\n", d.judged ? d.verdict.c_str() : "cannot tell", d.sentence.c_str());
 }
@@ -78,10 +86,12 @@ void print_next(const DiagnoseArguments& a, const Diagnosis& d) {
   if (!a.calibration.empty()) replay += " --calib " + a.calibration;
   if (a.smooth_stamps) replay += " --smooth-stamps";
   if (a.cameras != 1) replay += " --cameras " + std::to_string(a.cameras);
-  if (d.tracks.points > 0) replay += formatted(" --pixel-sigma %.3g --track-walk %.3g", d.tracks.white_px, d.tracks.walk_px_per_sqrt_s);
+  if (d.tracks.points > 0)
+    replay += formatted(" --pixel-sigma %.3g --track-walk %.3g", d.tracks.white_px, d.tracks.walk_px_per_sqrt_s);
   std::printf("\nnext: %s --model %s --out %s   calibrates with what was found\n", replay.c_str(), model.c_str(),
               (std::filesystem::path(a.out) / "replay").string().c_str());
-  std::printf("      segcal simulate --out twin --model %s   a device with the same departure from the model\n", model.c_str());
+  std::printf("      segcal simulate --out twin --model %s   a device with the same departure from the model\n",
+              model.c_str());
   std::printf("      segcal report %s   draws where the model and the measurements disagreed\n", a.out.c_str());
 }
 
@@ -90,7 +100,8 @@ void expect_temperature(const EffectChoice& model, const std::vector<Recording>&
   for (const Recording& session : sessions) {
     const TemperatureJumps& jumps = session.imu.temperature_jumps;
     if (model.follows_temperature() && jumps.count > 0 && !jumps.bridged)
-      throw InputError(session.root.string() + ": expected temperatures for the effects of --model; " + temperature_words(session.imu));
+      throw InputError(session.root.string() + ": expected temperatures for the effects of --model; " +
+                       temperature_words(session.imu));
   }
 }
 
@@ -102,7 +113,8 @@ int run(DiagnoseArguments a) {
   if (!a.model.empty()) {
     EffectChoice model = read_model(a.model);
     expect_temperature(model, sessions);
-    a.diagnose.core.calibration.cameras.front().timeshift_cam_imu = stated_offset(a.diagnose.core.calibration, model);  // once, not in both
+    a.diagnose.core.calibration.cameras.front().timeshift_cam_imu =
+        stated_offset(a.diagnose.core.calibration, model);  // once, not in both
     if (model.enabled("time_offset")) model.set("time_offset.t_d", 0);
     model.apply(&a.diagnose.core);
   }
@@ -123,16 +135,27 @@ int run(DiagnoseArguments a) {
 
 void add_diagnose_command(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<DiagnoseArguments>();
-  CLI::App* sub = app.add_subcommand("diagnose", "residuals are large: find the effect that the model lacks, and measure the gap that it closes");
-  sub->add_option("recordings", a->recordings, "recordings in ASL layout (REC/mav0/...); several are sessions of one device")->required();
-  sub->add_option("--calib", a->calibration, "calibration to start from, Kalibr's camchain-imucam.yaml (default: the recording's own)");
+  CLI::App* sub = app.add_subcommand(
+      "diagnose", "residuals are large: find the effect that the model lacks, and measure the gap that it closes");
+  sub->add_option("recordings", a->recordings,
+                  "recordings in ASL layout (REC/mav0/...); several are sessions of one device")
+      ->required();
+  sub->add_option("--calib", a->calibration,
+                  "calibration to start from, Kalibr's camchain-imucam.yaml (default: the recording's own)");
   sub->add_option("--model", a->model, "model.yaml with effects that are already known");
-  sub->add_option("--out", a->out, "folder for diagnosis.json, model.yaml, segcal_effects.h and what `segcal report` draws")->required();
-  sub->add_option("--profile", a->diagnose.profile, "capacities of the core; host keeps 64 segments, four minutes")->capture_default_str();
-  sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
+  sub->add_option("--out", a->out,
+                  "folder for diagnosis.json, model.yaml, segcal_effects.h and what `segcal report` draws")
+      ->required();
+  sub->add_option("--profile", a->diagnose.profile, "capacities of the core; host keeps 64 segments, four minutes")
+      ->capture_default_str();
+  sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 2));
   sub->add_option("--pixel-sigma", a->diagnose.core.pixel_sigma, "stated noise of a tracked corner per axis, px")
-      ->capture_default_str()->check(CLI::PositiveNumber);
-  sub->add_flag("--smooth-stamps", a->smooth_stamps, "for stamps taken in callbacks: smooth them first, as segcal replay does");
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  sub->add_flag("--smooth-stamps", a->smooth_stamps,
+                "for stamps taken in callbacks: smooth them first, as segcal replay does");
   sub->add_flag("--accept-faults", a->diagnose.accept_faults,
                 "continue when the samples themselves are faulty (bad_data); the faults are still reported");
   sub->add_flag("--json", a->json, "print diagnosis.json on standard output");

@@ -1,9 +1,10 @@
 // What `segcal diagnose --out DIR` leaves: the answer, the model, the header for firmware, and what the report draws.
+#include "diagnose/diagnosis_files.h"
+
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "diagnose/diagnosis_files.h"
 #include "files/output_run.h"
 #include "replay/model_file.h"
 #include "replay/track_residuals.h"
@@ -51,7 +52,8 @@ Json window_json(const ReplayResult& fit, const Stretch& stretch) {
       if (stretch.holds(r.t_ns)) imu[r.t_ns] = &r;
     }
   }
-  Json t = Json::array(), u = Json::array(), v = Json::array(), ti = Json::array(), gyro = Json::array(), accel = Json::array();
+  Json t = Json::array(), u = Json::array(), v = Json::array(), ti = Json::array(), gyro = Json::array(),
+       accel = Json::array();
   for (const auto& [t_ns, sum] : image) {
     t.push_back(stretch.seconds(t_ns));
     u.push_back(sum[0] / sum[2]);
@@ -114,7 +116,8 @@ Json track_json(const ReplayResult& fit, const Stretch& stretch, std::uint32_t i
 Json windows_json(const Diagnosis& d, std::int64_t zero_ns) {
   std::vector<SegmentError> order;
   for (const CoreKept& k : d.fit_before.kept) order.push_back({&k, camera_square(k)});
-  std::sort(order.begin(), order.end(), [](const SegmentError& a, const SegmentError& b) { return a.camera > b.camera; });
+  std::sort(order.begin(), order.end(),
+            [](const SegmentError& a, const SegmentError& b) { return a.camera > b.camera; });
   Json out = Json::array();
   for (std::size_t i = 0; i < std::min(kWorstWindows, order.size()); ++i) {
     const CoreSegment& segment = order[i].kept->segment;
@@ -135,8 +138,13 @@ Json windows_json(const Diagnosis& d, std::int64_t zero_ns) {
 Json causes_json(const std::vector<diagnosis::Structure>& structure) {
   Json out = Json::array();
   for (const diagnosis::Structure& s : structure) {
-    out.push_back({{"sensor", s.sensor}, {"axis", s.axis}, {"against", s.against}, {"unit", s.unit}, {"cause", s.bin_cause},
-                   {"mean", s.bin_mean}, {"sigma", s.bin_sigma}});
+    out.push_back({{"sensor", s.sensor},
+                   {"axis", s.axis},
+                   {"against", s.against},
+                   {"unit", s.unit},
+                   {"cause", s.bin_cause},
+                   {"mean", s.bin_mean},
+                   {"sigma", s.bin_sigma}});
   }
   return out;
 }
@@ -146,7 +154,9 @@ Json causes_json(const std::vector<diagnosis::Structure>& structure) {
 std::string diagnosis_data_json(const Diagnosis& d, const std::vector<Recording>& sessions) {
   const std::vector<Frame>& frames = sessions.front().cameras.front().frames;
   const std::int64_t zero_ns = frames.empty() ? 0 : frames.front().t_ns;
-  Json json = {{"windows", windows_json(d, zero_ns)}, {"causes_before", causes_json(d.where)}, {"causes_after", causes_json(d.left)}};
+  Json json = {{"windows", windows_json(d, zero_ns)},
+               {"causes_before", causes_json(d.where)},
+               {"causes_after", causes_json(d.left)}};
   return json.dump();
 }
 
@@ -157,7 +167,8 @@ void write_diagnosis(const std::filesystem::path& folder, const Diagnosis& d, co
     write_camchain(folder / "camchain-imucam.yaml", last.calibration);
     write_imu_yaml(folder / "imu.yaml", last.calibration, d.noise);
   }
-  write_file(folder / "model.yaml", model_yaml(d.model.empty() ? d.fit_before : last));  // what got no name is not in it
+  write_file(folder / "model.yaml",
+             model_yaml(d.model.empty() ? d.fit_before : last));  // what got no name is not in it
   write_file(folder / "segcal_effects.h", effects_header(d));
   write_file(folder / "diagnosis_data.json", diagnosis_data_json(d, sessions));
   write_file(folder / "diagnosis.json", diagnosis_json(d) + "\n");

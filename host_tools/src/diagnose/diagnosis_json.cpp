@@ -13,7 +13,7 @@ Json effect_json(const DiagnosedEffect& e) {
   for (const DiagnosedParameter& p : e.parameters) {
     parameters.push_back({{"name", p.name}, {"value", p.value}, {"sigma", p.sigma}, {"unit", p.unit}});
   }
-  Json out = {{"name", e.name}, {"parameters", parameters}, {"statistic", e.statistic}, {"dof", e.dof},
+  Json out = {{"name", e.name},       {"parameters", parameters},   {"statistic", e.statistic}, {"dof", e.dof},
               {"log10_p", e.log10_p}, {"gap_closed", e.gap_closed}, {"words", e.words}};
   if (!e.or_else.empty()) {
     out["or"] = e.or_else;
@@ -38,7 +38,10 @@ Json where_json(const Diagnosis& d) {
   Json out = Json::array();
   for (std::size_t i = 0; i < d.where.size(); ++i) {
     const diagnosis::Structure& s = d.where[i];
-    out.push_back({{"sensor", s.sensor}, {"axis", s.axis}, {"against", s.against}, {"correlation", s.correlation},
+    out.push_back({{"sensor", s.sensor},
+                   {"axis", s.axis},
+                   {"against", s.against},
+                   {"correlation", s.correlation},
                    {"log10_p", s.log10_p}});
     if (i < d.where_after.size()) out.back()["correlation_after"] = d.where_after[i];
   }
@@ -48,8 +51,15 @@ Json where_json(const Diagnosis& d) {
 Json faults_json(const std::vector<Fault>& faults) {
   Json out = Json::array();
   for (const Fault& f : faults) {
-    out.push_back({{"kind", f.kind}, {"sensor", f.sensor}, {"first_ns", f.first_ns}, {"last_ns", f.last_ns}, {"count", f.count},
-                   {"value", f.value}, {"limit", f.limit}, {"unit", f.unit}, {"words", f.words}});
+    out.push_back({{"kind", f.kind},
+                   {"sensor", f.sensor},
+                   {"first_ns", f.first_ns},
+                   {"last_ns", f.last_ns},
+                   {"count", f.count},
+                   {"value", f.value},
+                   {"limit", f.limit},
+                   {"unit", f.unit},
+                   {"words", f.words}});
   }
   return out;
 }
@@ -68,9 +78,12 @@ Json noise_json(const Diagnosis& d) {
     return Json{{"factor", n.factor}, {"sigma", n.sigma}, {"verdict", kVerdict[static_cast<int>(n.verdict)]}};
   };
   Json tracks;
-  if (d.tracks.points > 0) tracks = {{"white_px", d.tracks.white_px}, {"walk_px_per_sqrt_s", d.tracks.walk_px_per_sqrt_s}};
-  return {{"pixel", {{"factor", d.pixels.factor}, {"sigma", d.pixels.sigma}}}, {"tracks", tracks},
-          {"gyro", sensor(d.raw_noise.gyro)}, {"accel", sensor(d.raw_noise.accel)}};
+  if (d.tracks.points > 0)
+    tracks = {{"white_px", d.tracks.white_px}, {"walk_px_per_sqrt_s", d.tracks.walk_px_per_sqrt_s}};
+  return {{"pixel", {{"factor", d.pixels.factor}, {"sigma", d.pixels.sigma}}},
+          {"tracks", tracks},
+          {"gyro", sensor(d.raw_noise.gyro)},
+          {"accel", sensor(d.raw_noise.accel)}};
 }
 
 }  // namespace
@@ -84,8 +97,13 @@ std::string diagnosis_json(const Diagnosis& d) {
   json["cut_short"] = d.cut_short;
   json["effects"] = Json::array();
   for (const DiagnosedEffect& e : d.effects) json["effects"].push_back(effect_json(e));
-  json["gap"] = {{"before", shares_json(d.before)}, {"after", shares_json(d.after)}, {"noise_floor", shares_json(d.noise_floor)},
-                 {"after_sigma", d.after_sigma}, {"sigma", sensors_json(d.gap_sigma)}, {"dof", shares_json(d.gap_dof)}, {"closed", d.gap_closed}};
+  json["gap"] = {{"before", shares_json(d.before)},
+                 {"after", shares_json(d.after)},
+                 {"noise_floor", shares_json(d.noise_floor)},
+                 {"after_sigma", d.after_sigma},
+                 {"sigma", sensors_json(d.gap_sigma)},
+                 {"dof", shares_json(d.gap_dof)},
+                 {"closed", d.gap_closed}};
   json["where"] = where_json(d);
   json["rejected"] = list_json(d.rejected);
   json["cannot_tell"] = list_json(d.cannot_tell);

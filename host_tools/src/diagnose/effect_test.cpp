@@ -14,7 +14,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-Marginal marginal(const Problem& problem, const Rows& rows, const Candidate& candidate, const std::vector<TermGroup>& free) {
+Marginal marginal(const Problem& problem, const Rows& rows, const Candidate& candidate,
+                  const std::vector<TermGroup>& free) {
   std::vector<TermGroup> groups = free;
   groups.push_back(candidate.columns);
   return marginal_of(with_groups(with_prior(rows, problem.prior), problem.n_theta, groups), candidate.columns.count);
@@ -31,25 +32,26 @@ struct Posterior {
 };
 Posterior posterior(const Marginal& m, const VectorXd& size, double noise) {
   const MatrixXd R = m.R * size.asDiagonal() / std::sqrt(noise);
-  const MatrixXd information = R.transpose() * R + MatrixXd::Identity(R.cols(), R.cols()) / (decision::kWidePrior * decision::kWidePrior);
+  const MatrixXd information =
+      R.transpose() * R + MatrixXd::Identity(R.cols(), R.cols()) / (decision::kWidePrior * decision::kWidePrior);
   Posterior out;
   out.covariance = information.inverse();
   out.value = out.covariance * (R.transpose() * m.d / std::sqrt(noise));
   return out;
 }
 
-/// Cost of the best theta (and shared columns) where the first `m` columns of each piece have values of their own: these are
-/// eliminated piece by piece, what is left of all pieces is solved together.
+/// Cost of the best theta (and shared columns) where the first `m` columns of each piece have values of their own:
+/// these are eliminated piece by piece, what is left of all pieces is solved together.
 struct OwnValues {
   double cost = 0;
-  int rank = 0;                  ///< of the own values, all pieces
+  int rank = 0;  ///< of the own values, all pieces
 };
 OwnValues cost_with_own_values(const Problem& problem, const std::vector<Rows>& pieces, int m) {
   std::vector<Rows> rest;
   OwnValues out;
   for (const Rows& piece : pieces) {
     const int n = piece.columns() - m;
-    std::vector<int> own;        // a step has no columns before it
+    std::vector<int> own;  // a step has no columns before it
     for (int c = n; c < n + m; ++c) {
       if (piece.R.col(c).squaredNorm() > 0) own.push_back(c);
     }
@@ -101,7 +103,8 @@ EffectTest test_effect(const Problem& problem, const Candidate& candidate, const
 }
 
 double Scatter::log10_p(double statistic, int seen) const {
-  return dof > 0 ? log10_upper_tail_of_ratio(statistic / (factor * std::max(1, seen)), seen, dof) : log10_upper_tail(statistic, seen);
+  return dof > 0 ? log10_upper_tail_of_ratio(statistic / (factor * std::max(1, seen)), seen, dof)
+                 : log10_upper_tail(statistic, seen);
 }
 
 Scatter scatter_over_time(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free) {
@@ -129,18 +132,18 @@ EffectTest judge_effect(const Problem& problem, const Candidate& candidate, cons
   return out;
 }
 
-bool called(double log10_p, double share) {
-  return log10_p < decision::kLog10Level + std::log10(share);
-}
+bool called(double log10_p, double share) { return log10_p < decision::kLog10Level + std::log10(share); }
 
 HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free) {
   const double noise = dispersion(problem, free);
   const VectorXd size = sizes(candidate);
-  const Marginal of[2] = {marginal(problem, problem.train, candidate, free), marginal(problem, problem.held_out, candidate, free)};
+  const Marginal of[2] = {marginal(problem, problem.train, candidate, free),
+                          marginal(problem, problem.held_out, candidate, free)};
   const Posterior p[2] = {posterior(of[0], size, noise), posterior(of[1], size, noise)};
   const VectorXd difference = p[0].value - p[1].value, mean = 0.5 * (p[0].value + p[1].value);
   HalvesTest out;
-  const MatrixXd allowed = p[0].covariance + p[1].covariance + decision::kCurvature * decision::kCurvature * mean * mean.transpose();
+  const MatrixXd allowed =
+      p[0].covariance + p[1].covariance + decision::kCurvature * decision::kCurvature * mean * mean.transpose();
   const double s = difference.dot(allowed.inverse() * difference);
   out.log10_p_disagree = log10_upper_tail(s, static_cast<int>(size.size()));
   for (int k = 0; k < 2; ++k) {

@@ -34,11 +34,12 @@ void write_terms(const Diagnosis& d, std::ostringstream& out) {
   for (const ModelTerm& t : d.model) {
     if (t.effect.empty()) {
       out << "  config->term[" << own << "].kind = " << t.term.kind << "; config->term[" << own << "].a = " << t.term.a
-          << "; config->term[" << own << "].b = " << t.term.b << "; config->term[" << own << "].c = " << t.term.c << ";\n";
+          << "; config->term[" << own << "].b = " << t.term.b << "; config->term[" << own << "].c = " << t.term.c
+          << ";\n";
       ++own;
     }
-    out << "  config->term_value[" << place++ << "] = " << number(t.parameter.value) << "; /* " << t.parameter.name << ", "
-        << t.parameter.unit << ", +- " << number(t.parameter.sigma) << " */\n";
+    out << "  config->term_value[" << place++ << "] = " << number(t.parameter.value) << "; /* " << t.parameter.name
+        << ", " << t.parameter.unit << ", +- " << number(t.parameter.sigma) << " */\n";
   }
 }
 
@@ -46,13 +47,14 @@ void write_terms(const Diagnosis& d, std::ostringstream& out) {
 
 std::string effects_header(const Diagnosis& d) {
   std::ostringstream out;
-  out << "/* What `segcal diagnose` found in a recording of this device. Call segcal_set_effects() on the configuration before\n"
+  out << "/* What `segcal diagnose` found in a recording of this device. Call segcal_set_effects() on the "
+         "configuration before\n"
       << "   segcal_create(): the effects start at these values and are estimated from then on. */\n"
       << "#ifndef SEGCAL_EFFECTS_H\n#define SEGCAL_EFFECTS_H\n\n#include \"segcal/segcal.h\"\n\n";
   int terms = 0;
   for (const ModelTerm& t : d.model) terms += t.parameter.name.empty() ? 0 : 1;
-  out << "#if SEGCAL_MAX_EFFECT_ESTIMATES < " << terms << "\n#error \"build segcal with SEGCAL_MAX_EFFECT_ESTIMATES of at least "
-      << terms << "\"\n#endif\n\n";
+  out << "#if SEGCAL_MAX_EFFECT_ESTIMATES < " << terms
+      << "\n#error \"build segcal with SEGCAL_MAX_EFFECT_ESTIMATES of at least " << terms << "\"\n#endif\n\n";
   out << "static inline void segcal_set_effects(segcal_config_t *config) {\n";
   write_terms(d, out);
   out << "  config->gyro_noise_density = " << number(d.noise.gyro_noise_density) << ";   /* rad/s/sqrt(Hz) */\n"

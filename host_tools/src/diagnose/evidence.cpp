@@ -11,13 +11,14 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// A fit with chi2/dof far above 1 is refused by the core, and segments whose states do not follow their IMU samples are
-/// dropped. With larger noise they are taken, and what is missing in the model can be asked for.
+/// A fit with chi2/dof far above 1 is refused by the core, and segments whose states do not follow their IMU samples
+/// are dropped. With larger noise they are taken, and what is missing in the model can be asked for.
 constexpr double kInflatePixels = 2, kInflateImu = 4;
 constexpr int kMostInflations = 3;
-/// Segments of a recording: as long as the core's, but not so long that a short recording has few of them. What is named must
-/// hold in each of them (Scatter), with the tail of F at 1 and n - 1 degrees of freedom: for p = 1e-4 an effect of one
-/// parameter needs 1.9 times the statistic that chi-square would ask for with 15 segments, 50 times with four.
+/// Segments of a recording: as long as the core's, but not so long that a short recording has few of them. What is
+/// named must hold in each of them (Scatter), with the tail of F at 1 and n - 1 degrees of freedom: for p = 1e-4 an
+/// effect of one parameter needs 1.9 times the statistic that chi-square would ask for with 15 segments, 50 times with
+/// four.
 constexpr double kSegments = 15, kShortestSegment = 2;
 /// Segments dropped of all that tell something; with more the fit is made with larger noise.
 constexpr double kDroppedShare = 0.25;
@@ -69,7 +70,8 @@ Prior prior_of(const CoreResult& result, int n) {
 /// Terms from their places among [taken | asked] to the caller's order.
 void reorder(const std::vector<int>& place, Rows* rows, int n_theta) {
   MatrixXd out = rows->R;
-  for (std::size_t i = 0; i < place.size(); ++i) out.col(n_theta + static_cast<int>(i)) = rows->R.col(n_theta + place[i]);
+  for (std::size_t i = 0; i < place.size(); ++i)
+    out.col(n_theta + static_cast<int>(i)) = rows->R.col(n_theta + place[i]);
   rows->R = triangle_of(out);
 }
 void reorder(const std::vector<int>& place, Problem* problem) {
@@ -101,12 +103,14 @@ Evidence::Evidence(const std::vector<Recording>& sessions, const CoreOptions& op
                    std::function<void(double)> progress)
     : sessions_(sessions), options_(options), profile_(profile), progress_(std::move(progress)) {
   options_.outdated_level = -1;  // a step of the calibration is to be found, not forgotten
-  options_.watched_effects = 1;       // segments that do not follow their IMU samples stay: it may be the effect
+  options_.watched_effects = 1;  // segments that do not follow their IMU samples stay: it may be the effect
   options_.segments = profile == "host" ? 64 : options_.segments;
-  options_.segment_s = std::max(std::min(options_.segment_s, kShortestSegment), std::min(options_.segment_s, seconds_of(sessions) / kSegments));
+  options_.segment_s = std::max(std::min(options_.segment_s, kShortestSegment),
+                                std::min(options_.segment_s, seconds_of(sessions) / kSegments));
 }
 
-Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated, const std::vector<double>& start) {
+Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated,
+                      const std::vector<double>& start) {
   ReplayOptions replay_options;
   replay_options.core = options_;
   replay_options.profile = profile_;
@@ -141,7 +145,8 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
 bool Evidence::try_fit(const ReplayOptions& options) {
   result_ = replay(sessions_, options);
   const double dropped = count_of(result_.counters, "segments_unsettled");
-  return result_.result.status != "failed" && dropped <= kDroppedShare * (dropped + static_cast<double>(result_.kept.size()));
+  return result_.result.status != "failed" &&
+         dropped <= kDroppedShare * (dropped + static_cast<double>(result_.kept.size()));
 }
 
 std::vector<CoreKept> Evidence::segments() const {
@@ -183,7 +188,8 @@ SensorPieces Evidence::sensors() {
       Rows rows{core.root[s], core.shared.row(static_cast<int>(s)).sum()};
       count_from_zero(&rows);
       reorder(place_, &rows, n_theta_);
-      out.of[s].push_back({rows, seconds_after_start(k.segment.start_ns), seconds_after_start(k.segment.end_ns), false});
+      out.of[s].push_back(
+          {rows, seconds_after_start(k.segment.start_ns), seconds_after_start(k.segment.end_ns), false});
     }
     out.shared.push_back(core.shared);
   }
@@ -196,7 +202,8 @@ Problem Evidence::gather(const std::vector<TermInfo>& candidates, bool in_parts)
   const std::vector<CoreParameter>& parameters = result_.result.parameters;
   out.n_theta = n_theta_ = static_cast<int>(parameters.size() - taken_.size());
   taken_values_ = VectorXd(static_cast<Eigen::Index>(taken_.size()));
-  for (std::size_t i = 0; i < taken_.size(); ++i) taken_values_(static_cast<Eigen::Index>(i)) = parameters[n_theta_ + i].value;
+  for (std::size_t i = 0; i < taken_.size(); ++i)
+    taken_values_(static_cast<Eigen::Index>(i)) = parameters[n_theta_ + i].value;
   out.prior = prior_of(result_.result, n_theta_);
   out.noise = std::pow(options_.pixel_sigma / result_.model.pixel_sigma, 2);
   std::vector<std::uint32_t> all, half[2];
@@ -206,7 +213,8 @@ Problem Evidence::gather(const std::vector<TermInfo>& candidates, bool in_parts)
     all.push_back(s.serial);
     half[is_held_out(i) ? 1 : 0].push_back(s.serial);
     if (!in_parts) continue;
-    out.pieces.push_back({rows_of({s.serial}, candidates), seconds_after_start(s.start_ns), seconds_after_start(s.end_ns), is_held_out(i)});
+    out.pieces.push_back({rows_of({s.serial}, candidates), seconds_after_start(s.start_ns),
+                          seconds_after_start(s.end_ns), is_held_out(i)});
   }
   if (in_parts) out.blocks = blocks_of(result_.calibration);
   if (half[1].empty()) return out;

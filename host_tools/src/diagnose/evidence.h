@@ -15,8 +15,8 @@ class Evidence {
   Evidence(const std::vector<Recording>& sessions, const CoreOptions& options, const std::string& profile,
            std::function<void(double)> progress);
 
-  /// Replays with these terms estimated, from these values on, and linearises with the others as candidates. Columns are
-  /// theta, then `terms` in their order.
+  /// Replays with these terms estimated, from these values on, and linearises with the others as candidates. Columns
+  /// are theta, then `terms` in their order.
   Problem fit(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated, const std::vector<double>& start);
   const ReplayResult& result() const { return result_; }
   /// The same fit's rows with other candidates; columns are theta, the terms that were estimated, `candidates`. Halves
@@ -43,10 +43,10 @@ class Evidence {
   std::unique_ptr<Core> core_;
   ReplayResult result_;
   std::vector<TermInfo> taken_, asked_;
-  std::vector<int> place_;         ///< of each of the caller's terms among [taken | asked]
+  std::vector<int> place_;  ///< of each of the caller's terms among [taken | asked]
   Eigen::VectorXd taken_values_;
   int n_theta_ = 0;
-  int inflations_ = 0;             ///< that the last fit needed
+  int inflations_ = 0;  ///< that the last fit needed
 };
 
 }  // namespace host::diagnosis

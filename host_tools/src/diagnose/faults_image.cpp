@@ -10,8 +10,9 @@ namespace host {
 namespace {
 
 constexpr std::size_t least_points = 1000;
-constexpr double most_beyond = 0.25;    // share of points outside: images of twice the size have 3/4 there, a lens far from its model 1/20
-constexpr double corner_share = 0.55;   // of width and height: images of half the size reach half of them
+constexpr double most_beyond =
+    0.25;  // share of points outside: images of twice the size have 3/4 there, a lens far from its model 1/20
+constexpr double corner_share = 0.55;  // of width and height: images of half the size reach half of them
 constexpr double almost_all = 0.999;
 
 std::string rounded(double value) {
@@ -20,7 +21,8 @@ std::string rounded(double value) {
   return text;
 }
 
-void check_camera(const CameraData& data, const CameraCalibration& camera, const std::string& name, std::vector<Fault>& out) {
+void check_camera(const CameraData& data, const CameraCalibration& camera, const std::string& name,
+                  std::vector<Fault>& out) {
   if (camera.width < 1 || camera.height < 1) return;  // a device log does not know it
   std::vector<double> u, v;
   std::size_t beyond = 0;
@@ -42,11 +44,13 @@ void check_camera(const CameraData& data, const CameraCalibration& camera, const
   if (outside > most_beyond) {
     fault.value = outside;
     fault.limit = most_beyond;
-    fault.words = name + ": " + rounded(100 * outside) + " % of the corners lie outside of the calibrated " + size + remedy;
+    fault.words =
+        name + ": " + rounded(100 * outside) + " % of the corners lie outside of the calibrated " + size + remedy;
   } else if (reach < corner_share) {
     fault.value = reach;
     fault.limit = corner_share;
-    fault.words = name + ": corners reach no further than " + rounded(reach_u) + " x " + rounded(reach_v) + " px of the calibrated " + size + remedy;
+    fault.words = name + ": corners reach no further than " + rounded(reach_u) + " x " + rounded(reach_v) +
+                  " px of the calibrated " + size + remedy;
   }
   if (!fault.words.empty()) out.push_back(fault);
 }

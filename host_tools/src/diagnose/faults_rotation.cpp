@@ -16,28 +16,33 @@ namespace host {
 namespace {
 
 constexpr std::size_t least_frame_pairs = 30;
-constexpr double least_turning = 0.1;        // rad/s rms of the image: below it parallax looks the same
-constexpr double other_order_fits = 0.9;     // correlation of another order of axes
-// A start that is 0.05 rad askew and parallax leave 0.97; an axis that is turned about and holds a fortieth of the power, 0.95.
+constexpr double least_turning = 0.1;     // rad/s rms of the image: below it parallax looks the same
+constexpr double other_order_fits = 0.9;  // correlation of another order of axes
+// A start that is 0.05 rad askew and parallax leave 0.97; an axis that is turned about and holds a fortieth of the
+// power, 0.95.
 constexpr double as_is_fits = 0.95;
-constexpr double better_by = 0.35;           // what is not explained, over that as it is
-// Share of gravity that is lost as it is. Right axes lose less than 0.0015 in all scenarios, in euroc_mh01 and along five real
-// recordings of drones and hands; wrong ones 0.008 to 0.06 in calm use (arvr, nav), 0.4 where the device is shaken.
+constexpr double better_by = 0.35;  // what is not explained, over that as it is
+// Share of gravity that is lost as it is. Right axes lose less than 0.0015 in all scenarios, in euroc_mh01 and along
+// five real recordings of drones and hands; wrong ones 0.008 to 0.06 in calm use (arvr, nav), 0.4 where the device is
+// shaken.
 constexpr double gravity_lost = 0.006;
-constexpr double least_unit = 28;            // times the image's rates, half of what deg/s make: no range or scale error is so large
-constexpr double gravity_found = 0.05;       // how far from g the mean may be with the axes that are better
+constexpr double least_unit =
+    28;  // times the image's rates, half of what deg/s make: no range or scale error is so large
+constexpr double gravity_found = 0.05;  // how far from g the mean may be with the axes that are better
 constexpr double farthest_offset_s = 1.5, offset_step_s = 0.02;
-// An offset below this is an effect (time_offset), above it the log is put together wrongly: the core's clock search ends here.
+// An offset below this is an effect (time_offset), above it the log is put together wrongly: the core's clock search
+// ends here.
 constexpr double largest_offset_s = 0.1;
-constexpr double clock_fits = 0.8;           // correlation at an offset that is believed
-constexpr double clock_better_by = 0.6;      // misfit at the best offset over the one at none
-// Quartz clocks differ by up to 50e-6: 3 ms in a minute. Two milliseconds are four times what an offset may be wrong by.
+constexpr double clock_fits = 0.8;       // correlation at an offset that is believed
+constexpr double clock_better_by = 0.6;  // misfit at the best offset over the one at none
+// Quartz clocks differ by up to 50e-6: 3 ms in a minute. Two milliseconds are four times what an offset may be wrong
+// by.
 constexpr double largest_change_s = 0.002;
-constexpr double significant = 5;            // sigmas of the slope
+constexpr double significant = 5;  // sigmas of the slope
 
 struct Rates {
   std::vector<double> t1, t2;
-  std::vector<Eigen::Vector3d> image_C, gyro_I;   ///< rad/s, means taken off: a bias is no rotation
+  std::vector<Eigen::Vector3d> image_C, gyro_I;  ///< rad/s, means taken off: a bias is no rotation
 };
 
 void take_mean_off(std::vector<Eigen::Vector3d>& values) {
@@ -52,7 +57,8 @@ double rms(const std::vector<Eigen::Vector3d>& values) {
   return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-Rates rates_at(const std::vector<FramePair>& pairs, const std::vector<Eigen::Vector3d>& image, const GyroPath& gyro, double offset) {
+Rates rates_at(const std::vector<FramePair>& pairs, const std::vector<Eigen::Vector3d>& image, const GyroPath& gyro,
+               double offset) {
   Rates out;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (!gyro.covers(pairs[k].t1 + offset, pairs[k].t2 + offset)) continue;
@@ -85,7 +91,8 @@ Fault whole(const Recording& recording, const char* kind, const char* sensor) {
 }
 
 /// Which order and signs of the gyroscope's axes agree with the images; the identity where none is clearly better.
-AxisOrder check_gyro_axes(const Recording& recording, const Rates& rates, const Eigen::Matrix3d& R_CI, std::vector<Fault>& out) {
+AxisOrder check_gyro_axes(const Recording& recording, const Rates& rates, const Eigen::Matrix3d& R_CI,
+                          std::vector<Fault>& out) {
   AxisOrder best = axis_orders().front();
   const double as_is = correlation(rates, R_CI);
   double highest = as_is;
@@ -95,19 +102,25 @@ AxisOrder check_gyro_axes(const Recording& recording, const Rates& rates, const 
     highest = c;
     best = order;
   }
-  if (highest < other_order_fits || as_is > as_is_fits || 1 - highest > better_by * (1 - as_is)) return axis_orders().front();
+  if (highest < other_order_fits || as_is > as_is_fits || 1 - highest > better_by * (1 - as_is))
+    return axis_orders().front();
   Fault fault = whole(recording, "axes", "gyro");
   fault.value = highest;
   fault.limit = as_is_fits;
   fault.unit = "-";
-  fault.words = formatted("gyroscope: it agrees with the rotation of the images (correlation %.2f, as it is %.2f) when its axes are read as ", highest, as_is) +
+  fault.words = formatted(
+                    "gyroscope: it agrees with the rotation of the images (correlation %.2f, as it is %.2f) when its "
+                    "axes are read as ",
+                    highest, as_is) +
                 best.name + (best.P.determinant() < 0 ? ", which is mirrored" : "") +
-                ". Correct the axes in the driver" + (best.P.determinant() < 0 ? "." : ", or the camera's rotation R_CI in the starting calibration.");
+                ". Correct the axes in the driver" +
+                (best.P.determinant() < 0 ? "." : ", or the camera's rotation R_CI in the starting calibration.");
   out.push_back(fault);
   return best;
 }
 
-void check_gyro_scale(const Recording& recording, const Rates& rates, const Eigen::Matrix3d& R, std::vector<Fault>& out) {
+void check_gyro_scale(const Recording& recording, const Rates& rates, const Eigen::Matrix3d& R,
+                      std::vector<Fault>& out) {
   const double c = correlation(rates, R), ratio = c * rms(rates.gyro_I) / rms(rates.image_C);
   if (c < 0.7 || ratio < least_unit) return;
   const auto is = [ratio](double unit) { return ratio > unit / 2 && ratio < unit * 2; };
@@ -115,18 +128,22 @@ void check_gyro_scale(const Recording& recording, const Rates& rates, const Eige
   fault.value = ratio;
   fault.limit = least_unit;
   fault.unit = "-";
-  const std::string unit = is(deg_per_rad)          ? "deg/s. Multiply by pi / 180"
-                           : is(1e3 * deg_per_rad) ? "mdeg/s. Multiply by pi / 180000"
-                                                   : formatted("raw counts. Multiply by what the data sheet says for the range that is set, here about 1 / %.0f", ratio);
-  fault.words = formatted("gyroscope: its rates are %.0f times those of the images, which is ", ratio) + unit + ": a recording has rad/s.";
+  const std::string unit =
+      is(deg_per_rad) ? "deg/s. Multiply by pi / 180"
+      : is(1e3 * deg_per_rad)
+          ? "mdeg/s. Multiply by pi / 180000"
+          : formatted("raw counts. Multiply by what the data sheet says for the range that is set, here about 1 / %.0f",
+                      ratio);
+  fault.words = formatted("gyroscope: its rates are %.0f times those of the images, which is ", ratio) + unit +
+                ": a recording has rad/s.";
   out.push_back(fault);
 }
 
-/// Mean of the specific force over a window, each sample turned by the gyroscope into the window's first attitude, if the
-/// accelerometer's axes are P times what they are said to be; m/s^2 over g. The velocity changes little in eight seconds, so
-/// what remains is gravity: 1, if P is right.
-std::vector<double> turned_means(const std::vector<ImuSample>& samples, std::size_t begin, std::size_t end, const GyroPath& gyro,
-                                 const Eigen::Vector3d& bias, const Eigen::Matrix3d& M) {
+/// Mean of the specific force over a window, each sample turned by the gyroscope into the window's first attitude, if
+/// the accelerometer's axes are P times what they are said to be; m/s^2 over g. The velocity changes little in eight
+/// seconds, so what remains is gravity: 1, if P is right.
+std::vector<double> turned_means(const std::vector<ImuSample>& samples, std::size_t begin, std::size_t end,
+                                 const GyroPath& gyro, const Eigen::Vector3d& bias, const Eigen::Matrix3d& M) {
   constexpr std::size_t block = 10;
   std::vector<Eigen::Vector3d> sums(axis_orders().size(), Eigen::Vector3d::Zero());
   const auto time = [&](std::size_t k) { return static_cast<double>(samples[k].t_ns - samples.front().t_ns) * 1e-9; };
@@ -134,7 +151,8 @@ std::vector<double> turned_means(const std::vector<ImuSample>& samples, std::siz
   std::size_t n = 0;
   for (std::size_t k = begin; k + block <= end; k += block, ++n) {
     Eigen::Vector3d f = Eigen::Vector3d::Zero();
-    for (std::size_t i = k; i < k + block; ++i) f += Eigen::Vector3d(samples[i].accel[0], samples[i].accel[1], samples[i].accel[2]) / block;
+    for (std::size_t i = k; i < k + block; ++i)
+      f += Eigen::Vector3d(samples[i].accel[0], samples[i].accel[1], samples[i].accel[2]) / block;
     if (k > begin) R = R * gyro.reordered_rotation(time(k - block / 2), time(k + block / 2), bias, M);
     for (std::size_t j = 0; j < sums.size(); ++j) sums[j] += R * axis_orders()[j].P * f;
   }
@@ -143,10 +161,10 @@ std::vector<double> turned_means(const std::vector<ImuSample>& samples, std::siz
   return out;
 }
 
-/// Wrong axes turn gravity about and shorten its mean; the sign of all three cannot be told this way. Against the longest
-/// mean, window by window, so that scale errors and changes of velocity drop out.
-void check_accel_axes(const Recording& recording, const GyroPath& gyro, const Eigen::Vector3d& bias, const Eigen::Matrix3d& M,
-                      std::vector<Fault>& out) {
+/// Wrong axes turn gravity about and shorten its mean; the sign of all three cannot be told this way. Against the
+/// longest mean, window by window, so that scale errors and changes of velocity drop out.
+void check_accel_axes(const Recording& recording, const GyroPath& gyro, const Eigen::Vector3d& bias,
+                      const Eigen::Matrix3d& M, std::vector<Fault>& out) {
   const auto n = static_cast<std::size_t>(8 * recording.imu.noise.rate_hz);
   std::vector<std::vector<double>> means(axis_orders().size());
   for (std::size_t begin = 0; begin + n <= recording.imu.samples.size(); begin += n / 2) {
@@ -165,14 +183,18 @@ void check_accel_axes(const Recording& recording, const GyroPath& gyro, const Ei
   fault.value = share;
   fault.limit = gravity_lost;
   fault.unit = "-";
-  fault.words = formatted("accelerometer: turned by the gyroscope it loses %.1f %% of gravity, which it does not when its axes are read as ", 100 * share) +
+  fault.words = formatted(
+                    "accelerometer: turned by the gyroscope it loses %.1f %% of gravity, which it does not when its "
+                    "axes are read as ",
+                    100 * share) +
                 axis_orders()[best].name + " (or as that with all signs changed). Correct the axes in the driver.";
   out.push_back(fault);
 }
 
 /// Offset of the clocks on a grid, by the correlation of the rates; 0 where none is clearly better.
-double coarse_offset(const Recording& recording, const std::vector<FramePair>& pairs, const std::vector<Eigen::Vector3d>& image,
-                     const GyroPath& gyro, const Eigen::Matrix3d& R, std::vector<Fault>& out) {
+double coarse_offset(const Recording& recording, const std::vector<FramePair>& pairs,
+                     const std::vector<Eigen::Vector3d>& image, const GyroPath& gyro, const Eigen::Matrix3d& R,
+                     std::vector<Fault>& out) {
   double best = 0, highest = correlation(rates_at(pairs, image, gyro, 0), R);
   const double as_is = highest;
   for (double offset = -farthest_offset_s; offset <= farthest_offset_s; offset += offset_step_s) {
@@ -183,20 +205,24 @@ double coarse_offset(const Recording& recording, const std::vector<FramePair>& p
     highest = c;
     best = offset;
   }
-  const bool small = std::abs(best) <= largest_offset_s + 0.5 * offset_step_s;  // of the grid's two neighbours either may be best
+  const bool small =
+      std::abs(best) <= largest_offset_s + 0.5 * offset_step_s;  // of the grid's two neighbours either may be best
   if (small || highest < clock_fits || 1 - highest > clock_better_by * (1 - as_is)) return small ? best : 0;
   Fault fault = whole(recording, "clock_offset", "cam0");
   fault.count = pairs.size();
   fault.value = best;
   fault.limit = largest_offset_s;
   fault.unit = "s";
-  fault.words = formatted("cam0: its stamps are %.2f s off the IMU's clock (t_imu = t_cam %+.2f s). Stamp both with one clock, or correct the offset first.", std::abs(best), best);
+  fault.words = formatted(
+      "cam0: its stamps are %.2f s off the IMU's clock (t_imu = t_cam %+.2f s). Stamp both with one clock, or correct "
+      "the offset first.",
+      std::abs(best), best);
   out.push_back(fault);
   return best;
 }
 
-void check_drift(const Recording& recording, const std::vector<FramePair>& pairs, const GyroPath& gyro, const Eigen::Matrix3d& R_CI,
-                 double offset, std::vector<Fault>& out) {
+void check_drift(const Recording& recording, const std::vector<FramePair>& pairs, const GyroPath& gyro,
+                 const Eigen::Matrix3d& R_CI, double offset, std::vector<Fault>& out) {
   const ClockDrift drift = drift_of(offsets_over_time(pairs, gyro, R_CI, offset));
   if (std::abs(drift.change) <= largest_change_s || std::abs(drift.slope) <= significant * drift.sigma) return;
   Fault fault = whole(recording, "clock_drift", "cam0");
@@ -204,14 +230,16 @@ void check_drift(const Recording& recording, const std::vector<FramePair>& pairs
   fault.value = drift.change;
   fault.limit = largest_change_s;
   fault.unit = "s";
-  fault.words = formatted("cam0: its clock runs off the IMU's by %.1f ms over the recording (%.0f us per second). ", 1e3 * drift.change, 1e6 * drift.slope) +
+  fault.words = formatted("cam0: its clock runs off the IMU's by %.1f ms over the recording (%.0f us per second). ",
+                          1e3 * drift.change, 1e6 * drift.slope) +
                 "Stamp both with one clock, or let them synchronise.";
   out.push_back(fault);
 }
 
-/// Mean of gyroscope minus image over the frames: with the images' translation averaged out, good to a hundredth of a rad/s.
-Eigen::Vector3d rough_bias(const std::vector<FramePair>& pairs, const std::vector<Eigen::Vector3d>& image, const GyroPath& gyro,
-                           const Eigen::Matrix3d& R) {
+/// Mean of gyroscope minus image over the frames: with the images' translation averaged out, good to a hundredth of a
+/// rad/s.
+Eigen::Vector3d rough_bias(const std::vector<FramePair>& pairs, const std::vector<Eigen::Vector3d>& image,
+                           const GyroPath& gyro, const Eigen::Matrix3d& R) {
   std::vector<double> off[3];
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (!gyro.covers(pairs[k].t1, pairs[k].t2)) continue;

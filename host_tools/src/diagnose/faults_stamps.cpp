@@ -12,23 +12,25 @@ namespace {
 // A missing sample is bridged by a straight line between its neighbours; one in five hundred is what the filter and the
 // segments were measured with, one in fifty is 4 % of the time.
 constexpr double most_missing_share = 0.002;
-constexpr double longest_imu_gap_s = 0.1;      // over which the motion is unknown
+constexpr double longest_imu_gap_s = 0.1;  // over which the motion is unknown
 constexpr double most_back_share = 0.001;
 // At 20 rad/s^2, a brisk hand, a stamp 5 % of 5 ms off is an error of 0.005 rad/s, twice a sample's noise.
-constexpr double most_imu_jitter = 0.05;       // of the interval
+constexpr double most_imu_jitter = 0.05;         // of the interval
 constexpr double most_camera_jitter_s = 0.0007;  // of intervals: stamps within half a millisecond
-constexpr double most_rate_error = 0.1;        // of sensor.yaml's rate
-constexpr double least_covered_share = 0.9;    // of the frames, by IMU samples
+constexpr double most_rate_error = 0.1;          // of sensor.yaml's rate
+constexpr double least_covered_share = 0.9;      // of the frames, by IMU samples
 
 template <typename Stamped>
 std::vector<double> intervals(const std::vector<Stamped>& entries) {
   std::vector<double> out;
-  for (std::size_t k = 1; k < entries.size(); ++k) out.push_back(static_cast<double>(entries[k].t_ns - entries[k - 1].t_ns) * 1e-9);
+  for (std::size_t k = 1; k < entries.size(); ++k)
+    out.push_back(static_cast<double>(entries[k].t_ns - entries[k - 1].t_ns) * 1e-9);
   return out;
 }
 
 template <typename Stamped>
-void check_order(const std::vector<Stamped>& entries, const std::vector<double>& dt, const std::string& sensor, std::vector<Fault>& out) {
+void check_order(const std::vector<Stamped>& entries, const std::vector<double>& dt, const std::string& sensor,
+                 std::vector<Fault>& out) {
   Fault fault{"stamps_back", sensor, 0, 0, 0, 0, most_back_share, "-", ""};
   for (std::size_t k = 0; k < dt.size(); ++k) {
     if (dt[k] > 0) continue;
@@ -37,13 +39,16 @@ void check_order(const std::vector<Stamped>& entries, const std::vector<double>&
   }
   fault.value = static_cast<double>(fault.count) / static_cast<double>(dt.size());
   if (fault.value <= most_back_share) return;
-  fault.words = sensor + formatted(": %.0f stamps repeat or go back. Write the log in the order of measurement, with the sensor's own clock.",
-                              static_cast<double>(fault.count));
+  fault.words =
+      sensor +
+      formatted(
+          ": %.0f stamps repeat or go back. Write the log in the order of measurement, with the sensor's own clock.",
+          static_cast<double>(fault.count));
   out.push_back(fault);
 }
 
-/// Extra time between sample k and the next, in periods: the mean of the five stamps after against the five before, so that
-/// jitter, which the neighbours make up for, is no hole.
+/// Extra time between sample k and the next, in periods: the mean of the five stamps after against the five before, so
+/// that jitter, which the neighbours make up for, is no hole.
 double extra_periods(const std::vector<ImuSample>& samples, std::size_t k, double period) {
   const std::size_t n = std::min<std::size_t>({5, k + 1, samples.size() - k - 1});
   double sum = 0;
@@ -52,7 +57,8 @@ double extra_periods(const std::vector<ImuSample>& samples, std::size_t k, doubl
 }
 
 /// IMU samples that are missing: holes of a whole number of periods.
-void check_missing(const std::vector<ImuSample>& samples, const std::vector<double>& dt, double period, std::vector<Fault>& out) {
+void check_missing(const std::vector<ImuSample>& samples, const std::vector<double>& dt, double period,
+                   std::vector<Fault>& out) {
   Fault fault{"dropped_samples", "imu", 0, 0, 0, 0, most_missing_share, "-", ""};
   double longest = 0;
   std::size_t missing = 0;
@@ -65,8 +71,8 @@ void check_missing(const std::vector<ImuSample>& samples, const std::vector<doub
   }
   fault.value = static_cast<double>(missing) / static_cast<double>(samples.size() + missing);
   if (longest <= longest_imu_gap_s && fault.value <= most_missing_share) return;
-  fault.words = formatted("IMU: %.0f samples are missing in %.0f gaps, the longest %.0f ms. ", static_cast<double>(missing),
-                     static_cast<double>(fault.count), 1e3 * longest) +
+  fault.words = formatted("IMU: %.0f samples are missing in %.0f gaps, the longest %.0f ms. ",
+                          static_cast<double>(missing), static_cast<double>(fault.count), 1e3 * longest) +
                 "Look for a full queue or a bus that is too slow between the sensor and the log.";
   out.push_back(fault);
 }
@@ -80,27 +86,32 @@ double spread_of(const std::vector<double>& dt, double period) {
 }
 
 template <typename Stamped>
-void check_jitter(const std::vector<Stamped>& entries, const std::vector<double>& dt, double limit_s, const std::string& sensor,
-                  std::vector<Fault>& out) {
+void check_jitter(const std::vector<Stamped>& entries, const std::vector<double>& dt, double limit_s,
+                  const std::string& sensor, std::vector<Fault>& out) {
   const double spread = spread_of(dt, quantile(dt, 0.5));
   if (spread <= limit_s) return;
-  out.push_back({"stamp_jitter", sensor, entries.front().t_ns, entries.back().t_ns, dt.size(), spread, limit_s, "s",
-                 sensor + formatted(": intervals between stamps scatter by %.2f ms (limit %.2f ms). ", 1e3 * spread, 1e3 * limit_s) +
-                     "Stamp at the moment of measurement (interrupt or trigger), not when the data arrive."});
+  out.push_back(
+      {"stamp_jitter", sensor, entries.front().t_ns, entries.back().t_ns, dt.size(), spread, limit_s, "s",
+       sensor +
+           formatted(": intervals between stamps scatter by %.2f ms (limit %.2f ms). ", 1e3 * spread, 1e3 * limit_s) +
+           "Stamp at the moment of measurement (interrupt or trigger), not when the data arrive."});
 }
 
 void check_rate(const ImuData& imu, double period, std::vector<Fault>& out) {
   const double off = std::abs(period * imu.noise.rate_hz - 1);
   if (off <= most_rate_error) return;
-  out.push_back({"rate", "imu", imu.samples.front().t_ns, imu.samples.back().t_ns, imu.samples.size(), 1 / period, imu.noise.rate_hz, "Hz",
-                 formatted("IMU: samples come at %.1f Hz, sensor.yaml states %.1f Hz. ", 1 / period, imu.noise.rate_hz) +
-                     "State the rate at which the log was written, or log every sample."});
+  out.push_back(
+      {"rate", "imu", imu.samples.front().t_ns, imu.samples.back().t_ns, imu.samples.size(), 1 / period,
+       imu.noise.rate_hz, "Hz",
+       formatted("IMU: samples come at %.1f Hz, sensor.yaml states %.1f Hz. ", 1 / period, imu.noise.rate_hz) +
+           "State the rate at which the log was written, or log every sample."});
 }
 
 /// Frames without IMU samples around them.
 void check_overlap(const Recording& recording, std::size_t camera, std::vector<Fault>& out) {
-  const auto [first, last] = std::minmax_element(recording.imu.samples.begin(), recording.imu.samples.end(),
-                                                 [](const ImuSample& a, const ImuSample& b) { return a.t_ns < b.t_ns; });
+  const auto [first, last] =
+      std::minmax_element(recording.imu.samples.begin(), recording.imu.samples.end(),
+                          [](const ImuSample& a, const ImuSample& b) { return a.t_ns < b.t_ns; });
   const std::string name = "cam" + std::to_string(camera);
   const std::vector<Frame>& frames = recording.cameras[camera].frames;
   Fault fault{"no_overlap", name, 0, 0, 0, 0, least_covered_share, "-", ""};
@@ -111,7 +122,8 @@ void check_overlap(const Recording& recording, std::size_t camera, std::vector<F
   }
   fault.value = 1 - static_cast<double>(fault.count) / static_cast<double>(frames.size());
   if (fault.value >= least_covered_share) return;
-  fault.words = name + formatted(": only %.0f %% of the frames fall into the time of the IMU samples. ", 100 * fault.value) +
+  fault.words = name +
+                formatted(": only %.0f %% of the frames fall into the time of the IMU samples. ", 100 * fault.value) +
                 "Stamp both with one clock, or correct the offset between their clocks first.";
   out.push_back(fault);
 }
@@ -119,11 +131,15 @@ void check_overlap(const Recording& recording, std::size_t camera, std::vector<F
 /// Images that the reader set aside (stamps/stray_frames.h).
 void note_strays(const std::vector<Frame>& strays, std::size_t n, const std::string& sensor, std::vector<Fault>& out) {
   if (strays.empty()) return;
-  std::string words = sensor + formatted(": the stamps of %zu of %zu images lie apart, ahead of the others, the first at %.3f s (%lld ns). ", strays.size(),
-                                         strays.size() + n, static_cast<double>(strays.front().t_ns) * 1e-9, static_cast<long long>(strays.front().t_ns));
+  std::string words =
+      sensor +
+      formatted(": the stamps of %zu of %zu images lie apart, ahead of the others, the first at %.3f s (%lld ns). ",
+                strays.size(), strays.size() + n, static_cast<double>(strays.front().t_ns) * 1e-9,
+                static_cast<long long>(strays.front().t_ns));
   words += "They are left out: look at how the driver makes its stamps.";
   out.push_back({"stray_stamps", sensor, strays.front().t_ns, strays.back().t_ns, strays.size(),
-                 static_cast<double>(strays.size()) / static_cast<double>(strays.size() + n), most_back_share, "-", words});
+                 static_cast<double>(strays.size()) / static_cast<double>(strays.size() + n), most_back_share, "-",
+                 words});
 }
 
 }  // namespace

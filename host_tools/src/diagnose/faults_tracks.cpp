@@ -1,4 +1,5 @@
-// Corner tracks that cannot be of one scene: many that move unlike the rest, ids that change places, all that end at once.
+// Corner tracks that cannot be of one scene: many that move unlike the rest, ids that change places, all that end at
+// once.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
@@ -12,19 +13,22 @@
 namespace host {
 namespace {
 
-constexpr std::size_t least_common = 12;     // corners that two images share, for a statement about the two
-constexpr double apart_s = 0.8;              // a corner that creeps at 20 px/s is 16 px off by then
-constexpr int most_pairs = 40;               // evenly over the recording: bounded work, about a millisecond each
-constexpr double tolerated_px = 4;           // beyond corner noise, a rolling shutter and a lens that is somewhat off
-constexpr double farthest = 2;               // tangent of 63 degrees from the axis, beyond which a pixel is little
-// Share of corners. Simulated, rendered, EuRoC's and a phone's images have 0 to 0.02; 0.07 are left by a lens that odometry fails with.
+constexpr std::size_t least_common = 12;  // corners that two images share, for a statement about the two
+constexpr double apart_s = 0.8;           // a corner that creeps at 20 px/s is 16 px off by then
+constexpr int most_pairs = 40;            // evenly over the recording: bounded work, about a millisecond each
+constexpr double tolerated_px = 4;        // beyond corner noise, a rolling shutter and a lens that is somewhat off
+constexpr double farthest = 2;            // tangent of 63 degrees from the axis, beyond which a pixel is little
+// Share of corners. Simulated, rendered, EuRoC's and a phone's images have 0 to 0.02; 0.07 are left by a lens that
+// odometry fails with.
 constexpr double most_unlike = 0.08;
-constexpr double a_jump = 0.2;               // of the image's diagonal, beside the other corners' motion, from one image to the next
-constexpr double most_jumping = 0.3;         // share of corners: a few wrong matches are no mixed-up ids
-constexpr double shared_at_least = 0.05;     // of an image's corners with the one before; where half are usual, fewer are a loss
+constexpr double a_jump = 0.2;  // of the image's diagonal, beside the other corners' motion, from one image to the next
+constexpr double most_jumping = 0.3;  // share of corners: a few wrong matches are no mixed-up ids
+constexpr double shared_at_least =
+    0.05;  // of an image's corners with the one before; where half are usual, fewer are a loss
 constexpr double usually_shared = 0.5;
-constexpr double longest_step_s = 0.25;      // beyond, corners have reason to be others
-constexpr double longest_step = 1.5;         // intervals of the camera: beyond, an image is missing, and corners move further than from one to the next
+constexpr double longest_step_s = 0.25;  // beyond, corners have reason to be others
+constexpr double longest_step =
+    1.5;  // intervals of the camera: beyond, an image is missing, and corners move further than from one to the next
 
 using Points = std::unordered_map<std::uint32_t, Eigen::Vector2d>;
 
@@ -59,9 +63,9 @@ struct Share {
   double value() const { return all > 0 ? static_cast<double>(of) / static_cast<double>(all) : 0; }
 };
 
-/// Of corners of two images, in the half that is nearer to the axis, those that no motion of the camera explains: beyond the best essential
-/// matrix (Nister, "An efficient solution to the five-point relative pose problem", PAMI 2004, within RANSAC), by pixels of the mean focal
-/// length. A lens that is off tells in the other half first.
+/// Of corners of two images, in the half that is nearer to the axis, those that no motion of the camera explains:
+/// beyond the best essential matrix (Nister, "An efficient solution to the five-point relative pose problem", PAMI
+/// 2004, within RANSAC), by pixels of the mean focal length. A lens that is off tells in the other half first.
 Share unlike_the_rest(const Matches& pixels, const CameraCalibration& camera) {
   std::vector<cv::Point2d> from, to;
   std::vector<double> radius;
@@ -87,7 +91,8 @@ Share unlike_the_rest(const Matches& pixels, const CameraCalibration& camera) {
   return out;
 }
 
-bool check_motion(const std::vector<Frame>& frames, const CameraCalibration& camera, const std::string& name, std::vector<Fault>& out) {
+bool check_motion(const std::vector<Frame>& frames, const CameraCalibration& camera, const std::string& name,
+                  std::vector<Fault>& out) {
   Share sum;
   const std::size_t step = std::max<std::size_t>(1, frames.size() / most_pairs);
   int pairs = 0;
@@ -102,9 +107,11 @@ bool check_motion(const std::vector<Frame>& frames, const CameraCalibration& cam
   }
   if (pairs < most_pairs / 4 || sum.value() <= most_unlike) return false;
   out.push_back({"outlier_tracks", name, frames.front().t_ns, frames.back().t_ns, sum.of, sum.value(), most_unlike, "-",
-                 formatted("%s: %.0f %% of the corners move by over %.0f px unlike the rest within %.1f s, which no motion of the camera explains. Check matches "
-                      "forwards and backwards in the tracker, mask what moves by itself, and look at the lens model if the tracks are good.",
-                      name.c_str(), 100 * sum.value(), tolerated_px, apart_s)});
+                 formatted("%s: %.0f %% of the corners move by over %.0f px unlike the rest within %.1f s, which no "
+                           "motion of the camera explains. Check matches "
+                           "forwards and backwards in the tracker, mask what moves by itself, and look at the lens "
+                           "model if the tracks are good.",
+                           name.c_str(), 100 * sum.value(), tolerated_px, apart_s)});
   return true;
 }
 
@@ -118,7 +125,8 @@ Share jumping(const Matches& pixels, double diagonal_px) {
   }
   const double u = quantile(du, 0.5), v = quantile(dv, 0.5);
   Share out{0, pixels.size()};
-  for (std::size_t i = 0; i < pixels.size(); ++i) out.of += std::hypot(du[i] - u, dv[i] - v) > a_jump * diagonal_px ? 1 : 0;
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    out.of += std::hypot(du[i] - u, dv[i] - v) > a_jump * diagonal_px ? 1 : 0;
   return out;
 }
 
@@ -129,10 +137,11 @@ double usual_interval(const std::vector<Frame>& frames) {
   return quantile(std::move(all), 0.5);
 }
 
-/// From one image to the next: where ids change places, where every track ends, and what share of corners neighbours usually have in common.
+/// From one image to the next: where ids change places, where every track ends, and what share of corners neighbours
+/// usually have in common.
 struct Continuity {
   std::vector<std::size_t> mixed, lost;
-  double shared = 0;   ///< median
+  double shared = 0;  ///< median
 };
 
 Continuity continuity_of(const std::vector<Frame>& frames, double diagonal_px) {
@@ -154,22 +163,30 @@ Continuity continuity_of(const std::vector<Frame>& frames, double diagonal_px) {
   return out;
 }
 
-Fault fault_of_images(const char* kind, const std::string& name, const std::vector<Frame>& frames, const std::vector<std::size_t>& at,
-                      const std::string& words) {
-  return {kind, name, frames[at.front()].t_ns, frames[at.back()].t_ns, at.size(), static_cast<double>(at.size()), 0, "images", words};
+Fault fault_of_images(const char* kind, const std::string& name, const std::vector<Frame>& frames,
+                      const std::vector<std::size_t>& at, const std::string& words) {
+  return {kind,     name, frames[at.front()].t_ns, frames[at.back()].t_ns, at.size(), static_cast<double>(at.size()), 0,
+          "images", words};
 }
 
 /// `unlike`: many corners move unlike the rest anyway, which need not be mixed-up ids.
-void check_continuity(const std::vector<Frame>& frames, double diagonal_px, bool unlike, const std::string& name, std::vector<Fault>& out) {
+void check_continuity(const std::vector<Frame>& frames, double diagonal_px, bool unlike, const std::string& name,
+                      std::vector<Fault>& out) {
   const Continuity c = continuity_of(frames, diagonal_px);
   if (!c.mixed.empty() && !unlike) {
-    const char* const words = "%s: in %zu images over %.0f %% of the corners jump across the image, as if ids had changed places. An id must stay with its corner.";
-    out.push_back(fault_of_images("mixed_tracks", name, frames, c.mixed, formatted(words, name.c_str(), c.mixed.size(), 100 * most_jumping)));
+    const char* const words =
+        "%s: in %zu images over %.0f %% of the corners jump across the image, as if ids had changed places. An id must "
+        "stay with its corner.";
+    out.push_back(fault_of_images("mixed_tracks", name, frames, c.mixed,
+                                  formatted(words, name.c_str(), c.mixed.size(), 100 * most_jumping)));
   }
   if (c.lost.empty() || c.shared <= usually_shared) return;
-  const char* const words = "%s: at %zu images every track ends and others begin, though neighbouring images usually share %.0f %% of them. Did the tracker start "
-                            "anew? Recordings joined end to end are sessions of their own.";
-  out.push_back(fault_of_images("lost_tracks", name, frames, c.lost, formatted(words, name.c_str(), c.lost.size(), 100 * c.shared)));
+  const char* const words =
+      "%s: at %zu images every track ends and others begin, though neighbouring images usually share %.0f %% of them. "
+      "Did the tracker start "
+      "anew? Recordings joined end to end are sessions of their own.";
+  out.push_back(fault_of_images("lost_tracks", name, frames, c.lost,
+                                formatted(words, name.c_str(), c.lost.size(), 100 * c.shared)));
 }
 
 /// px; a device log does not know the images' size.

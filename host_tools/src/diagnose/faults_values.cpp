@@ -1,4 +1,5 @@
-// Values of samples: stuck at an extreme, repeated, not a number. Those that stand alone are looked at first (faults_spikes.cpp).
+// Values of samples: stuck at an extreme, repeated, not a number. Those that stand alone are looked at first
+// (faults_spikes.cpp).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,15 +11,16 @@
 namespace host {
 namespace {
 
-constexpr std::size_t least_stuck = 8;         // samples at one extreme
-// Near its largest value a signal thins out: the last thousandth of its range holds fewer samples than the one before, and so
-// does the last digit of one that is coarser. A pile at exactly one value, three times what lies just below, a limit made.
+constexpr std::size_t least_stuck = 8;  // samples at one extreme
+// Near its largest value a signal thins out: the last thousandth of its range holds fewer samples than the one before,
+// and so does the last digit of one that is coarser. A pile at exactly one value, three times what lies just below, a
+// limit made.
 constexpr double pile_ratio = 3;
-constexpr double pile_width = 0.001;           // of the range
-constexpr double pile_digits = 5.5;            // last digits
-constexpr double least_frozen_s = 0.1;         // all three axes to the last bit
-constexpr double least_axis_frozen_s = 1;      // one axis while the others go on
-constexpr double most_repeats = 0.05;          // share of samples that repeat the one before
+constexpr double pile_width = 0.001;       // of the range
+constexpr double pile_digits = 5.5;        // last digits
+constexpr double least_frozen_s = 0.1;     // all three axes to the last bit
+constexpr double least_axis_frozen_s = 1;  // one axis while the others go on
+constexpr double most_repeats = 0.05;      // share of samples that repeat the one before
 
 using Values = std::array<double, 3> ImuSample::*;
 
@@ -29,7 +31,8 @@ struct Sensor {
   const char* unit;
 };
 
-constexpr Sensor sensors[] = {{"gyro", "gyroscope", &ImuSample::gyro, "rad/s"}, {"accel", "accelerometer", &ImuSample::accel, "m/s^2"}};
+constexpr Sensor sensors[] = {{"gyro", "gyroscope", &ImuSample::gyro, "rad/s"},
+                              {"accel", "accelerometer", &ImuSample::accel, "m/s^2"}};
 
 void check_finite(const std::vector<ImuSample>& samples, const Sensor& sensor, std::vector<Fault>& out) {
   Fault fault{"not_finite", sensor.name, 0, 0, 0, 0, 0, "-", ""};
@@ -41,7 +44,9 @@ void check_finite(const std::vector<ImuSample>& samples, const Sensor& sensor, s
   }
   fault.value = static_cast<double>(fault.count) / static_cast<double>(samples.size());
   if (fault.value <= 0.001) return;  // single ones are skipped by the core
-  fault.words = std::string(sensor.word) + formatted(": %.0f samples are not a number. Look at the driver's error handling.", static_cast<double>(fault.count));
+  fault.words =
+      std::string(sensor.word) + formatted(": %.0f samples are not a number. Look at the driver's error handling.",
+                                           static_cast<double>(fault.count));
   out.push_back(fault);
 }
 
@@ -54,7 +59,8 @@ double quantum_of(const std::vector<double>& sorted) {
 }
 
 /// Samples at the largest value of an axis times `sign`, if they pile up there; 0 otherwise.
-std::size_t pile_at_top(const std::vector<ImuSample>& samples, const Sensor& sensor, std::size_t axis, double sign, double* top) {
+std::size_t pile_at_top(const std::vector<ImuSample>& samples, const Sensor& sensor, std::size_t axis, double sign,
+                        double* top) {
   std::vector<double> sorted;
   for (const ImuSample& s : samples)
     if (std::isfinite((s.*sensor.values)[axis])) sorted.push_back(sign * (s.*sensor.values)[axis]);
@@ -70,7 +76,8 @@ std::size_t pile_at_top(const std::vector<ImuSample>& samples, const Sensor& sen
 }
 
 /// Both extremes of one axis; true if it saturates.
-bool check_extremes(const std::vector<ImuSample>& samples, const Sensor& sensor, std::size_t axis, std::vector<Fault>& out) {
+bool check_extremes(const std::vector<ImuSample>& samples, const Sensor& sensor, std::size_t axis,
+                    std::vector<Fault>& out) {
   Fault fault{"saturation", std::string(sensor.name) + "." + "xyz"[axis], 0, 0, 0, 0, 0, sensor.unit, ""};
   for (double sign : {1.0, -1.0}) {
     double top = 0;
@@ -87,7 +94,7 @@ bool check_extremes(const std::vector<ImuSample>& samples, const Sensor& sensor,
   fault.limit = static_cast<double>(least_stuck);
   fault.words = std::string(sensor.word) + " " + "xyz"[axis] +
                 formatted(": %.0f samples (%.2f %%) stand at the extreme, %.4g ", static_cast<double>(fault.count),
-                     100.0 * static_cast<double>(fault.count) / static_cast<double>(samples.size()), fault.value) +
+                          100.0 * static_cast<double>(fault.count) / static_cast<double>(samples.size()), fault.value) +
                 sensor.unit + ". Set a larger measuring range, or move less.";
   out.push_back(fault);
   return true;
@@ -110,7 +117,8 @@ bool is_coarse(const std::vector<ImuSample>& samples, const Sensor& sensor, doub
   return finest > 2 * sample_sigma;
 }
 
-void check_frozen(const std::vector<ImuSample>& samples, const Sensor& sensor, double rate_hz, std::vector<Fault>& out) {
+void check_frozen(const std::vector<ImuSample>& samples, const Sensor& sensor, double rate_hz,
+                  std::vector<Fault>& out) {
   Fault fault{"frozen", sensor.name, 0, 0, 0, 0, least_frozen_s, "s", ""};
   std::size_t run_begin = 0, repeats = 0;
   for (std::size_t k = 1; k <= samples.size(); ++k) {
@@ -129,18 +137,29 @@ void check_frozen(const std::vector<ImuSample>& samples, const Sensor& sensor, d
   }
   const double share = static_cast<double>(repeats) / static_cast<double>(samples.size());
   if (fault.count) {
-    fault.words = std::string(sensor.word) + formatted(": %.0f samples repeat the same reading, up to %.2f s long. ", static_cast<double>(fault.count), fault.value) +
+    fault.words = std::string(sensor.word) +
+                  formatted(": %.0f samples repeat the same reading, up to %.2f s long. ",
+                            static_cast<double>(fault.count), fault.value) +
                   "The sensor or its driver hung: restart it and record again.";
   } else if (share > most_repeats) {
-    fault = {"frozen", sensor.name, samples.front().t_ns, samples.back().t_ns, repeats, share, most_repeats, "-",
+    fault = {"frozen",
+             sensor.name,
+             samples.front().t_ns,
+             samples.back().t_ns,
+             repeats,
+             share,
+             most_repeats,
+             "-",
              std::string(sensor.word) + formatted(": %.0f %% of the samples repeat the one before. ", 100 * share) +
                  "It measures at a lower rate than is logged: log each reading once."};
   }
   if (fault.count) out.push_back(fault);
 }
 
-/// One axis that keeps its value to the last bit while the others go on: a channel of the sensor or of the driver is dead.
-void check_frozen_axis(const std::vector<ImuSample>& samples, const Sensor& sensor, std::size_t axis, double rate_hz, std::vector<Fault>& out) {
+/// One axis that keeps its value to the last bit while the others go on: a channel of the sensor or of the driver is
+/// dead.
+void check_frozen_axis(const std::vector<ImuSample>& samples, const Sensor& sensor, std::size_t axis, double rate_hz,
+                       std::vector<Fault>& out) {
   Fault fault{"frozen", std::string(sensor.name) + "." + "xyz"[axis], 0, 0, 0, 0, least_axis_frozen_s, "s", ""};
   std::size_t begin = 0;
   for (std::size_t k = 1; k <= samples.size(); ++k) {
@@ -155,16 +174,20 @@ void check_frozen_axis(const std::vector<ImuSample>& samples, const Sensor& sens
     begin = k;
   }
   if (!fault.count) return;
-  fault.words = std::string(sensor.word) + " " + "xyz"[axis] + formatted(": %.0f samples repeat the same reading, up to %.2f s long, while the other axes go on. ",
-                static_cast<double>(fault.count), fault.value) + "This channel is dead: restart the sensor and record again.";
+  fault.words = std::string(sensor.word) + " " + "xyz"[axis] +
+                formatted(": %.0f samples repeat the same reading, up to %.2f s long, while the other axes go on. ",
+                          static_cast<double>(fault.count), fault.value) +
+                "This channel is dead: restart the sensor and record again.";
   out.push_back(fault);
 }
 
 /// All axes together, or else each alone.
-void check_repeats(const std::vector<ImuSample>& samples, const Sensor& sensor, double rate_hz, std::vector<Fault>& out) {
+void check_repeats(const std::vector<ImuSample>& samples, const Sensor& sensor, double rate_hz,
+                   std::vector<Fault>& out) {
   const std::size_t before = out.size();
   check_frozen(samples, sensor, rate_hz, out);
-  for (std::size_t axis = 0; axis < 3 && out.size() == before; ++axis) check_frozen_axis(samples, sensor, axis, rate_hz, out);
+  for (std::size_t axis = 0; axis < 3 && out.size() == before; ++axis)
+    check_frozen_axis(samples, sensor, axis, rate_hz, out);
 }
 
 }  // namespace
@@ -172,7 +195,7 @@ void check_repeats(const std::vector<ImuSample>& samples, const Sensor& sensor, 
 std::vector<Fault> value_faults(const Recording& recording) {
   const std::vector<std::size_t> spikes = spikes_of(recording);
   std::vector<Fault> out = spike_faults(recording, spikes);
-  std::vector<ImuSample> samples;   // without spikes: several of one height are no limit of the range
+  std::vector<ImuSample> samples;  // without spikes: several of one height are no limit of the range
   std::size_t next = 0;
   for (std::size_t i = 0; i < recording.imu.samples.size(); ++i) {
     if (next < spikes.size() && spikes[next] == i) {
@@ -189,7 +212,8 @@ std::vector<Fault> value_faults(const Recording& recording) {
     for (std::size_t axis = 0; axis < 3; ++axis) saturates = check_extremes(samples, sensor, axis, out) || saturates;
     const double density = sensor.values == &ImuSample::gyro ? noise.gyro_noise_density : noise.accel_noise_density;
     // Three axes at their extremes repeat as well, and have been reported.
-    if (!saturates && !is_coarse(samples, sensor, density * std::sqrt(noise.rate_hz))) check_repeats(samples, sensor, noise.rate_hz, out);
+    if (!saturates && !is_coarse(samples, sensor, density * std::sqrt(noise.rate_hz)))
+      check_repeats(samples, sensor, noise.rate_hz, out);
   }
   return out;
 }

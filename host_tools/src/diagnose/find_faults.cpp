@@ -17,7 +17,8 @@ bool holds(const std::vector<Fault>& faults, const char* kind) {
 std::vector<Fault> temperature_faults(const Recording& recording) {
   const TemperatureJumps& jumps = recording.imu.temperature_jumps;
   if (jumps.count == 0) return {};
-  return {{"temperature_spikes", "imu", jumps.first_ns, jumps.last_ns, jumps.count, jumps.share, few_temperature_jumps, "-", temperature_words(recording.imu)}};
+  return {{"temperature_spikes", "imu", jumps.first_ns, jumps.last_ns, jumps.count, jumps.share, few_temperature_jumps,
+           "-", temperature_words(recording.imu)}};
 }
 
 bool spoil_fits(const std::vector<Fault>& faults) {
@@ -28,7 +29,8 @@ std::vector<Fault> find_faults(const Recording& recording, const Calibration& st
   std::vector<Fault> all;
   const auto add = [&all](std::vector<Fault> faults) {
     for (Fault& f : faults) {
-      const bool known = std::any_of(all.begin(), all.end(), [&f](const Fault& g) { return g.kind == f.kind && g.sensor == f.sensor; });
+      const bool known = std::any_of(all.begin(), all.end(),
+                                     [&f](const Fault& g) { return g.kind == f.kind && g.sensor == f.sensor; });
       if (!known) all.push_back(std::move(f));
     }
   };

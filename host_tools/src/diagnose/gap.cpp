@@ -69,9 +69,9 @@ void add_half(const Marginal& trained, const Marginal& held_out, double noise, G
   out->after_sigma += std::sqrt(2.0) * expected;  // the halves' differences are one and the same number: sigmas add up
 }
 
-/// chi2 of the held-out rows with everything that was accepted, over what the noise leaves. Floor and chi2 are measured on
-/// the same residuals: chi2/dof is the better measure of the two if all is well, so that the variance of their difference
-/// is the difference of their variances.
+/// chi2 of the held-out rows with everything that was accepted, over what the noise leaves. Floor and chi2 are measured
+/// on the same residuals: chi2/dof is the better measure of the two if all is well, so that the variance of their
+/// difference is the difference of their variances.
 double unexplained_chi2(const Problem& problem, const std::vector<TermGroup>& groups, const Floor& floor) {
   double chi2 = 0, dof = 0;
   for (const Rows* half : {&problem.train, &problem.held_out}) {
@@ -92,7 +92,8 @@ Gap gap_of(const Problem& problem, const Asked& asked) {
   out.floor = problem.noise;
   if (asked.columns > 0) {
     const double noise = dispersion(problem, asked.groups);
-    const Marginal train = marginal(problem, problem.train, asked), held_out = marginal(problem, problem.held_out, asked);
+    const Marginal train = marginal(problem, problem.train, asked),
+                   held_out = marginal(problem, problem.held_out, asked);
     add_half(train, held_out, noise, &out);
     add_half(held_out, train, noise, &out);
   }
@@ -103,8 +104,8 @@ Gap gap_of(const Problem& problem, const Asked& asked) {
 
 }  // namespace
 
-Gap held_out_gap(const Problem& problem, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted,
-                 const Floor& floor, double rest_chi2) {
+Gap held_out_gap(const Problem& problem, const std::vector<Candidate>& candidates,
+                 const std::vector<Accepted>& accepted, const Floor& floor, double rest_chi2) {
   const Asked asked = asked_of(candidates, accepted, -1);
   Gap out = gap_of(problem, asked);
   out.floor = floor.value;
@@ -114,23 +115,27 @@ Gap held_out_gap(const Problem& problem, const std::vector<Candidate>& candidate
   return out;
 }
 
-Trained trained_on(const Problem& training, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted) {
+Trained trained_on(const Problem& training, const std::vector<Candidate>& candidates,
+                   const std::vector<Accepted>& accepted) {
   const Asked asked = asked_of(candidates, accepted, -1);
   if (asked.columns == 0) return {};
   const Estimate effects = estimate(marginal(training, training.all, asked), dispersion(training, asked.groups));
-  return {asked.groups, asked.size.cwiseProduct(effects.value), asked.size.asDiagonal() * effects.covariance * asked.size.asDiagonal()};
+  return {asked.groups, asked.size.cwiseProduct(effects.value),
+          asked.size.asDiagonal() * effects.covariance * asked.size.asDiagonal()};
 }
 
-Gap fold_gap(const Problem& training, const Problem& held_out, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted) {
+Gap fold_gap(const Problem& training, const Problem& held_out, const std::vector<Candidate>& candidates,
+             const std::vector<Accepted>& accepted) {
   const Asked asked = asked_of(candidates, accepted, -1);
   Gap out;
   if (asked.columns == 0) return out;
-  add_half(marginal(training, training.all, asked), marginal(held_out, held_out.all, asked), dispersion(training, asked.groups), &out);
+  add_half(marginal(training, training.all, asked), marginal(held_out, held_out.all, asked),
+           dispersion(training, asked.groups), &out);
   return out;
 }
 
-Gap held_out_gap_of(const Problem& problem, const std::vector<Candidate>& candidates, const std::vector<Accepted>& accepted,
-                    std::size_t which) {
+Gap held_out_gap_of(const Problem& problem, const std::vector<Candidate>& candidates,
+                    const std::vector<Accepted>& accepted, std::size_t which) {
   return gap_of(problem, asked_of(candidates, accepted, static_cast<int>(which)));
 }
 

@@ -8,7 +8,8 @@ namespace host {
 
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d& v) {
   const double angle = v.norm();
-  return angle > 0 ? Eigen::AngleAxisd(angle, v / angle).toRotationMatrix() : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  return angle > 0 ? Eigen::AngleAxisd(angle, v / angle).toRotationMatrix()
+                   : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
 }
 
 GyroPath::GyroPath(const Recording& recording) {
@@ -16,7 +17,8 @@ GyroPath::GyroPath(const Recording& recording) {
     const Eigen::Vector3d w(s.gyro[0], s.gyro[1], s.gyro[2]);
     const double t = static_cast<double>(s.t_ns - recording.imu.samples.front().t_ns) * 1e-9;
     if (!w.allFinite() || (!t_.empty() && t <= t_.back())) continue;
-    sum_.push_back(t_.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : Eigen::Vector3d(sum_.back() + 0.5 * (t - t_.back()) * (w_.back() + w)));
+    sum_.push_back(t_.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero())
+                              : Eigen::Vector3d(sum_.back() + 0.5 * (t - t_.back()) * (w_.back() + w)));
     t_.push_back(t);
     w_.push_back(w);
   }
@@ -48,7 +50,8 @@ Eigen::Matrix3d GyroPath::rotation(double t1, double t2, const Eigen::Vector3d& 
 }
 
 /// Trapezoids from sample to sample.
-Eigen::Matrix3d GyroPath::reordered_rotation(double t1, double t2, const Eigen::Vector3d& bias, const Eigen::Matrix3d& M) const {
+Eigen::Matrix3d GyroPath::reordered_rotation(double t1, double t2, const Eigen::Vector3d& bias,
+                                             const Eigen::Matrix3d& M) const {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   if (t_.size() < 2 || !covers(t1, t2)) return R;
   double t = t1;

@@ -14,7 +14,9 @@ namespace {
 
 void tell_sensors(const std::array<SensorGap, kSensors>& gaps, Diagnosis* out) {
   for (int s = 0; s < kSensors; ++s) {
-    const auto put = [s](SensorShares* to, double value) { (s == 0 ? to->camera : s == 1 ? to->gyro : to->accel) = value; };
+    const auto put = [s](SensorShares* to, double value) {
+      (s == 0 ? to->camera : s == 1 ? to->gyro : to->accel) = value;
+    };
     put(&out->before, gaps[s].before);
     put(&out->after, gaps[s].after);
     put(&out->noise_floor, gaps[s].floor);
@@ -35,13 +37,15 @@ std::set<Family> families_of(const std::string& effect, const CoreTerm& term) {
   return {term.kind < 3 ? Family::gyro : term.kind < 6 ? Family::accel : Family::lens};
 }
 
-/// Whose effects would make residuals follow this. A turn, and a moment other than the stated one, shift an image and do not zoom it: above and
-/// below the middle its radial parts are opposite. What is radial and follows anything is the lens, as one whose focus moves with the force on it.
+/// Whose effects would make residuals follow this. A turn, and a moment other than the stated one, shift an image and
+/// do not zoom it: above and below the middle its radial parts are opposite. What is radial and follows anything is the
+/// lens, as one whose focus moves with the force on it.
 std::set<Family> families_behind(const Structure& s) {
   if (s.axis == "radial") return {Family::lens};
   const auto begins = [&s](const char* words) { return s.against.rfind(words, 0) == 0; };
   if (begins("force")) return {Family::accel};
-  if (begins("image motion") || begins("image row") || begins("rate") || begins("change of rate")) return {Family::gyro, Family::timing};
+  if (begins("image motion") || begins("image row") || begins("rate") || begins("change of rate"))
+    return {Family::gyro, Family::timing};
   if (begins("image") || begins("distance")) return {Family::lens};
   return {};
 }
@@ -50,8 +54,8 @@ std::string why_no_name(const Gap& gap, const Leftover& leftover, bool closes) {
   char why[200];
   const double closed = 100 * std::max(0.0, gap.closed()), rest = gap.before > 0 ? 100 * gap.rest / gap.before : 0;
   if (closes) {
-    std::snprintf(why, sizeof why, "the excess falls by %.1f %%, but %.1f %% clearly follow something else%s%s", closed, rest,
-                  leftover.what.empty() ? "" : ", most ", leftover.what.c_str());
+    std::snprintf(why, sizeof why, "the excess falls by %.1f %%, but %.1f %% clearly follow something else%s%s", closed,
+                  rest, leftover.what.empty() ? "" : ", most ", leftover.what.c_str());
   } else {
     std::snprintf(why, sizeof why, "the excess falls by only %.0f %%, the rest is something else", closed);
   }
@@ -77,7 +81,8 @@ class Report {
     const Accepted& a = h_.selection.accepted[i];
     const bool step = candidate(a).name == "calibration_shift";
     DiagnosedEffect effect = step ? named(h_.selection.shift, a) : named(candidate(a), a, h_.terms);
-    effect.gap_closed = std::clamp(held_out_gap_of(h_.selection.problem, h_.selection.candidates, h_.selection.accepted, i).closed(), 0.0, 1.0);
+    effect.gap_closed = std::clamp(
+        held_out_gap_of(h_.selection.problem, h_.selection.candidates, h_.selection.accepted, i).closed(), 0.0, 1.0);
     if (!refused.empty()) {
       out_->rejected.push_back({effect.name == "unlisted" ? effect.words : effect.name, refused});
       return;
@@ -100,14 +105,16 @@ class Report {
     }
   }
 
-  /// An effect beside which a term without a name is needed in the same sensor may be the lowest order of something else: the
-  /// radial and tangential parts of a lens that is decentred in a way that neither says. It keeps its name only if it
-  /// explains nine tenths of what both do; it stays in the model in any case.
+  /// An effect beside which a term without a name is needed in the same sensor may be the lowest order of something
+  /// else: the radial and tangential parts of a lens that is decentred in a way that neither says. It keeps its name
+  /// only if it explains nine tenths of what both do; it stays in the model in any case.
   void take_back_name(const Accepted& a, DiagnosedEffect* effect) {
     for (Family f : families_of(effect->name, first_term(a))) {
       const auto other = nameless_.find(f);
-      if (other == nameless_.end() || a.test.statistic >= decision::kNamesFrom * (a.test.statistic + other->second)) continue;
-      out_->rejected.push_back({effect->name, "it is needed, but only beside a term without a name in the same sensor"});
+      if (other == nameless_.end() || a.test.statistic >= decision::kNamesFrom * (a.test.statistic + other->second))
+        continue;
+      out_->rejected.push_back(
+          {effect->name, "it is needed, but only beside a term without a name in the same sensor"});
       effect->words = "unlisted effect, of which " + effect->name + " is a part";
       effect->name = "unlisted";
       return;
@@ -161,7 +168,8 @@ void refuse_where_structure_is_left(const std::vector<Structure>& left, Diagnosi
     const double says = -2 * std::log(10.0) * s.log10_p;  // twice the logarithm of its odds, as a statistic is
     const auto refused = [&behind, says, out](const DiagnosedEffect& e) {
       if (says <= decision::kMostRest * e.statistic) return false;
-      const auto term = std::find_if(out->model.begin(), out->model.end(), [&e](const ModelTerm& t) { return t.effect == e.name; });
+      const auto term =
+          std::find_if(out->model.begin(), out->model.end(), [&e](const ModelTerm& t) { return t.effect == e.name; });
       if (term == out->model.end()) return false;
       for (Family f : families_of(e.name, term->term)) {
         if (behind.count(f) > 0) return true;
@@ -175,8 +183,9 @@ void refuse_where_structure_is_left(const std::vector<Structure>& left, Diagnosi
       out->after.total = std::min(out->before.total, out->after.total + e.statistic / sum * out->before.total);
       out->open_excess = std::min(out->before.total, out->open_excess + e.statistic / sum * out->before.total);
       out->effects.erase(out->effects.begin() + static_cast<std::ptrdiff_t>(i));
-      out->model.erase(std::remove_if(out->model.begin(), out->model.end(), [&e](const ModelTerm& t) { return t.effect == e.name; }),
-                       out->model.end());
+      out->model.erase(
+          std::remove_if(out->model.begin(), out->model.end(), [&e](const ModelTerm& t) { return t.effect == e.name; }),
+          out->model.end());
     }
   }
   out->gap_closed = out->before.total > 0 ? std::clamp(1 - out->after.total / out->before.total, 0.0, 1.0) : 0;

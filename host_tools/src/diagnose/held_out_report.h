@@ -17,8 +17,8 @@ struct HeldOut {
 /// Excess before and after, and effects with a name.
 void report_gap(const HeldOut& held_out, Diagnosis* out);
 
-/// An effect whose own cause the residuals still follow when it is in the model has not explained them: it loses its name.
-/// `left`: structure of the residuals of the last fit.
+/// An effect whose own cause the residuals still follow when it is in the model has not explained them: it loses its
+/// name. `left`: structure of the residuals of the last fit.
 void refuse_where_structure_is_left(const std::vector<Structure>& left, Diagnosis* out);
 
 }  // namespace host::diagnosis

@@ -18,7 +18,8 @@ Rays rays_of(const Frame& frame, const CameraCalibration& camera) {
   Rays out;
   for (const TrackPoint& point : frame.points) {
     if (!std::isfinite(point.u) || !std::isfinite(point.v)) continue;
-    if (const auto x = undistort(camera, {point.u, point.v})) out[point.track_id] = Eigen::Vector3d(x->x(), x->y(), 1).normalized();
+    if (const auto x = undistort(camera, {point.u, point.v}))
+      out[point.track_id] = Eigen::Vector3d(x->x(), x->y(), 1).normalized();
   }
   return out;
 }
@@ -44,14 +45,16 @@ std::vector<FramePair> frame_pairs(const Recording& recording, const CameraCalib
     const double dt = static_cast<double>(frame.t_ns - before_ns) * 1e-9;
     if (!before.empty() && dt > 0 && dt < kShortest_s) continue;
     const Rays now = rays_of(frame, camera);
-    FramePair pair{static_cast<double>(before_ns - zero_ns) * 1e-9, static_cast<double>(frame.t_ns - zero_ns) * 1e-9, {}, {}};
+    FramePair pair{
+        static_cast<double>(before_ns - zero_ns) * 1e-9, static_cast<double>(frame.t_ns - zero_ns) * 1e-9, {}, {}};
     for (const auto& [id, ray] : now) {
       const auto match = before.find(id);
       if (match == before.end()) continue;
       pair.rays1.push_back(match->second);
       pair.rays2.push_back(ray);
     }
-    if (dt >= kShortest_s && dt <= kLongest_s && pair.rays1.size() >= static_cast<std::size_t>(kLeastRays)) out.push_back(std::move(pair));
+    if (dt >= kShortest_s && dt <= kLongest_s && pair.rays1.size() >= static_cast<std::size_t>(kLeastRays))
+      out.push_back(std::move(pair));
     before = now;
     before_ns = frame.t_ns;
   }

@@ -11,8 +11,8 @@
 namespace host {
 namespace {
 
-constexpr std::size_t least_windows = 16;      // of 128 samples, half of each shared: 5 s at 200 Hz
-constexpr double most_unsteady = 2.0;          // upper over lower quartile of window levels (power): white noise gives 1.4
+constexpr std::size_t least_windows = 16;  // of 128 samples, half of each shared: 5 s at 200 Hz
+constexpr double most_unsteady = 2.0;      // upper over lower quartile of window levels (power): white noise gives 1.4
 constexpr double shortest_rest_s = 8;
 constexpr double allan_from_s = 0.1, allan_to_s = 0.5;
 
@@ -34,12 +34,13 @@ struct Levels {
   std::vector<double> noise, motion;
 };
 
-/// Windows of the least power below the band. They are chosen by other frequencies than those that are measured, so that the
-/// choice does not favour low noise.
+/// Windows of the least power below the band. They are chosen by other frequencies than those that are measured, so
+/// that the choice does not favour low noise.
 std::vector<double> quiet_quarter(const Levels& levels) {
   std::vector<std::size_t> order(levels.noise.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return levels.motion[a] < levels.motion[b]; });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return levels.motion[a] < levels.motion[b]; });
   order.resize(std::max<std::size_t>(order.size() / 4, least_windows / 2));
   std::vector<double> out;
   for (std::size_t i : order) out.push_back(levels.noise[i]);
@@ -52,7 +53,8 @@ AxisNoise axis_noise(const Levels& levels, double* unsteady) {
   const double power = quantile(quiet, 0.5), spread = quantile(quiet, 0.75) / quantile(quiet, 0.25);
   axis.density = std::sqrt(power);
   axis.median_density = std::sqrt(quantile(levels.noise, 0.5));
-  // Normal: the quartiles are 1.35 deviations apart; the median of n scatters by 1.25 / sqrt(n), windows overlap by half.
+  // Normal: the quartiles are 1.35 deviations apart; the median of n scatters by 1.25 / sqrt(n), windows overlap by
+  // half.
   axis.sigma = 0.5 * axis.density * std::log(spread) / 1.35 * 1.25 * std::sqrt(1.5 / static_cast<double>(quiet.size()));
   *unsteady = std::max(*unsteady, spread);
   return axis;
@@ -60,12 +62,13 @@ AxisNoise axis_noise(const Levels& levels, double* unsteady) {
 
 std::string sentence(const SensorNoise& noise, const char* sensor) {
   char text[240];
-  const char* const end = noise.verdict == SensorNoise::Verdict::above   ? "more noise than stated: state it, or look for vibration"
-                          : noise.verdict == SensorNoise::Verdict::below ? "less than stated: stated on purpose, or the sensor filters"
-                          : noise.verdict == SensorNoise::Verdict::as_stated ? "as stated"
-                                                                            : "motion fills the band: no more than this";
-  std::snprintf(text, sizeof text, "%s noise %.2f +- %.2f times the stated density (%.2e): %s", sensor, noise.factor, noise.sigma,
-                noise.stated, end);
+  const char* const end =
+      noise.verdict == SensorNoise::Verdict::above       ? "more noise than stated: state it, or look for vibration"
+      : noise.verdict == SensorNoise::Verdict::below     ? "less than stated: stated on purpose, or the sensor filters"
+      : noise.verdict == SensorNoise::Verdict::as_stated ? "as stated"
+                                                         : "motion fills the band: no more than this";
+  std::snprintf(text, sizeof text, "%s noise %.2f +- %.2f times the stated density (%.2e): %s", sensor, noise.factor,
+                noise.sigma, noise.stated, end);
   return text;
 }
 
@@ -106,7 +109,8 @@ SensorNoise sensor_noise(const Axis* axes, const Span& rest, double rate_hz, dou
   noise.sigma = std::sqrt(variance) / stated;
   noise.steady = unsteady < most_unsteady;
   noise.allan = allan_deviation(axes, rest, rate_hz);
-  for (std::size_t i = 0; i < 3; ++i) noise.axes[i].allan_density = white_density(noise.allan, i, allan_from_s, allan_to_s);
+  for (std::size_t i = 0; i < 3; ++i)
+    noise.axes[i].allan_density = white_density(noise.allan, i, allan_from_s, allan_to_s);
   judge(noise, sensor);
   return noise;
 }

@@ -18,12 +18,14 @@ std::string lost_odometry(const ReplayResult& fit) {
   if (used || !seen || (count["filter_restarts"] == 0 && count["frames_used"] > 0)) return "";
   return "odometry diverges with this model: " + std::to_string(count["filter_restarts"]) + " restarts, " +
          std::to_string(count["frames_used"]) + " of " + std::to_string(offered) +
-         " images used; look for something large: the lens model, the resolution that the calibration was made at, the extrinsics";
+         " images used; look for something large: the lens model, the resolution that the calibration was made at, the "
+         "extrinsics";
 }
 
 }  // namespace
 
-bool judgeable(const Problem& plain, const std::vector<Candidate>& candidates, const ReplayResult& fit, Diagnosis* out) {
+bool judgeable(const Problem& plain, const std::vector<Candidate>& candidates, const ReplayResult& fit,
+               Diagnosis* out) {
   const std::size_t n = fit.kept.size();
   int seen = 0;
   if (n >= kFewestSegments) {
@@ -36,8 +38,9 @@ bool judgeable(const Problem& plain, const std::vector<Candidate>& candidates, c
     return false;
   }
   if (n < kFewestSegments) {
-    out->sentence = "too short or too still to judge: " + std::to_string(n) + " informative segments of 4 s, at least " +
-                    std::to_string(kFewestSegments) + " are needed; move the device about and along all axes for 20 s or more";
+    out->sentence = "too short or too still to judge: " + std::to_string(n) +
+                    " informative segments of 4 s, at least " + std::to_string(kFewestSegments) +
+                    " are needed; move the device about and along all axes for 20 s or more";
   } else if (!out->judged) {
     out->sentence = "too still to judge: " + std::to_string(seen) + " of " + std::to_string(candidates.size()) +
                     " effects would have shown; needs " + needs("");

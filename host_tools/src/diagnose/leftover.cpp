@@ -23,7 +23,8 @@ Leftover leftover_of(const Selection& selection) {
   for (std::size_t i = 0; i < asked.size(); ++i) {
     if (!asked[i]) continue;
     const EffectTest test = judge_effect(selection.problem, selection.candidates[i], free);
-    if (test.seen > 0 && called(test.log10_p, selection.candidates[i].share)) out.take(test.chi2, selection.candidates[i].name);
+    if (test.seen > 0 && called(test.log10_p, selection.candidates[i].share))
+      out.take(test.chi2, selection.candidates[i].name);
   }
   return out;
 }

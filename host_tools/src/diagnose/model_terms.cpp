@@ -11,11 +11,16 @@ Catalogue core_catalogue(bool has_temperature) {
     const EffectEntry& entry = effect_entry(e);
     const bool of_temperature = effect_term(e, 0).of_imu() && effect_term(e, 0).a == static_cast<int>(Signal::warmth);
     if (of_temperature && !has_temperature) continue;
-    out.candidates.push_back({entry.name, {static_cast<int>(out.terms.size()), entry.n}, std::vector<double>(entry.n, entry.prior_sigma)});
+    out.candidates.push_back(
+        {entry.name, {static_cast<int>(out.terms.size()), entry.n}, std::vector<double>(entry.n, entry.prior_sigma)});
     for (int i = 0; i < entry.n; ++i) {
       const Term t = effect_term(e, i);
-      out.terms.push_back({{static_cast<int>(t.kind), t.a, t.b, t.c}, entry.name, e,
-                           std::string(entry.name) + "." + entry.parameter[i], entry.unit, entry.prior_sigma});
+      out.terms.push_back({{static_cast<int>(t.kind), t.a, t.b, t.c},
+                           entry.name,
+                           e,
+                           std::string(entry.name) + "." + entry.parameter[i],
+                           entry.unit,
+                           entry.prior_sigma});
     }
   }
   return out;
@@ -47,7 +52,9 @@ std::vector<TermInfo> dictionary(bool has_temperature) {
     for (Signal s : {Signal::dwx, Signal::dwy, Signal::dwz}) {
       if (gyro) add({kind, byte(s), 0, 0});  // for the accelerometer that is a lever arm: p_CI or accel_axis_offset
     }
-    if (gyro) add({kind, static_cast<std::uint8_t>(byte(Signal::dwx) + axis), static_cast<std::uint8_t>(byte(Signal::abs_wx) + axis), 0});
+    if (gyro)
+      add({kind, static_cast<std::uint8_t>(byte(Signal::dwx) + axis),
+           static_cast<std::uint8_t>(byte(Signal::abs_wx) + axis), 0});
     for (int i = 0; i < 3; ++i) {
       const Signal wi = static_cast<Signal>(byte(Signal::wx) + i), fi = static_cast<Signal>(byte(Signal::fx) + i);
       if (!gyro) add({kind, byte(wi), 0, 0});  // for the gyroscope that is its scale, its misalignment or r_CI
@@ -62,7 +69,8 @@ std::vector<TermInfo> dictionary(bool has_temperature) {
   }
   for (const TermKind kind : {TermKind::image_u, TermKind::image_v}) {
     for (int total = 2; total <= 5; ++total) {
-      for (int x = total; x >= 0; --x) add({kind, static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(total - x), 0});
+      for (int x = total; x >= 0; --x)
+        add({kind, static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(total - x), 0});
     }
   }
   return out;

@@ -1,4 +1,5 @@
-// Terms that diagnosis can add to the model: the effects of the core's catalogue, and a dictionary of simple terms beyond it.
+// Terms that diagnosis can add to the model: the effects of the core's catalogue, and a dictionary of simple terms
+// beyond it.
 #pragma once
 
 #include "diagnose/selection.h"
@@ -9,10 +10,10 @@ namespace host::diagnosis {
 /// A parameter of an effect, or a term of the dictionary.
 struct TermInfo {
   CoreTerm term;
-  std::string effect;            ///< empty: of the dictionary
-  int bit = -1;                  ///< of the effect in SEGCAL_EFFECT_*
-  std::string name, unit;        ///< "time_offset.t_d"
-  double size = 0;               ///< plausible magnitude
+  std::string effect;      ///< empty: of the dictionary
+  int bit = -1;            ///< of the effect in SEGCAL_EFFECT_*
+  std::string name, unit;  ///< "time_offset.t_d"
+  double size = 0;         ///< plausible magnitude
 };
 
 /// The catalogue's terms in the order of the core, and candidates that own them.

@@ -42,13 +42,20 @@ std::vector<Candidate> open_candidates(const Selection& selection) {
 }
 
 /// The segments at `places` against what the others choose.
-Fold fold_of(const Selection& selection, const std::vector<Candidate>& candidates, const std::vector<std::size_t>& places) {
+Fold fold_of(const Selection& selection, const std::vector<Candidate>& candidates,
+             const std::vector<std::size_t>& places) {
   const Problem& whole = selection.problem;
   std::vector<Piece> others, own;
   for (std::size_t i = 0; i < whole.pieces.size(); ++i) {
     (std::count(places.begin(), places.end(), i) > 0 ? own : others).push_back(whole.pieces[i]);
   }
-  Fold out{part(whole, std::move(others)), part(whole, std::move(own)), places, selection.candidates, selection.accepted, false, {}};
+  Fold out{part(whole, std::move(others)),
+           part(whole, std::move(own)),
+           places,
+           selection.candidates,
+           selection.accepted,
+           false,
+           {}};
   if (whole.pieces.size() < 2 * kFolds) return out;
   const Selection chosen = select_effects(candidates, {}, [&out](const std::vector<int>&) { return out.training; });
   out.missed = chosen.accepted.empty();

@@ -10,7 +10,8 @@ namespace host::diagnosis {
 namespace {
 
 /// Factors of the first half of the samples and of the second; 0 where one is too short to tell.
-std::vector<std::array<double, 2>> imu_halves(const Recording& recording, const std::vector<DiagnosedParameter>& factors) {
+std::vector<std::array<double, 2>> imu_halves(const Recording& recording,
+                                              const std::vector<DiagnosedParameter>& factors) {
   std::vector<std::array<double, 2>> out(factors.size(), {0, 0});
   for (int half = 0; half < 2; ++half) {
     Recording part = recording;
@@ -34,9 +35,11 @@ Floor floor_of(const SensorNoise& raw, double stated, double weighed) {
 
 }  // namespace
 
-std::array<Floor, 3> noise_floors(double known, const PixelNoise& pixels, const RawNoise& raw, const CoreModel& weights, const ImuNoise& stated) {
+std::array<Floor, 3> noise_floors(double known, const PixelNoise& pixels, const RawNoise& raw, const CoreModel& weights,
+                                  const ImuNoise& stated) {
   const double factor = std::max(std::sqrt(known), pixels.factor);
-  return {Floor{factor * factor, 2 * factor * pixels.sigma}, floor_of(raw.gyro, stated.gyro_noise_density, weights.gyro_noise_density),
+  return {Floor{factor * factor, 2 * factor * pixels.sigma},
+          floor_of(raw.gyro, stated.gyro_noise_density, weights.gyro_noise_density),
           floor_of(raw.accel, stated.accel_noise_density, weights.accel_noise_density)};
 }
 
@@ -91,7 +94,8 @@ NoiseEffect pixel_noise_effect(const PixelNoise& noise, const std::vector<CoreKe
   std::vector<CoreKept> half[2];
   for (std::size_t i = 0; i < segments.size(); ++i) half[is_held_out(i) ? 1 : 0].push_back(segments[i]);
   const DiagnosedParameter factor{"pixel_noise.factor", noise.factor, noise.sigma, "-"};
-  return noise_effect("pixel_noise", {factor}, {{ratio * pixel_noise(half[0]).factor, ratio * pixel_noise(half[1]).factor}});
+  return noise_effect("pixel_noise", {factor},
+                      {{ratio * pixel_noise(half[0]).factor, ratio * pixel_noise(half[1]).factor}});
 }
 
 }  // namespace host::diagnosis

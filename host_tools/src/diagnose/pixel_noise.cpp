@@ -8,8 +8,8 @@
 namespace host::diagnosis {
 namespace {
 
-/// Differences of near neighbours, as a straight line over the squared distance: what is smooth in the image differs the more
-/// the farther they are apart, noise does not.
+/// Differences of near neighbours, as a straight line over the squared distance: what is smooth in the image differs
+/// the more the farther they are apart, noise does not.
 class NeighbourPairs {
  public:
   /// `rms`: of the residuals; five times that is far off.
@@ -53,11 +53,14 @@ class NeighbourPairs {
   static constexpr double kNear = 80;  // px
 
   /// A landmark's three unknowns take their share of its residuals.
-  static double left(const SeenPoint& s, const std::vector<int>& views) { return std::max(0.0, 1 - 1.5 / views[s.point->landmark]); }
+  static double left(const SeenPoint& s, const std::vector<int>& views) {
+    return std::max(0.0, 1 - 1.5 / views[s.point->landmark]);
+  }
 
   void add(const SeenPoint& a, const SeenPoint& b, double distance, const std::vector<int>& views) {
     const CorePointResidual &p = *a.residual, &q = *b.residual;
-    if (std::max({std::abs(p.u_sigma), std::abs(p.v_sigma), std::abs(q.u_sigma), std::abs(q.v_sigma)}) > far_off_) return;
+    if (std::max({std::abs(p.u_sigma), std::abs(p.v_sigma), std::abs(q.u_sigma), std::abs(q.v_sigma)}) > far_off_)
+      return;
     const double du = p.u_sigma - q.u_sigma, dv = p.v_sigma - q.v_sigma;
     const double expected = 0.5 * (left(a, views) + left(b, views));
     if (!(expected > 0.2)) return;

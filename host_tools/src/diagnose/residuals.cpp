@@ -14,12 +14,24 @@ using Eigen::Vector3d;
 
 constexpr struct {
   const char *words, *unit;
-} kCauseWords[kCauses] = {
-    {"time", "s"}, {"temperature", "degC"}, {"rate x", "rad/s"}, {"rate y", "rad/s"}, {"rate z", "rad/s"},
-    {"change of rate x", "rad/s^2"}, {"change of rate y", "rad/s^2"}, {"change of rate z", "rad/s^2"},
-    {"force x", "m/s^2"}, {"force y", "m/s^2"}, {"force z", "m/s^2"}, {"speed", "m/s"}, {"image x", "px"}, {"image y", "px"},
-    {"distance from the image's middle", "px"}, {"image motion x", "px/s"}, {"image motion y", "px/s"},
-    {"image row times rate", "px rad/s"}};
+} kCauseWords[kCauses] = {{"time", "s"},
+                          {"temperature", "degC"},
+                          {"rate x", "rad/s"},
+                          {"rate y", "rad/s"},
+                          {"rate z", "rad/s"},
+                          {"change of rate x", "rad/s^2"},
+                          {"change of rate y", "rad/s^2"},
+                          {"change of rate z", "rad/s^2"},
+                          {"force x", "m/s^2"},
+                          {"force y", "m/s^2"},
+                          {"force z", "m/s^2"},
+                          {"speed", "m/s"},
+                          {"image x", "px"},
+                          {"image y", "px"},
+                          {"distance from the image's middle", "px"},
+                          {"image motion x", "px/s"},
+                          {"image motion y", "px/s"},
+                          {"image row times rate", "px rad/s"}};
 
 /// Means over about 50 ms of the raw samples around a moment.
 class MotionAt {
@@ -39,7 +51,8 @@ class MotionAt {
   /// Over [from, to] ns; at least one sample.
   Motion over(std::int64_t from, std::int64_t to) const {
     Motion out;
-    auto first = std::lower_bound(samples_.begin(), samples_.end(), from, [](const ImuSample& s, std::int64_t t) { return s.t_ns < t; });
+    auto first = std::lower_bound(samples_.begin(), samples_.end(), from,
+                                  [](const ImuSample& s, std::int64_t t) { return s.t_ns < t; });
     if (first == samples_.end()) return out;
     auto last = first;
     int n = 0;
@@ -101,31 +114,38 @@ Vector2d middle_of(const std::vector<CoreKept>& kept) {
   return 0.5 * (low + high);
 }
 
-/// Where the fit sees each point, px. Measured points hold the very noise that is in their residuals, with the other sign: a
-/// cause made of them is followed by white noise, the more the slower the image moves. What least squares predict is not
-/// correlated with what they leave: for white noise of covariance s^2 I and the projector H on the columns of the fit
-/// cov((I - H) n, H n) = s^2 (I - H) H = 0. The same holds for noise that is whitened along the tracks, in its whitened coordinates.
-std::vector<Vector2d> predicted_points(const CoreKept& kept, const std::vector<SeenPoint>& seen, const CoreModel& model) {
+/// Where the fit sees each point, px. Measured points hold the very noise that is in their residuals, with the other
+/// sign: a cause made of them is followed by white noise, the more the slower the image moves. What least squares
+/// predict is not correlated with what they leave: for white noise of covariance s^2 I and the projector H on the
+/// columns of the fit cov((I - H) n, H n) = s^2 (I - H) H = 0. The same holds for noise that is whitened along the
+/// tracks, in its whitened coordinates.
+std::vector<Vector2d> predicted_points(const CoreKept& kept, const std::vector<SeenPoint>& seen,
+                                       const CoreModel& model) {
   const std::vector<Vector2d> r_px = residuals_px(kept, model);
   std::vector<Vector2d> out;
   out.reserve(seen.size());
-  for (const SeenPoint& s : seen) out.push_back(Vector2d(s.point->u, s.point->v) + r_px[static_cast<std::size_t>(s.residual - kept.points.data())]);
+  for (const SeenPoint& s : seen)
+    out.push_back(Vector2d(s.point->u, s.point->v) + r_px[static_cast<std::size_t>(s.residual - kept.points.data())]);
   return out;
 }
 
-/// Of the same landmark from the keyframe before to the one after, px/s; at the ends of a track from or to the point itself.
-Vector2d image_motion(const std::vector<SeenPoint>& seen, const std::vector<Vector2d>& predicted, std::size_t i, const CoreKept& kept) {
+/// Of the same landmark from the keyframe before to the one after, px/s; at the ends of a track from or to the point
+/// itself.
+Vector2d image_motion(const std::vector<SeenPoint>& seen, const std::vector<Vector2d>& predicted, std::size_t i,
+                      const CoreKept& kept) {
   const auto same_track = [&seen, i](std::size_t j) {
-    return j < seen.size() && seen[j].point->landmark == seen[i].point->landmark && seen[j].point->camera == seen[i].point->camera;
+    return j < seen.size() && seen[j].point->landmark == seen[i].point->landmark &&
+           seen[j].point->camera == seen[i].point->camera;
   };
   const std::size_t from = i > 0 && same_track(i - 1) ? i - 1 : i, to = same_track(i + 1) ? i + 1 : i;
-  const double dt = 1e-9 * static_cast<double>(kept.keyframes[seen[to].point->keyframe].t_ns - kept.keyframes[seen[from].point->keyframe].t_ns);
+  const double dt = 1e-9 * static_cast<double>(kept.keyframes[seen[to].point->keyframe].t_ns -
+                                               kept.keyframes[seen[from].point->keyframe].t_ns);
   if (dt == 0) return {0, 0};
   return (predicted[to] - predicted[from]) / dt;
 }
 
-void add_camera(const CoreKept& kept, const CoreModel& model, const MotionAt& motion, const Vector2d& middle, std::int64_t zero_ns, int* series,
-                ResidualList* u, ResidualList* v, ResidualList* radial) {
+void add_camera(const CoreKept& kept, const CoreModel& model, const MotionAt& motion, const Vector2d& middle,
+                std::int64_t zero_ns, int* series, ResidualList* u, ResidualList* v, ResidualList* radial) {
   std::vector<MotionAt::Motion> at;
   for (const CoreState& x : kept.keyframes) at.push_back(motion.over(x.t_ns - 25000000, x.t_ns + 25000000));
   const std::vector<SeenPoint> seen = seen_points(kept);
@@ -157,10 +177,12 @@ void add_camera(const CoreKept& kept, const CoreModel& model, const MotionAt& mo
   }
 }
 
-void add_imu(const CoreKept& kept, const MotionAt& motion, std::int64_t zero_ns, int series, ResidualList* gyro, ResidualList* accel) {
+void add_imu(const CoreKept& kept, const MotionAt& motion, std::int64_t zero_ns, int series, ResidualList* gyro,
+             ResidualList* accel) {
   for (std::size_t k = 0; k < kept.imu.size(); ++k) {
     const CoreImuResidual& r = kept.imu[k];
-    const auto at = std::find_if(kept.keyframes.begin(), kept.keyframes.end(), [&r](const CoreState& x) { return x.t_ns == r.t_ns; });
+    const auto at = std::find_if(kept.keyframes.begin(), kept.keyframes.end(),
+                                 [&r](const CoreState& x) { return x.t_ns == r.t_ns; });
     if (at == kept.keyframes.begin() || at == kept.keyframes.end()) continue;
     Entry e;
     e.series = series;
@@ -192,7 +214,8 @@ std::vector<SeenPoint> seen_points(const CoreKept& kept) {
   return out;
 }
 
-std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, const CoreModel& model, const std::vector<ImuData>& imu) {
+std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, const CoreModel& model,
+                                         const std::vector<ImuData>& imu) {
   std::vector<ResidualList> out;
   for (const char* axis : {"u", "v", "radial"}) out.push_back({"camera", axis, {}, {}, {}});
   for (const char* sensor : {"gyro", "accel"}) {

@@ -51,7 +51,8 @@ std::vector<ImuSample> samples_with_frames(const Recording& recording) {
 double median_rate_hz(const std::vector<ImuSample>& samples) {
   if (samples.size() < 3) return 0;
   std::vector<double> steps;
-  for (std::size_t k = 1; k < samples.size(); ++k) steps.push_back(static_cast<double>(samples[k].t_ns - samples[k - 1].t_ns));
+  for (std::size_t k = 1; k < samples.size(); ++k)
+    steps.push_back(static_cast<double>(samples[k].t_ns - samples[k - 1].t_ns));
   const double step = quantile(std::move(steps), 0.5);
   return step > 0 ? 1e9 / step : 0;
 }

@@ -1,9 +1,9 @@
 // Square-root rows of sets of segments over [theta | terms | rhs], and their sums.
 //
-// A set's rows are an upper triangle R with the residual norm in its corner: for any theta and terms the set's cost, with
-// all states and landmarks at their best, is |R (x, -1)|^2. Sums of sets are folds. Everything is linear here: the columns
-// are corrections of theta from where the core linearised, and the terms' values themselves (the right-hand side is moved
-// so that zero means "no effect" also for terms that the core held at another value).
+// A set's rows are an upper triangle R with the residual norm in its corner: for any theta and terms the set's cost,
+// with all states and landmarks at their best, is |R (x, -1)|^2. Sums of sets are folds. Everything is linear here: the
+// columns are corrections of theta from where the core linearised, and the terms' values themselves (the right-hand
+// side is moved so that zero means "no effect" also for terms that the core held at another value).
 #pragma once
 
 #include <Eigen/Core>
@@ -17,8 +17,8 @@ namespace host::diagnosis {
 using SEGCAL_NS::TermGroup;
 
 struct Rows {
-  Eigen::MatrixXd R;    ///< upper triangle, columns [theta | terms | rhs]
-  double dof = 0;       ///< residuals minus states and landmarks; theta and terms are not counted
+  Eigen::MatrixXd R;  ///< upper triangle, columns [theta | terms | rhs]
+  double dof = 0;     ///< residuals minus states and landmarks; theta and terms are not counted
 
   int columns() const { return static_cast<int>(R.cols()) - 1; }
   bool empty() const { return R.size() == 0; }

@@ -19,7 +19,11 @@ std::string number(const char* format, double value) {
 class Search {
  public:
   Search(const std::vector<Candidate>& candidates, const SelectionOptions& options, const Refit& refit)
-      : candidates_(candidates), given_(static_cast<int>(candidates.size())), options_(options), refit_(refit), why_(candidates.size()),
+      : candidates_(candidates),
+        given_(static_cast<int>(candidates.size())),
+        options_(options),
+        refit_(refit),
+        why_(candidates.size()),
         chosen_(options.known) {}
 
   Selection run() {
@@ -54,7 +58,9 @@ class Search {
   /// log10 p over the share of the level: what hypotheses of different shares are compared by.
   double weighed(int c, const EffectTest& test) const { return test.log10_p - std::log10(candidates_[c].share); }
   static double share_of(const Shift& step) { return decision::kStepsShare / std::max(1, step.trials); }
-  bool significant(int c, const EffectTest& test) const { return test.seen > 0 && called(test.log10_p, candidates_[c].share); }
+  bool significant(int c, const EffectTest& test) const {
+    return test.seen > 0 && called(test.log10_p, candidates_[c].share);
+  }
 
   /// Candidates that are significant with the chosen ones free, the most significant first.
   std::vector<std::pair<double, int>> calls() {
@@ -85,7 +91,8 @@ class Search {
     for (const auto& [p, c] : order) {
       const HalvesTest halves = test_halves(out_.problem, candidates_[c], groups_but(-1));
       if (halves.log10_p_disagree < decision::kLog10Disagree) {
-        why_[c] = "the halves of the recording disagree about it (p = 1e" + number("%.0f", halves.log10_p_disagree) + ")";
+        why_[c] =
+            "the halves of the recording disagree about it (p = 1e" + number("%.0f", halves.log10_p_disagree) + ")";
       } else if (!helps(halves, test_effect(out_.problem, candidates_[c], groups_but(-1)))) {
         why_[c] = "its value from one half of the recording does not help the other";
       } else if (dropped_before(c)) {
@@ -126,7 +133,8 @@ class Search {
     const Candidate candidate = shift_candidate(out_.problem, *step);
     const Scatter scatter = scatter_over_time(out_.problem, candidate, groups_but(-1));
     const HalvesTest halves = test_halves(out_.problem, candidate, groups_but(-1));
-    if (!called(calmed(*step, scatter), share) || halves.log10_p_disagree < decision::kLog10Disagree || !helps(halves, step->test)) {
+    if (!called(calmed(*step, scatter), share) || halves.log10_p_disagree < decision::kLog10Disagree ||
+        !helps(halves, step->test)) {
       out_.problem = without;
       shift_refused_ = true;
       return;
@@ -152,12 +160,15 @@ class Search {
     const bool by_chance = log10_upper_tail(scatter.factor * scatter.dof, scatter.dof) > decision::kLog10Scatters;
     return by_chance ? step.test.log10_p : scatter.log10_p(step.test.statistic, step.test.seen);
   }
-  static bool helps(const HalvesTest& halves, const EffectTest& test) { return halves.gain > decision::kHelps * test.statistic; }
+  static bool helps(const HalvesTest& halves, const EffectTest& test) {
+    return halves.gain > decision::kHelps * test.statistic;
+  }
   bool dropped_before(int c) const { return std::count(dropped_.begin(), dropped_.end(), c) > 0; }
 
   /// The same test that it was taken by. A step has its own (offer_shift).
   EffectTest tested(int c, const std::vector<TermGroup>& free) const {
-    return c < given_ ? judge_effect(out_.problem, candidates_[c], free) : test_effect(out_.problem, candidates_[c], free);
+    return c < given_ ? judge_effect(out_.problem, candidates_[c], free)
+                      : test_effect(out_.problem, candidates_[c], free);
   }
 
   /// Drops what the newer ones make superfluous.
@@ -187,7 +198,8 @@ class Search {
     for (int c : chosen_) out_.accepted.push_back({c, tested(c, groups_but(c))});
     for (const Accepted& a : out_.accepted) find_rivals(a);
     if (const std::optional<Shift> step = step_was_little_ ? best_shift(out_.problem, groups_but(-1)) : std::nullopt) {
-      if (called(step->test.log10_p, share_of(*step))) out_.leftover.take(step->test.chi2, "calibration_shift of " + step->block.name);
+      if (called(step->test.log10_p, share_of(*step)))
+        out_.leftover.take(step->test.chi2, "calibration_shift of " + step->block.name);
     }
     const Leftover refused = leftover_of(out_);
     out_.leftover.take(refused.chi2, refused.what);
@@ -219,7 +231,8 @@ class Search {
       const EffectTest beside = test_effect(out_.problem, candidates_[a.candidate], with_b);
       // Two log likelihoods apart per degree of freedom is what chance gives between models that fit equally well.
       const double apart = as_it_is.statistic - instead.statistic - 2 * (as_it_is.seen - instead.seen);
-      if (significant(b, instead) && candidates_[i].name != "unlisted" && beside.log10_p > decision::kLog10AddsNothing && apart < decision::kFitsAlike) {
+      if (significant(b, instead) && candidates_[i].name != "unlisted" &&
+          beside.log10_p > decision::kLog10AddsNothing && apart < decision::kFitsAlike) {
         out_.pairs.push_back({a.candidate, b});
       }
     }
@@ -237,7 +250,8 @@ class Search {
 
 }  // namespace
 
-Selection select_effects(const std::vector<Candidate>& candidates, const SelectionOptions& options, const Refit& refit) {
+Selection select_effects(const std::vector<Candidate>& candidates, const SelectionOptions& options,
+                         const Refit& refit) {
   return Search(candidates, options, refit).run();
 }
 

@@ -1,13 +1,14 @@
-// Which of the candidate effects do the rows call for? Forward steps with a refit, a backward step, pairs that this motion
-// does not tell apart, and "cannot tell" where an effect would not have shown.
+// Which of the candidate effects do the rows call for? Forward steps with a refit, a backward step, pairs that this
+// motion does not tell apart, and "cannot tell" where an effect would not have shown.
 //
-// Statistics. With theta and the accepted effects free, the rows of a candidate e are R_ee c = d_e (rows.h, Marginal). In
-// units of the candidate's plausible sizes, R_ee diag(size) = U diag(g) V': a direction with gain g has been seen g times
-// better than the effect is large. Only directions with g >= kSeen count: s = sum (u_i' d)^2 over these, chi-square with as
-// many degrees of freedom. None: cannot tell. s is divided by the dispersion, chi2/dof of the model so far, where that is
-// above the known noise: errors that nobody has a name for must not look like an effect. And it is judged against the scatter of
-// the effect's own value from segment to segment, when it is taken and each time that it is asked whether it stays
-// (judge_effect): with values c + w_k, w_k ~ N(0, W), the mean square of c over that of the scatter is Fisher's F.
+// Statistics. With theta and the accepted effects free, the rows of a candidate e are R_ee c = d_e (rows.h, Marginal).
+// In units of the candidate's plausible sizes, R_ee diag(size) = U diag(g) V': a direction with gain g has been seen g
+// times better than the effect is large. Only directions with g >= kSeen count: s = sum (u_i' d)^2 over these,
+// chi-square with as many degrees of freedom. None: cannot tell. s is divided by the dispersion, chi2/dof of the model
+// so far, where that is above the known noise: errors that nobody has a name for must not look like an effect. And it
+// is judged against the scatter of the effect's own value from segment to segment, when it is taken and each time that
+// it is asked whether it stays (judge_effect): with values c + w_k, w_k ~ N(0, W), the mean square of c over that of
+// the scatter is Fisher's F.
 //
 // A name needs more than a large s:
 //  - log10 p below the recording's error level, shared out among all hypotheses beforehand (decision.h);
@@ -26,7 +27,7 @@ namespace host::diagnosis {
 struct Candidate {
   std::string name;
   TermGroup columns;
-  std::vector<double> size;      ///< plausible magnitude of each parameter
+  std::vector<double> size;                  ///< plausible magnitude of each parameter
   double share = decision::kCatalogueShare;  ///< of the recording's error level
 };
 
@@ -46,17 +47,18 @@ inline bool is_held_out(std::size_t segment) { return (segment + 1) / 2 % 2 == 1
 /// Entries of theta that a shock moves together.
 struct Block {
   std::string name;
-  TermGroup columns;             ///< counted from theta's first
-  std::vector<double> size;      ///< plausible step
+  TermGroup columns;         ///< counted from theta's first
+  std::vector<double> size;  ///< plausible step
 };
 
-/// The rows of a recording, linearised at one fit. `train` and `held_out` are interleaved halves of it, joined in themselves.
+/// The rows of a recording, linearised at one fit. `train` and `held_out` are interleaved halves of it, joined in
+/// themselves.
 struct Problem {
   int n_theta = 0;
   Prior prior;
-  Rows all, train, held_out;     ///< without the prior
-  double noise = 1;              ///< variance of whitened residuals that is known to be noise; 1: as stated
-  std::vector<Piece> pieces;     ///< in time order; empty: steps are not looked for
+  Rows all, train, held_out;  ///< without the prior
+  double noise = 1;           ///< variance of whitened residuals that is known to be noise; 1: as stated
+  std::vector<Piece> pieces;  ///< in time order; empty: steps are not looked for
   std::vector<Block> blocks;
 };
 
@@ -73,19 +75,19 @@ EffectTest test_effect(const Problem& problem, const Candidate& candidate, const
 
 /// Do the halves agree, and does what one says help the other?
 struct HalvesTest {
-  double log10_p_disagree = 0;   ///< of |c_T - c_H|^2
-  /// Fall of the held-out cost, summed over both ways, over the dispersion; plus what the training's uncertainty takes from
-  /// it on average, so that its expectation is the whole excess, however many parameters the effect has.
+  double log10_p_disagree = 0;  ///< of |c_T - c_H|^2
+  /// Fall of the held-out cost, summed over both ways, over the dispersion; plus what the training's uncertainty takes
+  /// from it on average, so that its expectation is the whole excess, however many parameters the effect has.
   double gain = 0;
 };
 HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
 
 /// Where each piece has a value of its own, how much better is the fit?
 struct Scatter {
-  double factor = 1;             ///< a chi-square number over its degrees of freedom, at least 1
-  int dof = 0;                   ///< of which it was estimated; 0: fewer than four pieces
-  /// An effect's statistic is judged against the scatter of its own value: real tracks and motions disagree with themselves
-  /// by more than their noise, and from a few pieces that is only roughly known.
+  double factor = 1;  ///< a chi-square number over its degrees of freedom, at least 1
+  int dof = 0;        ///< of which it was estimated; 0: fewer than four pieces
+  /// An effect's statistic is judged against the scatter of its own value: real tracks and motions disagree with
+  /// themselves by more than their noise, and from a few pieces that is only roughly known.
   double log10_p(double statistic, int seen) const;
 };
 Scatter scatter_over_time(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
@@ -97,20 +99,20 @@ EffectTest judge_effect(const Problem& problem, const Candidate& candidate, cons
 double dispersion(const Problem& problem, const std::vector<TermGroup>& free);
 
 struct SelectionOptions {
-  std::vector<int> known = {};   ///< candidates that are in the model from the start and stay
-  Budget* fits = nullptr;        ///< of fits; null: as many as it takes
+  std::vector<int> known = {};  ///< candidates that are in the model from the start and stay
+  Budget* fits = nullptr;       ///< of fits; null: as many as it takes
 };
 
 struct Accepted {
   int candidate = -1;
-  EffectTest test;               ///< with the other accepted ones free
+  EffectTest test;  ///< with the other accepted ones free
 };
 /// A step of one block of theta, found by a search over blocks and times.
 struct Shift {
   Block block;
   double time_s = 0, uncertainty_s = 0;
-  int trials = 0;                ///< blocks times instants that were compared
-  int straddling = -1;           ///< piece in which it happens and that fits neither side: left out; -1: between two pieces
+  int trials = 0;       ///< blocks times instants that were compared
+  int straddling = -1;  ///< piece in which it happens and that fits neither side: left out; -1: between two pieces
   EffectTest test;
 };
 
@@ -125,22 +127,22 @@ struct Pair {
 
 /// What is called for beside everything that was accepted, and was refused.
 struct Leftover {
-  double chi2 = 0;               ///< the largest fall of the cost
-  std::string what;              ///< name of that candidate
+  double chi2 = 0;   ///< the largest fall of the cost
+  std::string what;  ///< name of that candidate
   void take(double fall, const std::string& name);
 };
 
 struct Selection {
-  Problem problem;               ///< at the last fit
+  Problem problem;  ///< at the last fit
   std::vector<Accepted> accepted;
   std::vector<Rejected> rejected;
   std::vector<Pair> pairs;
   std::vector<int> cannot_tell;
   std::vector<Candidate> candidates;  ///< as given, and behind them calibration_shift where one was tried
-  Leftover leftover;             ///< of the candidates that are significant at the end and were refused
+  Leftover leftover;                  ///< of the candidates that are significant at the end and were refused
   bool shifted = false;
-  Shift shift;                   ///< where `shifted`
-  std::vector<EffectTest> alone; ///< each candidate by itself, at the first fit
+  Shift shift;                    ///< where `shifted`
+  std::vector<EffectTest> alone;  ///< each candidate by itself, at the first fit
 };
 
 /// Of the catalogue's effects that are called for beside the accepted ones, judged against their own scatter.

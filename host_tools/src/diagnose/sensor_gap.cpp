@@ -30,7 +30,8 @@ Rows rows_of(const Fold& fold, const std::vector<Piece>& pieces, const std::vect
   return with_groups(sum_of(rows), own.n_theta, groups);
 }
 
-/// The prior of theta is no measurement: wide, it holds directions that the rows do not show, and hardly pulls (sensor_gap.h).
+/// The prior of theta is no measurement: wide, it holds directions that the rows do not show, and hardly pulls
+/// (sensor_gap.h).
 Prior wide(Prior prior) {
   prior.sigma *= decision::kWidePrior;
   return prior;
@@ -93,7 +94,8 @@ void add_fold(const Fold& fold, const SensorPieces& pieces, const Vector3d& vari
   Vector3d before, after;
   for (int s = 0; s < kSensors; ++s) {
     const Rows& rows = sensors[s];
-    const MatrixXd theta = rows.R.leftCols(fold.own.n_theta) * best.theta_root, effects = rows.R.leftCols(rows.columns()) * best.by_effects;
+    const MatrixXd theta = rows.R.leftCols(fold.own.n_theta) * best.theta_root,
+                   effects = rows.R.leftCols(rows.columns()) * best.by_effects;
     by_theta[s] = theta.transpose() * theta;
     before(s) = cost_at(rows, best.before);
     after(s) = fold.missed ? before(s) : cost_at(rows, best.after);
@@ -111,8 +113,8 @@ void add_fold(const Fold& fold, const SensorPieces& pieces, const Vector3d& vari
 
 }  // namespace
 
-std::array<SensorGap, kSensors> gap_by_sensor(const Selection& selection, const std::vector<Fold>& folds, const SensorPieces& pieces,
-                                              const std::array<Floor, kSensors>& noise) {
+std::array<SensorGap, kSensors> gap_by_sensor(const Selection& selection, const std::vector<Fold>& folds,
+                                              const SensorPieces& pieces, const std::array<Floor, kSensors>& noise) {
   const SensorPieces stepped = with_step(selection, pieces);
   Vector3d variance, spread;
   for (int s = 0; s < kSensors; ++s) {
@@ -126,7 +128,11 @@ std::array<SensorGap, kSensors> gap_by_sensor(const Selection& selection, const 
   for (int s = 0; s < kSensors; ++s) {
     if (!(dof(s) > 0 && expected(s) > 0)) continue;
     const double measured = sums.shared.row(s).transpose().cwiseProduct(spread).norm() / expected(s);
-    out[s] = {dof(s),      expected(s) / dof(s), sums.before(s) / expected(s), sums.after(s) / expected(s), std::sqrt(2 / dof(s) + measured * measured),
+    out[s] = {dof(s),
+              expected(s) / dof(s),
+              sums.before(s) / expected(s),
+              sums.after(s) / expected(s),
+              std::sqrt(2 / dof(s) + measured * measured),
               sums.fall(s)};
   }
   return out;

@@ -56,8 +56,10 @@ int free_columns(const std::vector<TermGroup>& free) {
 }
 
 /// One trial: the test of the step's columns on [theta | free | step].
-EffectTest trial(const Problem& problem, const Sums& sums, std::size_t k, const Block& block, int n_free, double noise) {
-  const Rows before = widened(sums.before[k], block.columns, false), after = widened(sums.after[k], block.columns, true);
+EffectTest trial(const Problem& problem, const Sums& sums, std::size_t k, const Block& block, int n_free,
+                 double noise) {
+  const Rows before = widened(sums.before[k], block.columns, false),
+             after = widened(sums.after[k], block.columns, true);
   Problem one;
   one.n_theta = problem.n_theta + n_free;
   one.prior = problem.prior;
@@ -75,17 +77,20 @@ double least_cost(const Problem& problem, const std::vector<const Rows*>& sets) 
 void look_inside(const Problem& problem, const std::vector<TermGroup>& free, Shift* shift) {
   double worst = decision::kFitsNeither;
   for (std::size_t j = 0; j < problem.pieces.size(); ++j) {
-    if (std::abs(middle(problem.pieces[j]) - shift->time_s) > problem.pieces[j].end_s - problem.pieces[j].start_s) continue;
+    if (std::abs(middle(problem.pieces[j]) - shift->time_s) > problem.pieces[j].end_s - problem.pieces[j].start_s)
+      continue;
     std::vector<Rows> wide;
     for (const Piece& p : problem.pieces) {
-      wide.push_back(widened(with_groups(p.rows, problem.n_theta, free), shift->block.columns, middle(p) > shift->time_s));
+      wide.push_back(
+          widened(with_groups(p.rows, problem.n_theta, free), shift->block.columns, middle(p) > shift->time_s));
     }
     std::vector<const Rows*> all, others;
     for (std::size_t i = 0; i < wide.size(); ++i) {
       all.push_back(&wide[i]);
       if (i != j) others.push_back(&wide[i]);
     }
-    const double dof = problem.pieces[j].rows.dof, share = (least_cost(problem, all) - least_cost(problem, others)) / problem.noise;
+    const double dof = problem.pieces[j].rows.dof,
+                 share = (least_cost(problem, all) - least_cost(problem, others)) / problem.noise;
     const double sigmas = (share - dof) / std::sqrt(2 * dof);
     if (sigmas < worst) continue;
     worst = sigmas;
@@ -113,7 +118,8 @@ std::optional<Shift> best_shift(const Problem& problem, const std::vector<TermGr
   }
   if (!best) return {};
   best->trials = trials;
-  if (log10_upper_tail(best->test.statistic, best->test.seen) < decision::kLog10LookInside) look_inside(problem, free, &*best);
+  if (log10_upper_tail(best->test.statistic, best->test.seen) < decision::kLog10LookInside)
+    look_inside(problem, free, &*best);
   if (best->straddling >= 0) {
     const Piece& p = problem.pieces[best->straddling];
     best->time_s = middle(p);

@@ -1,10 +1,10 @@
 // A step of one block of theta at an unknown time: the mount was bent, the lens was turned.
 //
-// Pieces before the step see theta, pieces after it theta + step in one block: the block's columns once more, behind the
-// terms, zero before the step. Each block at each instant between two pieces is one trial, with the other unknowns free;
-// the most significant one is judged with its number of trials, and against how far the block scatters from piece to piece
-// even when the step is allowed for: real recordings disagree with themselves by more than their noise. A piece in which the
-// step happens fits neither side; it is recognised by its cost and left out.
+// Pieces before the step see theta, pieces after it theta + step in one block: the block's columns once more, behind
+// the terms, zero before the step. Each block at each instant between two pieces is one trial, with the other unknowns
+// free; the most significant one is judged with its number of trials, and against how far the block scatters from piece
+// to piece even when the step is allowed for: real recordings disagree with themselves by more than their noise. A
+// piece in which the step happens fits neither side; it is recognised by its cost and left out.
 #pragma once
 
 #include <optional>

@@ -45,9 +45,11 @@ std::vector<double> band_levels(const std::vector<double>& signal, double rate_h
     for (std::size_t k = 0; k < window_size; ++k) mean += signal[begin + k] / window_size;
     for (std::size_t k = 0; k < window_size; ++k) x[k] = w[k] * (signal[begin + k] - mean);
     powers.clear();
-    for (auto bin = static_cast<std::size_t>(std::ceil(band.from * window_size)); static_cast<double>(bin) <= band.to * window_size; ++bin)
+    for (auto bin = static_cast<std::size_t>(std::ceil(band.from * window_size));
+         static_cast<double>(bin) <= band.to * window_size; ++bin)
       powers.push_back(power_at(x, two_pi * static_cast<double>(bin) / window_size));
-    // A sample of density N has the variance N^2 rate; its power at a bin is exponentially distributed about that times norm.
+    // A sample of density N has the variance N^2 rate; its power at a bin is exponentially distributed about that times
+    // norm.
     const double level = quantile(powers, 0.5) / (median_of_exponential * norm * rate_hz);
     if (std::isfinite(level)) levels.push_back(level);
   }

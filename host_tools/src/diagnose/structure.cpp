@@ -42,7 +42,8 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 /// Means per bin and the sum of squares between bins.
-double between_bins(const std::vector<double>& value, const std::vector<double>& cause, double variance, Structure* out) {
+double between_bins(const std::vector<double>& value, const std::vector<double>& cause, double variance,
+                    Structure* out) {
   const std::vector<int> order = order_of(cause);
   double sum = 0;
   for (int b = 0; b < kBins; ++b) {
@@ -75,7 +76,8 @@ Structure hold_against(const ResidualList& list, Cause cause, const std::vector<
   }
   Structure out{list.sensor, list.axis, words_of(cause), unit_of(cause), 0, 0, {}, {}, {}};
   const double between = between_bins(centred, x, variance, &out), rho = correlation(value_rank, ranks_of(x));
-  const double p_rank = log10_upper_tail(rho * rho * n * shrink, 1), p_bins = log10_upper_tail(between / variance * shrink, kBins - 1);
+  const double p_rank = log10_upper_tail(rho * rho * n * shrink, 1),
+               p_bins = log10_upper_tail(between / variance * shrink, kBins - 1);
   out.correlation = p_rank <= p_bins ? rho : std::sqrt(between / (variance * n));
   out.log10_p = std::min(p_rank, p_bins);
   return out;
@@ -115,7 +117,8 @@ std::vector<Structure> find_structure(const std::vector<ResidualList>& lists, do
     out.insert(out.end(), found.begin(), found.end());
   }
   for (Structure& s : out) s.log10_p += std::log10(std::max(1, tests));
-  out.erase(std::remove_if(out.begin(), out.end(), [level](const Structure& s) { return s.log10_p >= level; }), out.end());
+  out.erase(std::remove_if(out.begin(), out.end(), [level](const Structure& s) { return s.log10_p >= level; }),
+            out.end());
   std::sort(out.begin(), out.end(), [](const Structure& x, const Structure& y) { return x.log10_p < y.log10_p; });
   return out;
 }

@@ -9,8 +9,8 @@
 namespace host::experiments {
 namespace {
 
-constexpr double most_ratio = 1.10;            // of the RMSE with all segments
-constexpr double most_set_d_ratio = 1.03;      // of the best of A, D and E
+constexpr double most_ratio = 1.10;        // of the RMSE with all segments
+constexpr double most_set_d_ratio = 1.03;  // of the best of A, D and E
 constexpr const char* reference = "all";
 
 struct Row {
@@ -28,9 +28,13 @@ std::vector<Cell> accuracy_cells(const StudyOptions& options) {
   for (const Dataset& d : datasets()) {
     for (const Method& m : methods()) {
       cells.push_back({std::string(d.name) + "_" + m.name,
-                       {{"dataset", d.name}, {"method", m.name}, {"sessions", options.quick ? 2 : d.sessions},
-                        {"session_s", d.session_s}, {"evaluations", options.quick ? 6 : 15},
-                        {"evaluation_s", options.quick ? 60 : 114}, {"seed", options.seed}}});
+                       {{"dataset", d.name},
+                        {"method", m.name},
+                        {"sessions", options.quick ? 2 : d.sessions},
+                        {"session_s", d.session_s},
+                        {"evaluations", options.quick ? 6 : 15},
+                        {"evaluation_s", options.quick ? 60 : 114},
+                        {"seed", options.seed}}});
     }
   }
   return cells;
@@ -63,11 +67,13 @@ namespace {
 
 void add_limits(const std::string& dataset, const std::map<std::string, double>& ratio, Findings* out) {
   for (const char* name : {"A", "D", "E", "set_d"}) {
-    if (ratio.count(name)) out->limits.push_back({std::string(name) + " against all, " + dataset, ratio.at(name), most_ratio, "-", false});
+    if (ratio.count(name))
+      out->limits.push_back({std::string(name) + " against all, " + dataset, ratio.at(name), most_ratio, "-", false});
   }
   if (!ratio.count("set_d")) return;
   const double best = std::min({ratio.at("A"), ratio.at("D"), ratio.at("E")});
-  out->limits.push_back({"set_d against the best of A, D, E, " + dataset, ratio.at("set_d") / best, most_set_d_ratio, "-", false});
+  out->limits.push_back(
+      {"set_d against the best of A, D, E, " + dataset, ratio.at("set_d") / best, most_set_d_ratio, "-", false});
 }
 
 }  // namespace
@@ -82,11 +88,21 @@ Findings accuracy_gather(const std::vector<CellResult>& cells) {
     }
   }
   Findings out;
-  Table table{"Odometry with each calibration", "RMSE against the simulated truth from 15 s on after alignment of yaw and position: median and "
-              "standard deviation over all evaluation sessions and the calibrations after each session. Ratio: median over the same "
+  Table table{"Odometry with each calibration",
+              "RMSE against the simulated truth from 15 s on after alignment of yaw and position: median and "
+              "standard deviation over all evaluation sessions and the calibrations after each session. Ratio: median "
+              "over the same "
               "pairs, to `all`.",
-              {{"dataset", ""}, {"method", ""}, {"position", "cm"}, {"+-", "cm"}, {"attitude", "deg"}, {"+-", "deg"},
-               {"position against all", "-"}, {"attitude against all", "-"}, {"runs", "-"}}, {}};
+              {{"dataset", ""},
+               {"method", ""},
+               {"position", "cm"},
+               {"+-", "cm"},
+               {"attitude", "deg"},
+               {"+-", "deg"},
+               {"position against all", "-"},
+               {"attitude against all", "-"},
+               {"runs", "-"}},
+              {}};
   Figure figure{"Position RMSE", "boxes", "dataset", "RMSE [cm]", true, {}};
   std::map<std::string, Series> boxes;
   for (const Dataset& d : datasets()) {

@@ -71,13 +71,17 @@ Json basin_run(const Json& parameters) {
   const Json table = parameters_json(result, session.truth);
   for (const Json& p : table) {
     if (p.at("verdict") != "observed") continue;
-    const double error = std::abs(p.at("value").get<double>() - p.at("truth").get<double>()) / p.at("sigma").get<double>();
+    const double error =
+        std::abs(p.at("value").get<double>() - p.at("truth").get<double>()) / p.at("sigma").get<double>();
     if (error <= worst) continue;
     worst = error;
     name = p.at("name");
   }
-  return {{"status", result.status}, {"iterations", result.iterations}, {"chi2_per_dof", result.dof > 0 ? result.chi2 / result.dof : 0},
-          {"worst_error_per_sigma", worst}, {"worst_parameter", name},
+  return {{"status", result.status},
+          {"iterations", result.iterations},
+          {"chi2_per_dof", result.dof > 0 ? result.chi2 / result.dof : 0},
+          {"worst_error_per_sigma", worst},
+          {"worst_parameter", name},
           {"converged", result.status == "calibrated" && worst < converged_sigmas}};
 }
 
@@ -89,8 +93,18 @@ Findings basin_gather(const std::vector<CellResult>& cells) {
   };
   std::map<std::pair<std::string, int>, Group> groups;
   Findings out;
-  Table all{"Every start", "", {{"scenario", ""}, {"start", "sigma"}, {"seed", "-"}, {"status", ""}, {"iterations", "-"},
-            {"chi2/dof", "-"}, {"largest error of an observed parameter", "sigma"}, {"of", ""}, {"converged", ""}}, {}};
+  Table all{"Every start",
+            "",
+            {{"scenario", ""},
+             {"start", "sigma"},
+             {"seed", "-"},
+             {"status", ""},
+             {"iterations", "-"},
+             {"chi2/dof", "-"},
+             {"largest error of an observed parameter", "sigma"},
+             {"of", ""},
+             {"converged", ""}},
+            {}};
   for (const CellResult& c : cells) {
     Group& g = groups[{c.parameters.at("scenario"), c.parameters.at("factor")}];
     ++g.n;
@@ -99,23 +113,34 @@ Findings basin_gather(const std::vector<CellResult>& cells) {
     g.worst.push_back(c.result.at("worst_error_per_sigma"));
     g.iterations.push_back(c.result.at("iterations"));
     g.fit.push_back(c.result.at("chi2_per_dof"));
-    all.rows.push_back({c.parameters.at("scenario"), c.parameters.at("factor"), c.parameters.at("seed"), c.result.at("status"),
-                        c.result.at("iterations"), c.result.at("chi2_per_dof"), c.result.at("worst_error_per_sigma"),
-                        c.result.at("worst_parameter"), c.result.at("converged")});
+    all.rows.push_back({c.parameters.at("scenario"), c.parameters.at("factor"), c.parameters.at("seed"),
+                        c.result.at("status"), c.result.at("iterations"), c.result.at("chi2_per_dof"),
+                        c.result.at("worst_error_per_sigma"), c.result.at("worst_parameter"),
+                        c.result.at("converged")});
   }
-  Table table{"Convergence", "Converged: calibrated, and every observed parameter within 5 sigma of the truth. One sigma: f, c 1 px, "
-              "rotations 1 mrad, lever arm 10 mm, scales 0.004. A time offset is not a parameter of this core and is not displaced.",
-              {{"scenario", ""}, {"start", "sigma"}, {"starts", "-"}, {"converged", "-"}, {"median iterations", "-"},
-               {"median chi2/dof", "-"}, {"median of largest error", "sigma"}, {"seeds that did not", ""}}, {}};
+  Table table{"Convergence",
+              "Converged: calibrated, and every observed parameter within 5 sigma of the truth. One sigma: f, c 1 px, "
+              "rotations 1 mrad, lever arm 10 mm, scales 0.004. A time offset is not a parameter of this core and is "
+              "not displaced.",
+              {{"scenario", ""},
+               {"start", "sigma"},
+               {"starts", "-"},
+               {"converged", "-"},
+               {"median iterations", "-"},
+               {"median chi2/dof", "-"},
+               {"median of largest error", "sigma"},
+               {"seeds that did not", ""}},
+              {}};
   Figure figure{"Converged starts", "lines", "start [sigma]", "share converged [-]", false, {}};
   std::map<std::string, Series> lines;
   for (const auto& [key, g] : groups) {
-    table.rows.push_back({key.first, key.second, g.n, g.converged, median(g.iterations), median(g.fit), median(g.worst), g.failed});
+    table.rows.push_back(
+        {key.first, key.second, g.n, g.converged, median(g.iterations), median(g.fit), median(g.worst), g.failed});
     lines[key.first].x.push_back(key.second);
     lines[key.first].y.push_back(static_cast<double>(g.converged) / g.n);
     if (key.second == 5) {
-      out.limits.push_back({"converged of " + std::to_string(g.n) + " at 5 sigmas, " + key.first, static_cast<double>(g.converged),
-                            static_cast<double>(g.n), "-", true});
+      out.limits.push_back({"converged of " + std::to_string(g.n) + " at 5 sigmas, " + key.first,
+                            static_cast<double>(g.converged), static_cast<double>(g.n), "-", true});
     }
   }
   for (auto& [name, line] : lines) {

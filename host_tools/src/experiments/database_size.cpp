@@ -38,7 +38,9 @@ struct Group {
 
 /// By use case and size.
 std::map<std::pair<std::string, int>, Group> groups_of(const std::vector<CellResult>& cells) {
-  const auto place = [](const CellResult& c) { return c.parameters.at("dataset").get<std::string>() + c.parameters.at("session").dump(); };
+  const auto place = [](const CellResult& c) {
+    return c.parameters.at("dataset").get<std::string>() + c.parameters.at("session").dump();
+  };
   std::map<std::string, Json> all;  // by dataset and session
   for (const CellResult& c : cells) {
     if (c.parameters.at("segments") == everything) all[place(c)] = c.result;
@@ -65,8 +67,12 @@ std::vector<Cell> database_size_cells(const StudyOptions& options) {
     for (int session = 0; session < (options.quick ? 1 : d.sessions); ++session) {
       for (const int size : sizes) {
         cells.push_back({std::string(d.name) + "_session" + std::to_string(session) + "_size" + std::to_string(size),
-                         {{"dataset", d.name}, {"session", session}, {"segments", size}, {"session_s", d.session_s},
-                          {"evaluations", options.quick ? 3 : 15}, {"evaluation_s", options.quick ? 60 : 114},
+                         {{"dataset", d.name},
+                          {"session", session},
+                          {"segments", size},
+                          {"session_s", d.session_s},
+                          {"evaluations", options.quick ? 3 : 15},
+                          {"evaluation_s", options.quick ? 60 : 114},
                           {"seed", options.seed}}});
       }
     }
@@ -78,7 +84,8 @@ Json database_size_run(const Json& parameters) {
   const Dataset& dataset = dataset_named(parameters.at("dataset"));
   const std::uint64_t seed = parameters.at("seed");
   const int size = parameters.at("segments");
-  const std::vector<SimulationResult> sessions = {simulate_session(dataset, seed, parameters.at("session"), parameters.at("session_s"))};
+  const std::vector<SimulationResult> sessions = {
+      simulate_session(dataset, seed, parameters.at("session"), parameters.at("session_s"))};
   MethodOptions options;
   options.segments = size;
   const SessionCalibration found = calibrate(size == everything ? "all" : "A", sessions, options).back();
@@ -92,18 +99,29 @@ Json database_size_run(const Json& parameters) {
 
 Findings database_size_gather(const std::vector<CellResult>& cells) {
   Findings out;
-  Table table{"Database size", "A-optimality, segments of 4 s, each session by itself. Size 0: all segments, up to 64. Ratios against "
+  Table table{"Database size",
+              "A-optimality, segments of 4 s, each session by itself. Size 0: all segments, up to 64. Ratios against "
               "all: position, median over the same pairs; sigmas, geometric mean over parameters and sessions.",
-              {{"use case", ""}, {"segments", "-"}, {"position", "cm"}, {"attitude", "deg"}, {"position against all", "-"},
-               {"sigmas against all", "-"}, {"mean (error/sigma)^2", "-"}, {"calibrated", "-"}, {"sessions", "-"}}, {}};
+              {{"use case", ""},
+               {"segments", "-"},
+               {"position", "cm"},
+               {"attitude", "deg"},
+               {"position against all", "-"},
+               {"sigmas against all", "-"},
+               {"mean (error/sigma)^2", "-"},
+               {"calibrated", "-"},
+               {"sessions", "-"}},
+              {}};
   Figure rmse{"Position RMSE", "lines", "segments", "RMSE against all [-]", true, {}};
   Figure sigma{"Sigmas", "lines", "segments", "sigma against all [-]", true, {}};
   for (const auto& [key, g] : groups_of(cells)) {  // in the order of use cases
     const double position = median(g.against_all), sigmas = geometric_mean(g.sigma_ratio);
-    table.rows.push_back({key.first, key.second, median(g.cm), median(g.deg), position, sigmas, mean(g.squares), g.calibrated, g.runs});
+    table.rows.push_back(
+        {key.first, key.second, median(g.cm), median(g.deg), position, sigmas, mean(g.squares), g.calibrated, g.runs});
     if (key.second == everything) continue;
     for (Figure* figure : {&rmse, &sigma}) {
-      if (figure->series.empty() || figure->series.back().name != key.first) figure->series.push_back({key.first, {}, {}});
+      if (figure->series.empty() || figure->series.back().name != key.first)
+        figure->series.push_back({key.first, {}, {}});
       figure->series.back().x.push_back(key.second);
       figure->series.back().y.push_back(figure == &rmse ? position : sigmas);
     }

@@ -73,7 +73,8 @@ OdometryError odometry_error(const SimulationResult& session, const Calibration&
   const ReplayResult replayed = replay({session.recording}, options);
   Poses poses = poses_of(replayed.trajectory);
   const std::int64_t from = session.recording.cameras[0].frames.front().t_ns + settle_ns;
-  poses.erase(poses.begin(), std::find_if(poses.begin(), poses.end(), [from](const Pose& p) { return p.t_ns >= from; }));
+  poses.erase(poses.begin(),
+              std::find_if(poses.begin(), poses.end(), [from](const Pose& p) { return p.t_ns >= from; }));
   const auto e = trajectory_error(poses, poses_of(session.recording.truth), {});
   if (!e) throw InputError("the odometry gave no trajectory");
   return {e->position_m.rmse, e->attitude_rad.rmse};
@@ -98,8 +99,14 @@ Json parameters_json(const CoreResult& result, const Calibration& truth) {
   for (const sim::NamedParameter& p : sim::named_parameters(truth, true)) true_value[p.name] = p.value;
   Json out = Json::array();
   for (const CoreParameter& p : result.parameters) {
-    out.push_back({{"name", p.name}, {"unit", p.unit}, {"value", p.value}, {"sigma", p.sigma}, {"prior_sigma", p.prior_sigma},
-                   {"initial", p.initial}, {"truth", true_value.at(p.name)}, {"verdict", p.verdict}});
+    out.push_back({{"name", p.name},
+                   {"unit", p.unit},
+                   {"value", p.value},
+                   {"sigma", p.sigma},
+                   {"prior_sigma", p.prior_sigma},
+                   {"initial", p.initial},
+                   {"truth", true_value.at(p.name)},
+                   {"verdict", p.verdict}});
   }
   return out;
 }

@@ -14,11 +14,11 @@ namespace host::experiments {
 struct Dataset {
   const char* name;
   const char* scenario;
-  bool multi_session;         ///< the paper's strategy for the use case (Sec. VI-A)
+  bool multi_session;  ///< the paper's strategy for the use case (Sec. VI-A)
   int sessions;
   double session_s;
-  int tracks;                 ///< corners alive at a time: the texture
-  double near_m, far_m;       ///< distances of landmarks
+  int tracks;            ///< corners alive at a time: the texture
+  double near_m, far_m;  ///< distances of landmarks
 };
 
 /// AR/VR in an office and a class room, navigation in a parking garage and an office building.
@@ -35,8 +35,8 @@ SimulationResult simulate_cell(const Json& parameters);
 /// shaking in turn, as the paper's sessions in the motion capture room are mixed.
 SimulationResult simulate_evaluation(std::uint64_t seed, int index, double session_s);
 
-/// What the odometry does with the calibration that it is given: it runs with it as it is, as the paper's does, or goes on
-/// estimating it in the filter, as this one does unless told otherwise.
+/// What the odometry does with the calibration that it is given: it runs with it as it is, as the paper's does, or goes
+/// on estimating it in the filter, as this one does unless told otherwise.
 enum class Odometry { held, estimating };
 
 /// RMSE after yaw and position alignment with the truth, from 15 s after the start on; no segments are used.

@@ -1,5 +1,5 @@
-// Motions that cannot tell everything: is what is released right within its sigma, and is what the motion cannot tell held
-// back and named?
+// Motions that cannot tell everything: is what is released right within its sigma, and is what the motion cannot tell
+// held back and named?
 #include <algorithm>
 #include <map>
 #include <set>
@@ -25,11 +25,13 @@ struct Motion {
 const std::vector<Motion>& motions() {
   static const std::vector<Motion> all = {
       // Neither turning nor accelerating: nothing of the IMU but its mean, and no lever arm.
-      {"line", {"gyro.sx", "gyro.sy", "gyro.sz", "gyro.mx", "gyro.my", "gyro.mz", "accel.sx", "accel.sy", "accel.sz", "accel.mx",
-                "accel.my", "accel.mz", "cam0.p_CI.x", "cam0.p_CI.y", "cam0.p_CI.z"}},
+      {"line",
+       {"gyro.sx", "gyro.sy", "gyro.sz", "gyro.mx", "gyro.my", "gyro.mz", "accel.sx", "accel.sy", "accel.sz",
+        "accel.mx", "accel.my", "accel.mz", "cam0.p_CI.x", "cam0.p_CI.y", "cam0.p_CI.z"}},
       // Turning about the IMU: the camera, which sits beside it, moves, but nothing gives the size of that motion.
       {"rotation", {"cam0.p_CI.x"}},
-      // Turning about z alone: what belongs to rates about x and y, to the acceleration along z, and the lever arm along the axis.
+      // Turning about z alone: what belongs to rates about x and y, to the acceleration along z, and the lever arm
+      // along the axis.
       {"planar", {"cam0.p_CI.y", "gyro.sx", "gyro.sy", "gyro.mx", "accel.sz"}},
       {"still", {}},
   };
@@ -73,7 +75,7 @@ void add(Record& r, const Json& p, const std::string& seed, bool named) {
 
 /// All seeds of one motion.
 struct MotionRecord {
-  std::vector<std::string> names;   ///< of parameters, as they come
+  std::vector<std::string> names;  ///< of parameters, as they come
   std::map<std::string, Record> parameters;
   std::map<std::string, int> statuses;
 };
@@ -95,7 +97,7 @@ std::map<std::string, MotionRecord> records_of(const std::vector<CellResult>& ce
 
 /// What the limits are about, over the parameters of one motion.
 struct Summary {
-  double largest = 0;       ///< mean (error/sigma)^2
+  double largest = 0;  ///< mean (error/sigma)^2
   std::string of;
   int released = 0, unnamed = 0, moved = 0;
 
@@ -142,17 +144,39 @@ Json degenerate_run(const Json& parameters) {
   Json words = Json::array();
   const auto names = parameter_names(replayed.calibration);
   for (const CoreDirection& d : replayed.result.unobservable) words.push_back(in_words(d, names));
-  return {{"status", replayed.result.status}, {"segments_kept", replayed.kept.size()}, {"directions", words},
-          {"named", named_directions(replayed)}, {"parameters", parameters_json(replayed.result, session.truth)}};
+  return {{"status", replayed.result.status},
+          {"segments_kept", replayed.kept.size()},
+          {"directions", words},
+          {"named", named_directions(replayed)},
+          {"parameters", parameters_json(replayed.result, session.truth)}};
 }
 
 Findings degenerate_gather(const std::vector<CellResult>& cells) {
   Findings out;
-  Table table{"Parameters", "blind: the motion alone cannot tell it. Released: observed or weak. Errors are of released values.",
-              {{"motion", ""}, {"parameter", ""}, {"blind", ""}, {"observed", "-"}, {"weak", "-"}, {"fixed", "-"},
-               {"not named", "-"}, {"mean (error/sigma)^2 of released", "-"}, {"largest error", "sigma"}, {"its seed", "-"}}, {}};
-  Table motions_table{"Motions", "", {{"motion", ""}, {"calibrated", "-"}, {"insufficient", "-"}, {"failed", "-"},
-                      {"largest mean (error/sigma)^2", "-"}, {"of", ""}, {"blind parameters released", "-"}, {"blind and not named", "-"}}, {}};
+  Table table{"Parameters",
+              "blind: the motion alone cannot tell it. Released: observed or weak. Errors are of released values.",
+              {{"motion", ""},
+               {"parameter", ""},
+               {"blind", ""},
+               {"observed", "-"},
+               {"weak", "-"},
+               {"fixed", "-"},
+               {"not named", "-"},
+               {"mean (error/sigma)^2 of released", "-"},
+               {"largest error", "sigma"},
+               {"its seed", "-"}},
+              {}};
+  Table motions_table{"Motions",
+                      "",
+                      {{"motion", ""},
+                       {"calibrated", "-"},
+                       {"insufficient", "-"},
+                       {"failed", "-"},
+                       {"largest mean (error/sigma)^2", "-"},
+                       {"of", ""},
+                       {"blind parameters released", "-"},
+                       {"blind and not named", "-"}},
+                      {}};
   Figure figure{"Mean (error/sigma)^2 of what is released", "bars", "parameter", "mean (error/sigma)^2 [-]", false, {}};
   std::map<std::string, MotionRecord> records = records_of(cells);
   for (const Motion& m : motions()) {
@@ -171,8 +195,8 @@ Findings degenerate_gather(const std::vector<CellResult>& cells) {
       bars.y.push_back(r.mean_square());
     }
     auto& s = motion.statuses;
-    motions_table.rows.push_back({m.scenario, s["calibrated"], s["insufficient"], s["failed"], summary.largest, summary.of,
-                                  summary.released, summary.unnamed});
+    motions_table.rows.push_back({m.scenario, s["calibrated"], s["insufficient"], s["failed"], summary.largest,
+                                  summary.of, summary.released, summary.unnamed});
     if (!bars.x.empty()) figure.series.push_back(bars);
     summary.put_limits(m.scenario, &out.limits);
   }

@@ -1,5 +1,5 @@
-// Reproducible studies: `segcal experiments NAME`. A study is a list of independent cells, each a set of parameters and a
-// seed; each cell's result is a file of its own, so that a study that was stopped goes on where it was.
+// Reproducible studies: `segcal experiments NAME`. A study is a list of independent cells, each a set of parameters and
+// a seed; each cell's result is a file of its own, so that a study that was stopped goes on where it was.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +17,15 @@ constexpr double wrong_sigmas = 5;
 
 struct StudyOptions {
   std::uint64_t seed = 1;
-  int seeds = 0;                                   ///< of each kind of cell; 0: as many as the study has
-  bool quick = false;                              ///< fewer and shorter sessions: minutes instead of an hour
-  std::vector<std::filesystem::path> recordings;   ///< for studies of real recordings
-  std::filesystem::path calibration;               ///< where these start; empty: their own
+  int seeds = 0;                                  ///< of each kind of cell; 0: as many as the study has
+  bool quick = false;                             ///< fewer and shorter sessions: minutes instead of an hour
+  std::vector<std::filesystem::path> recordings;  ///< for studies of real recordings
+  std::filesystem::path calibration;              ///< where these start; empty: their own
 };
 
 struct Cell {
-  std::string name;   ///< unique within the study, a file name
-  Json parameters;    ///< all that its result depends on
+  std::string name;  ///< unique within the study, a file name
+  Json parameters;   ///< all that its result depends on
 };
 
 /// A cell with its result.
@@ -67,10 +67,10 @@ struct Limit {
 };
 
 struct Findings {
-  std::vector<Table> tables;    ///< the first one is NAME.csv too
+  std::vector<Table> tables;  ///< the first one is NAME.csv too
   std::vector<Figure> figures;
   std::vector<Limit> limits;
-  Json values = Json::object(); ///< results for programs to read
+  Json values = Json::object();  ///< results for programs to read
 };
 
 struct Experiment {
@@ -84,10 +84,10 @@ struct Experiment {
 
 const std::vector<Experiment>& experiments();
 
-/// Runs the cells that DIR/cells does not hold with the same parameters yet, up to `jobs` processes at a time, and reads all
-/// back in the cells' order. Throws InputError if a cell fails; what the others found stays.
-std::vector<CellResult> run_cells(const Experiment& experiment, const std::vector<Cell>& cells, const std::filesystem::path& dir,
-                                  int jobs);
+/// Runs the cells that DIR/cells does not hold with the same parameters yet, up to `jobs` processes at a time, and
+/// reads all back in the cells' order. Throws InputError if a cell fails; what the others found stays.
+std::vector<CellResult> run_cells(const Experiment& experiment, const std::vector<Cell>& cells,
+                                  const std::filesystem::path& dir, int jobs);
 
 /// NAME.csv, NAME.json and report.html.
 void write_findings(const Experiment& experiment, const Findings& findings, const StudyOptions& options,

@@ -1,5 +1,5 @@
-// Faults in the data: is each reported by name, and is what is then called calibrated right? Every recording goes the way of
-// `segcal replay`: clocks compared, calibrated, reviewed.
+// Faults in the data: is each reported by name, and is what is then called calibrated right? Every recording goes the
+// way of `segcal replay`: clocks compared, calibrated, reviewed.
 #include <cmath>
 #include <ctime>
 #include <map>
@@ -10,8 +10,8 @@
 #include "replay/model_file.h"
 #include "replay/replay.h"
 #include "simulate/device.h"
-#include "simulate/fault_kinds.h"
 #include "simulate/effect_names.h"
+#include "simulate/fault_kinds.h"
 #include "simulate/simulate.h"
 
 namespace host::experiments {
@@ -24,8 +24,9 @@ constexpr double fault_session_s = 40;
 /// Counters that say of a fault; the others count work.
 const std::vector<std::string>& fault_counters() {
   static const std::vector<std::string> names = {
-      "imu_stamps_back", "imu_gaps", "imu_not_finite", "imu_saturated", "imu_stamps_far", "frame_stamps_back", "frames_dropped",
-      "frames_few_tracks", "frame_stamps_far", "points_not_finite", "points_repeated", "filter_restarts", "clock_restarts", "segments_outdated"};
+      "imu_stamps_back",   "imu_gaps",        "imu_not_finite",    "imu_saturated",    "imu_stamps_far",
+      "frame_stamps_back", "frames_dropped",  "frames_few_tracks", "frame_stamps_far", "points_not_finite",
+      "points_repeated",   "filter_restarts", "clock_restarts",    "segments_outdated"};
   return names;
 }
 
@@ -143,7 +144,8 @@ struct KindRow {
 
 std::string joined(const std::map<std::string, int>& names, int n) {
   std::string out;
-  for (const auto& [name, count] : names) out += (out.empty() ? "" : ", ") + name + (count < n ? " (" + std::to_string(count) + ")" : "");
+  for (const auto& [name, count] : names)
+    out += (out.empty() ? "" : ", ") + name + (count < n ? " (" + std::to_string(count) + ")" : "");
   return out;
 }
 
@@ -155,7 +157,8 @@ std::vector<Cell> faults_cells(const StudyOptions& options) {
   for (int i = 0; i < seeds; ++i) {
     const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
     for (const FaultKind& kind : fault_kinds())
-      cells.push_back({std::string(kind.name) + "_seed" + std::to_string(seed), {{"kind", kind.name}, {"seconds", fault_session_s}, {"seed", seed}}});
+      cells.push_back({std::string(kind.name) + "_seed" + std::to_string(seed),
+                       {{"kind", kind.name}, {"seconds", fault_session_s}, {"seed", seed}}});
   }
   return cells;
 }
@@ -169,9 +172,15 @@ Json faults_run(const Json& parameters) {
   const double seconds = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
   const Largest largest = smallest_of_largest(r.result, truths);
   const bool calibrated = r.calibrated && r.result.status == "calibrated";
-  return {{"status", calibrated ? "calibrated" : r.result.status == "calibrated" ? "insufficient" : r.result.status},
-          {"largest", largest.sigmas}, {"largest_of", largest.of}, {"chi2_per_dof", r.result.dof > 0 ? r.result.chi2 / r.result.dof : 0.0},
-          {"segments", r.result.segments}, {"said", said(r)}, {"seconds", seconds}};
+  return {{"status", calibrated                        ? "calibrated"
+                     : r.result.status == "calibrated" ? "insufficient"
+                                                       : r.result.status},
+          {"largest", largest.sigmas},
+          {"largest_of", largest.of},
+          {"chi2_per_dof", r.result.dof > 0 ? r.result.chi2 / r.result.dof : 0.0},
+          {"segments", r.result.segments},
+          {"said", said(r)},
+          {"seconds", seconds}};
 }
 
 namespace {
@@ -196,7 +205,8 @@ void add_run(const CellResult& c, const Json& clean, KindRow* row, Table* wrong)
   ++row->wrong;
   std::map<std::string, int> once;
   for (const std::string& name : names) once[name] = 1;
-  wrong->rows.push_back({kind.name, c.parameters.at("seed"), sigmas, c.result.at("largest_of"), c.result.at("chi2_per_dof"), joined(once, 1)});
+  wrong->rows.push_back({kind.name, c.parameters.at("seed"), sigmas, c.result.at("largest_of"),
+                         c.result.at("chi2_per_dof"), joined(once, 1)});
 }
 
 }  // namespace
@@ -204,28 +214,46 @@ void add_run(const CellResult& c, const Json& clean, KindRow* row, Table* wrong)
 Findings faults_gather(const std::vector<CellResult>& cells) {
   std::map<std::string, Json> clean;  // counters, by seed
   for (const CellResult& c : cells)
-    if (c.parameters.at("kind") == fault_kinds().front().name) clean[c.parameters.at("seed").dump()] = c.result.at("said").at("counters");
+    if (c.parameters.at("kind") == fault_kinds().front().name)
+      clean[c.parameters.at("seed").dump()] = c.result.at("said").at("counters");
   std::map<std::string, KindRow> rows;
-  Table wrong{"Called calibrated, and wrong", "Beyond five sigma.",
-              {{"fault", ""}, {"seed", "-"}, {"largest error", "sigma"}, {"of", ""}, {"chi2/dof", "-"}, {"named", ""}}, {}};
-  for (const CellResult& c : cells) add_run(c, clean[c.parameters.at("seed").dump()], &rows[c.parameters.at("kind")], &wrong);
-  Table table{"Faults", "Named: fault counters above those of the clean recording, suspects of the review, the clock's offset; in brackets the runs, where "
+  Table wrong{"Called calibrated, and wrong",
+              "Beyond five sigma.",
+              {{"fault", ""}, {"seed", "-"}, {"largest error", "sigma"}, {"of", ""}, {"chi2/dof", "-"}, {"named", ""}},
+              {}};
+  for (const CellResult& c : cells)
+    add_run(c, clean[c.parameters.at("seed").dump()], &rows[c.parameters.at("kind")], &wrong);
+  Table table{"Faults",
+              "Named: fault counters above those of the clean recording, suspects of the review, the clock's offset; "
+              "in brackets the runs, where "
               "it was not all. Errors are of released entries of calibrated runs, in their sigmas.",
-              {{"fault", ""}, {"what", ""}, {"runs", "-"}, {"reported by name", "-"}, {"calibrated", "-"}, {"beyond 5 sigma", "-"}, {"largest error", "sigma"},
-               {"of", ""}, {"named", ""}, {"cause of a refusal", ""}, {"longest replay", "s"}}, {}};
+              {{"fault", ""},
+               {"what", ""},
+               {"runs", "-"},
+               {"reported by name", "-"},
+               {"calibrated", "-"},
+               {"beyond 5 sigma", "-"},
+               {"largest error", "sigma"},
+               {"of", ""},
+               {"named", ""},
+               {"cause of a refusal", ""},
+               {"longest replay", "s"}},
+              {}};
   int all_wrong = 0, all_calibrated = 0, unreported = 0;
   for (const FaultKind& kind : fault_kinds()) {
     if (!rows.count(kind.name)) continue;
     const KindRow& r = rows[kind.name];
-    table.rows.push_back({kind.name, kind.what, r.n, r.reported, r.calibrated, r.wrong, r.calibrated ? Json(r.largest.sigmas) : Json(), r.largest.of,
-                          joined(r.names, r.n), r.cause, r.seconds});
+    table.rows.push_back({kind.name, kind.what, r.n, r.reported, r.calibrated, r.wrong,
+                          r.calibrated ? Json(r.largest.sigmas) : Json(), r.largest.of, joined(r.names, r.n), r.cause,
+                          r.seconds});
     all_wrong += r.wrong;
     all_calibrated += r.calibrated;
     unreported += r.n - r.reported;
   }
   Findings out;
   out.tables = {table, wrong};
-  out.limits = {{"wrong answers of " + std::to_string(all_calibrated) + " called calibrated", static_cast<double>(all_wrong), 0, "-", false},
+  out.limits = {{"wrong answers of " + std::to_string(all_calibrated) + " called calibrated",
+                 static_cast<double>(all_wrong), 0, "-", false},
                 {"runs whose fault was not reported by name", static_cast<double>(unreported), 0, "-", false}};
   return out;
 }

@@ -9,7 +9,9 @@
 namespace host::experiments {
 namespace {
 
-std::string label(const Column& column) { return column.unit.empty() ? column.name : column.name + " [" + column.unit + "]"; }
+std::string label(const Column& column) {
+  return column.unit.empty() ? column.name : column.name + " [" + column.unit + "]";
+}
 
 /// A field of a CSV file, quoted where it has to be.
 std::string field(const Json& value) {
@@ -41,21 +43,24 @@ Json json_of(const Table& table) {
 Json json_of(const Figure& figure) {
   Json series = Json::array();
   for (const Series& s : figure.series) series.push_back({{"name", s.name}, {"x", s.x}, {"y", s.y}});
-  return {{"title", figure.title}, {"kind", figure.kind}, {"x", figure.x_label}, {"y", figure.y_label},
-          {"log_y", figure.log_y}, {"series", series}};
+  return {{"title", figure.title}, {"kind", figure.kind},   {"x", figure.x_label},
+          {"y", figure.y_label},   {"log_y", figure.log_y}, {"series", series}};
 }
 
 Json json_of(const Limit& limit) {
-  return {{"what", limit.what}, {"value", limit.value}, {"limit", limit.limit}, {"unit", limit.unit},
-          {"at_least", limit.at_least}, {"met", limit.met()}};
+  return {{"what", limit.what}, {"value", limit.value},       {"limit", limit.limit},
+          {"unit", limit.unit}, {"at_least", limit.at_least}, {"met", limit.met()}};
 }
 
 }  // namespace
 
 void write_findings(const Experiment& experiment, const Findings& findings, const StudyOptions& options,
                     const std::filesystem::path& dir) {
-  Json json = {{"format", 1}, {"experiment", experiment.name}, {"description", experiment.description},
-               {"seed", options.seed}, {"quick", options.quick}};
+  Json json = {{"format", 1},
+               {"experiment", experiment.name},
+               {"description", experiment.description},
+               {"seed", options.seed},
+               {"quick", options.quick}};
   for (const char* list : {"limits", "tables", "figures"}) json[list] = Json::array();
   for (const Limit& limit : findings.limits) json["limits"].push_back(json_of(limit));
   for (const Table& table : findings.tables) json["tables"].push_back(json_of(table));
@@ -67,7 +72,8 @@ void write_findings(const Experiment& experiment, const Findings& findings, cons
   write_file(dir / (name + ".json"), json.dump(1) + "\n");
   files.finish();
   if (run_python_script("report/experiment.py", {(dir / (name + ".json")).string()}) != 0) {
-    throw InputError((dir / "report.html").string() + ": not written; the tables are in " + name + ".json and " + name + ".csv");
+    throw InputError((dir / "report.html").string() + ": not written; the tables are in " + name + ".json and " + name +
+                     ".csv");
   }
 }
 

@@ -1,4 +1,5 @@
-// Hidden effects: devices, motions and a truth that the diagnosis does not see. Does it name what is there, and only that?
+// Hidden effects: devices, motions and a truth that the diagnosis does not see. Does it name what is there, and only
+// that?
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,7 +13,7 @@
 namespace host::experiments {
 namespace {
 
-constexpr double most_seconds = 60;      // s per recording of 60 s, one core
+constexpr double most_seconds = 60;  // s per recording of 60 s, one core
 constexpr double least_gap_closed = 0.9;
 
 std::string joined(const std::vector<std::string>& names, const char* nothing) {
@@ -46,7 +47,8 @@ Table confusion(const std::vector<std::pair<std::string, Judged>>& all) {
   std::set<std::string> answers;
   for (const auto& [row, j] : all) {
     if (!counts.count(row)) rows.push_back(row);
-    const std::string said = j.judged ? joined(j.named, j.verdict == "consistent" ? "nothing" : j.verdict.c_str()) : "cannot tell";
+    const std::string said =
+        j.judged ? joined(j.named, j.verdict == "consistent" ? "nothing" : j.verdict.c_str()) : "cannot tell";
     ++counts[row][said];
     answers.insert(said);
   }
@@ -61,7 +63,8 @@ Table confusion(const std::vector<std::pair<std::string, Judged>>& all) {
 }
 
 /// Of one scenario: what is visible must be named; what is not may be missing, but nothing false may be said.
-void add_scenario_limits(const std::string& scenario, std::map<std::string, Counts>& visible, std::map<std::string, Counts>& all, Findings& out) {
+void add_scenario_limits(const std::string& scenario, std::map<std::string, Counts>& visible,
+                         std::map<std::string, Counts>& all, Findings& out) {
   const auto limit = [&](const char* what, double value, double bound, bool at_least) {
     if (!std::isnan(value)) out.limits.push_back({scenario + ", " + what, value, bound, "-", at_least});
   };
@@ -74,10 +77,12 @@ void add_scenario_limits(const std::string& scenario, std::map<std::string, Coun
   limit("two visible effects: share named exactly", share(visible["two"].exact, visible["two"].n), 0.9, true);
   limit("two effects, visible or not: false names", count(two, two.false_name), 0, false);
   limit("outside: false names of the catalogue", count(outside, outside.false_name), 0, false);
-  limit("outside: share unexplained, or an unlisted effect that closes the gap", share(outside.right_beyond, outside.n), 0.95, true);
+  limit("outside: share unexplained, or an unlisted effect that closes the gap", share(outside.right_beyond, outside.n),
+        0.95, true);
 }
 
-void add_limits(std::map<std::string, Counts>& g, const std::vector<double>& gaps, const std::vector<double>& seconds, Findings& out) {
+void add_limits(std::map<std::string, Counts>& g, const std::vector<double>& gaps, const std::vector<double>& seconds,
+                Findings& out) {
   const auto limit = [&out](const char* what, double value, double bound, const char* unit, bool at_least) {
     if (!std::isnan(value)) out.limits.push_back({what, value, bound, unit, at_least});
   };
@@ -85,18 +90,25 @@ void add_limits(std::map<std::string, Counts>& g, const std::vector<double>& gap
   limit("weak motion: false names", g["weak"].n ? g["weak"].false_name : std::nan(""), 0, "-", false);
   limit("weak motion: share that says what it cannot tell", share(g["weak"].cannot, g["weak"].n), 1, "-", true);
   if (!gaps.empty()) {
-    limit("held-out gap closed, one or two visible effects, named or not: median", quantile(gaps, 0.5), 0.95, "-", true);
+    limit("held-out gap closed, one or two visible effects, named or not: median", quantile(gaps, 0.5), 0.95, "-",
+          true);
     limit("held-out gap closed, the same: 10 % quantile", quantile(gaps, 0.1), 0.85, "-", true);
   }
   if (!seconds.empty()) {
     limit("processor time of a recording of 60 s: median", median(seconds), 10, "s", false);
-    limit("processor time of a recording of 60 s: largest", *std::max_element(seconds.begin(), seconds.end()), most_seconds, "s", false);
+    limit("processor time of a recording of 60 s: largest", *std::max_element(seconds.begin(), seconds.end()),
+          most_seconds, "s", false);
   }
 }
 
 /// Named exactly against how visible it is.
 Figure power_curves(const std::vector<std::pair<std::string, Judged>>& one) {
-  Figure figure{"Named exactly, against the score statistic of what is there", "lines", "log2 of the score statistic, rounded down", "share", false, {}};
+  Figure figure{"Named exactly, against the score statistic of what is there",
+                "lines",
+                "log2 of the score statistic, rounded down",
+                "share",
+                false,
+                {}};
   std::map<std::string, std::map<int, std::pair<int, int>>> curves;
   for (const auto& [scenario, j] : one) {
     if (std::isnan(j.statistic)) continue;
@@ -117,15 +129,16 @@ Figure power_curves(const std::vector<std::pair<std::string, Judged>>& one) {
 
 /// What the cells of all groups add up to.
 struct Sums {
-  std::map<std::string, Counts> groups;                                     ///< of all scenarios
+  std::map<std::string, Counts> groups;  ///< of all scenarios
   std::map<std::string, std::map<std::string, Counts>> by_scenario, visible;
-  std::map<std::pair<std::string, std::string>, Counts> rows;               ///< group and scenario, what is there
+  std::map<std::pair<std::string, std::string>, Counts> rows;  ///< group and scenario, what is there
   std::vector<std::pair<std::string, std::string>> order;
-  std::vector<std::pair<std::string, Judged>> said, one;                    ///< what is there; scenario
+  std::vector<std::pair<std::string, Judged>> said, one;  ///< what is there; scenario
   std::vector<double> gaps, seconds;
 
   void take(const Json& parameters, const Judged& j) {
-    const std::string group = parameters.at("group"), scenario = parameters.at("scenario"), there = joined(j.truth, "nothing");
+    const std::string group = parameters.at("group"), scenario = parameters.at("scenario"),
+                      there = joined(j.truth, "nothing");
     const std::pair<std::string, std::string> row = {group + ", " + scenario, there};
     if (!rows.count(row)) order.push_back(row);
     add(rows[row], j);
@@ -149,13 +162,33 @@ Json hidden_run(const Json& parameters) {
 }
 
 Findings hidden_gather(const std::vector<CellResult>& cells) {
-  Table table{"Hidden effects", "named exactly: what is there and nothing else. As a pair: the same, but with another effect that the motion does not tell "
+  Table table{"Hidden effects",
+              "named exactly: what is there and nothing else. As a pair: the same, but with another effect that the "
+              "motion does not tell "
               "from it. Sigmas count recordings named exactly.",
-              {{"group", ""}, {"there", ""}, {"recordings", "-"}, {"named exactly", "-"}, {"as a pair", "-"}, {"false name", "-"},
-               {"within 3 sigma", "-"}, {"nothing named", "-"}, {"cannot tell", "-"}}, {}};
-  Table missed{"Not named exactly", "Statistic: of what is there, at the fit without effects; below 60 it counts as not visible.",
-               {{"scenario", ""}, {"there", ""}, {"lens", ""}, {"tracks", ""}, {"images", "1/s"}, {"statistic", "-"}, {"said", ""}, {"verdict", ""},
-                {"gap closed", "-"}, {"seed", "-"}}, {}};
+              {{"group", ""},
+               {"there", ""},
+               {"recordings", "-"},
+               {"named exactly", "-"},
+               {"as a pair", "-"},
+               {"false name", "-"},
+               {"within 3 sigma", "-"},
+               {"nothing named", "-"},
+               {"cannot tell", "-"}},
+              {}};
+  Table missed{"Not named exactly",
+               "Statistic: of what is there, at the fit without effects; below 60 it counts as not visible.",
+               {{"scenario", ""},
+                {"there", ""},
+                {"lens", ""},
+                {"tracks", ""},
+                {"images", "1/s"},
+                {"statistic", "-"},
+                {"said", ""},
+                {"verdict", ""},
+                {"gap closed", "-"},
+                {"seed", "-"}},
+               {}};
   Sums sums;
   for (const CellResult& cell : cells) {
     const Json& p = cell.parameters;
@@ -164,13 +197,15 @@ Findings hidden_gather(const std::vector<CellResult>& cells) {
     if (j.exact || p.at("group") == "outside") continue;
     std::string effects;
     for (const Json& e : p.at("effects")) effects += (effects.empty() ? "" : " + ") + e.get<std::string>();
-    missed.rows.push_back({p.at("scenario"), effects.empty() ? "nothing" : effects, p.at("distortion"), p.at("tracks"), p.at("images_per_s"), j.statistic,
-                           joined(j.named, "nothing"), j.verdict, j.gap_closed, p.at("seed")});
+    missed.rows.push_back({p.at("scenario"), effects.empty() ? "nothing" : effects, p.at("distortion"), p.at("tracks"),
+                           p.at("images_per_s"), j.statistic, joined(j.named, "nothing"), j.verdict, j.gap_closed,
+                           p.at("seed")});
   }
   std::sort(sums.order.begin(), sums.order.end());
   for (const auto& key : sums.order) {
     const Counts& c = sums.rows[key];
-    table.rows.push_back({key.first, key.second, c.n, c.exact, c.in_pair, c.false_name, c.in_sigma, c.silent, c.cannot});
+    table.rows.push_back(
+        {key.first, key.second, c.n, c.exact, c.in_pair, c.false_name, c.in_sigma, c.silent, c.cannot});
   }
   Findings out;
   out.tables = {table, confusion(sums.said), missed};

@@ -12,7 +12,9 @@ namespace {
 
 constexpr const char* unlisted = "unlisted";
 
-bool is_fault(const std::string& name) { return name == "saturation" || name == "dropped_samples" || name == "stamp_jitter"; }
+bool is_fault(const std::string& name) {
+  return name == "saturation" || name == "dropped_samples" || name == "stamp_jitter";
+}
 
 /// "gyro_noise.factor" is its own full name; "t_d" of time_offset is "time_offset.t_d".
 std::string full_name(const std::string& effect, const std::string& parameter) {
@@ -39,10 +41,19 @@ Json diagnosed(const Recording& session, const Calibration& start) {
   const std::clock_t start_clock = std::clock();  // other work on the machine is not this one's time
   const Diagnosis d = diagnose({session}, options);
   const double seconds = static_cast<double>(std::clock() - start_clock) / CLOCKS_PER_SEC;
-  Json out = {{"verdict", d.verdict}, {"judged", d.judged}, {"named", Json::array()}, {"values", Json::object()},
-              {"pairs", Json::array()}, {"gap_closed", d.gap_closed}, {"excess_before", d.before.total},
-              {"excess_after", d.after.total}, {"cannot_tell", d.cannot_tell.size()}, {"faults", Json::array()},
-              {"statistics", Json::object()}, {"sentence", d.sentence}, {"seconds", seconds}};
+  Json out = {{"verdict", d.verdict},
+              {"judged", d.judged},
+              {"named", Json::array()},
+              {"values", Json::object()},
+              {"pairs", Json::array()},
+              {"gap_closed", d.gap_closed},
+              {"excess_before", d.before.total},
+              {"excess_after", d.after.total},
+              {"cannot_tell", d.cannot_tell.size()},
+              {"faults", Json::array()},
+              {"statistics", Json::object()},
+              {"sentence", d.sentence},
+              {"seconds", seconds}};
   for (const DiagnosedEffect& e : d.effects) {
     out["named"].push_back(e.name);
     for (const DiagnosedParameter& p : e.parameters) out["values"][full_name(e.name, p.name)] = {p.value, p.sigma};
@@ -80,7 +91,8 @@ Judged judged(const CellResult& cell) {
   out.named.assign(said.begin(), said.end());
   out.exact = there == said && answer.at("pairs").empty();
   out.in_pair = !out.exact && right_but_for_pairs(there, said, answer.at("pairs"));
-  for (const std::string& name : said) out.false_name = out.false_name || (name != unlisted && there.count(name) == 0 && !out.in_pair);
+  for (const std::string& name : said)
+    out.false_name = out.false_name || (name != unlisted && there.count(name) == 0 && !out.in_pair);
   for (const auto& [name, value] : truth.at("values").items()) {
     const bool given = answer.at("values").contains(name) && answer.at("values")[name][1].is_number();
     if (!given || is_fault(name.substr(0, name.find('.')))) continue;
@@ -91,7 +103,8 @@ Judged judged(const CellResult& cell) {
   out.in_three_sigma = out.worst_sigmas <= 3;
   out.statistic = std::nan("");
   for (const std::string& name : there)
-    if (answer.at("statistics").contains(name)) out.statistic = std::fmin(out.statistic, answer.at("statistics")[name].get<double>());
+    if (answer.at("statistics").contains(name))
+      out.statistic = std::fmin(out.statistic, answer.at("statistics")[name].get<double>());
   out.visible = !(out.statistic < kVisibleStatistic);
   return out;
 }

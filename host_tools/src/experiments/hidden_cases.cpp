@@ -13,10 +13,11 @@ namespace {
 
 constexpr double hidden_session_s = 60;
 constexpr std::uint64_t seeds_apart = 10000;  // more than there are cells
-/// On gentle motion an effect must be larger to show as much: statistics of equal sizes are a sixteenth (arvr) and a fortieth (nav) of those of `rich`.
+/// On gentle motion an effect must be larger to show as much: statistics of equal sizes are a sixteenth (arvr) and a
+/// fortieth (nav) of those of `rich`.
 struct HiddenScenario {
   const char* name;
-  double size;   ///< factor on all sizes
+  double size;  ///< factor on all sizes
 };
 constexpr HiddenScenario hidden_scenarios[] = {{"rich", 1}, {"arvr", 4}, {"nav", 6}};
 
@@ -65,18 +66,28 @@ class Draw {
  public:
   explicit Draw(std::uint64_t seed) : seed_(seed), random_(seed, sim::Stream::device) {}
   /// With white track errors and 10 images/s.
-  void add(HiddenGroup group, const char* scenario, std::vector<std::string> effects) { add(group, scenario, "fov", "white", 10, std::move(effects)); }
-  /// The i-th of a kind: lenses in turn, every second with tracks that drift, every third with 30 images/s. Tracks that drift have hardly any
-  /// white noise, so that a factor on it is no effect there.
+  void add(HiddenGroup group, const char* scenario, std::vector<std::string> effects) {
+    add(group, scenario, "fov", "white", 10, std::move(effects));
+  }
+  /// The i-th of a kind: lenses in turn, every second with tracks that drift, every third with 30 images/s. Tracks that
+  /// drift have hardly any white noise, so that a factor on it is no effect there.
   void add_varied(HiddenGroup group, const char* scenario, int i, std::vector<std::string> effects) {
     static const char* const lenses[] = {"fov", "radtan", "equidistant"};
     const bool drift = i % 2 && (effects.empty() || effects.front().rfind("pixel_noise", 0) != 0);
     add(group, scenario, lenses[(i / 2) % 3], drift ? "drift" : "white", i % 3 == 2 ? 30 : 10, std::move(effects));
   }
-  void add(HiddenGroup group, const char* scenario, const char* distortion, const char* tracks, int images_per_s, std::vector<std::string> effects) {
+  void add(HiddenGroup group, const char* scenario, const char* distortion, const char* tracks, int images_per_s,
+           std::vector<std::string> effects) {
     const std::string name = std::string(name_of(group)) + "_" + std::to_string(++count_);
-    cells_.push_back({name, {{"group", name_of(group)}, {"scenario", scenario}, {"distortion", distortion}, {"tracks", tracks},
-                             {"images_per_s", images_per_s}, {"seconds", hidden_session_s}, {"seed", seed_ * seeds_apart + count_}, {"effects", effects}}});
+    cells_.push_back({name,
+                      {{"group", name_of(group)},
+                       {"scenario", scenario},
+                       {"distortion", distortion},
+                       {"tracks", tracks},
+                       {"images_per_s", images_per_s},
+                       {"seconds", hidden_session_s},
+                       {"seed", seed_ * seeds_apart + count_},
+                       {"effects", effects}}});
   }
   sim::Random& random() { return random_; }
   std::vector<Cell> cells() const { return cells_; }
@@ -118,7 +129,8 @@ void add_pairs(Draw& draw, const HiddenScenario& scenario, int n) {
 
 /// The name of its effects: cells of one kind.
 std::string kind_of(const Cell& cell) {
-  std::string kind = cell.parameters.at("group").get<std::string>() + " " + cell.parameters.at("scenario").get<std::string>();
+  std::string kind =
+      cell.parameters.at("group").get<std::string>() + " " + cell.parameters.at("scenario").get<std::string>();
   for (const Json& text : cell.parameters.at("effects")) {
     const std::string effect = text;
     kind += " " + effect.substr(0, effect.find('='));
@@ -141,7 +153,8 @@ std::vector<Cell> spread(const std::vector<Cell>& cells) {
   return out;
 }
 
-/// "saturation=0,0.9" as shares of what the session would reach without a limit: a fixed range clips nothing in a gentle session.
+/// "saturation=0,0.9" as shares of what the session would reach without a limit: a fixed range clips nothing in a
+/// gentle session.
 std::string range_from_shares(const std::string& text, const SimulationOptions& without) {
   double largest[2] = {0, 0};
   for (const ImuSample& s : simulate(without).recording.imu.samples) {
@@ -177,7 +190,8 @@ std::vector<Cell> hidden_cases(const StudyOptions& options) {
   for (const HiddenScenario& scenario : hidden_scenarios) {
     for (int i = 0; i < (quick ? 2 : 5 * each); ++i) draw.add_varied(G::none, scenario.name, i, {});
     for (const HiddenSize& s : hidden_sizes())
-      for (int i = 0; i < each; ++i) draw.add_varied(G::one, scenario.name, i, {drawn(s.name, scenario.size, level(i, each), draw.random())});
+      for (int i = 0; i < each; ++i)
+        draw.add_varied(G::one, scenario.name, i, {drawn(s.name, scenario.size, level(i, each), draw.random())});
     add_pairs(draw, scenario, quick ? 1 : 2 * each);
     add_outside(draw, scenario, quick ? 1 : (2 * each + 4) / 5);
   }

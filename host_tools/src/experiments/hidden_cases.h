@@ -13,10 +13,10 @@ namespace host::experiments {
 /// Smallest size of an effect in the study: about where 60 s of rich motion give a score statistic of 60.
 struct HiddenSize {
   const char* name;
-  int values;              ///< a random direction in that many dimensions, scaled to `size` per value (rms)
+  int values;  ///< a random direction in that many dimensions, scaled to `size` per value (rms)
   double size;
   const char* unit;
-  double largest;          ///< factor on `size` of the largest one
+  double largest;  ///< factor on `size` of the largest one
 };
 
 /// One table for all: sizes of effects of the catalogue that the score test or the variance test is to name.
@@ -26,7 +26,7 @@ const std::vector<HiddenSize>& hidden_sizes();
 struct HiddenOutside {
   const char* name;
   double size;
-  const char* rest;   ///< values behind the first
+  const char* rest;  ///< values behind the first
 };
 const std::vector<HiddenOutside>& hidden_outside();
 
@@ -37,7 +37,8 @@ enum class HiddenGroup { none, one, fault, two, outside, weak };
 const char* name_of(HiddenGroup group);
 HiddenGroup group_of(const std::string& name);
 
-/// The cells of the study; each has all that it depends on: group, scenario, distortion, seconds, seed, effects as text.
+/// The cells of the study; each has all that it depends on: group, scenario, distortion, seconds, seed, effects as
+/// text.
 std::vector<Cell> hidden_cases(const StudyOptions& options);
 
 /// The simulated session of a cell.

@@ -11,14 +11,14 @@
 namespace host::experiments {
 namespace {
 
-constexpr double largest_offset_error = 0.5e-3;   // s
-constexpr double clipped_share = 0.04;            // of the samples of the axis that is clipped most
+constexpr double largest_offset_error = 0.5e-3;  // s
+constexpr double clipped_share = 0.04;           // of the samples of the axis that is clipped most
 
 /// What is done to the recording, and what the answer must be.
 struct RealCase {
   const char* name;
-  std::vector<std::string> expected;   ///< any of these names
-  bool camera_side;                    ///< the expected name belongs to the lens: an unlisted term will do
+  std::vector<std::string> expected;  ///< any of these names
+  bool camera_side;                   ///< the expected name belongs to the lens: an unlisted term will do
 };
 
 const std::vector<RealCase>& real_cases() {
@@ -35,7 +35,7 @@ const std::vector<RealCase>& real_cases() {
   return all;
 }
 
-constexpr double turning = 0.05;                  // rad/s: above what a device at rest reads
+constexpr double turning = 0.05;  // rad/s: above what a device at rest reads
 
 /// Middle of the time in which the device turns and there are images: what changes while it stands shows nowhere.
 std::int64_t middle_of_motion_ns(const Recording& recording) {
@@ -68,7 +68,8 @@ double disturb_recording(const std::string& name, Recording& recording, Calibrat
     disturb::shift_camera_stamps(recording, shift);
     return -shift;
   }
-  if (name == "gyro_z_scaled_after_half") disturb::scale(recording, disturb::Sensor::gyro, {1, 1, 1.01}, middle_of_motion_ns(recording));
+  if (name == "gyro_z_scaled_after_half")
+    disturb::scale(recording, disturb::Sensor::gyro, {1, 1, 1.01}, middle_of_motion_ns(recording));
   if (name == "every_50th_dropped") disturb::drop_imu_samples(recording, 50);
   if (name == "g_sensitivity") disturb::add_g_sensitivity(recording, 3e-4 * Eigen::Matrix3d::Identity());
   if (name == "accel_clipped") disturb::clip(recording, 0, clip_limit(recording));
@@ -104,7 +105,9 @@ std::vector<Cell> hidden_real_cells(const StudyOptions& options) {
   for (std::size_t i = 0; i < options.recordings.size(); ++i)
     for (const RealCase& c : real_cases())
       cells.push_back({"recording" + std::to_string(i) + "_" + c.name,
-                       {{"recording", options.recordings[i].string()}, {"calibration", options.calibration.string()}, {"case", c.name}}});
+                       {{"recording", options.recordings[i].string()},
+                        {"calibration", options.calibration.string()},
+                        {"case", c.name}}});
   return cells;
 }
 
@@ -112,7 +115,8 @@ Json hidden_real_run(const Json& parameters) {
   const std::string root = parameters.at("recording"), file = parameters.at("calibration");
   Recording recording = read_recording(root, 1);
   if (recording.cameras[0].frames.empty())
-    throw InputError(root + "/mav0/cam0/tracks.csv: missing; run `segcal track " + root + "` first to make it from the images");
+    throw InputError(root + "/mav0/cam0/tracks.csv: missing; run `segcal track " + root +
+                     "` first to make it from the images");
   Calibration start = find_calibration(root, file, 1);
   const double offset = disturb_recording(parameters.at("case"), recording, start);
   return {{"offset_s", offset}, {"answer", diagnosed(recording, start)}};
@@ -120,10 +124,23 @@ Json hidden_real_run(const Json& parameters) {
 
 Findings hidden_real_gather(const std::vector<CellResult>& cells) {
   Findings out;
-  if (cells.empty()) throw InputError("experiments hidden_real: expected a recording with tracks, as in segcal experiments hidden_real REC --out DIR");
-  Table table{"Hidden effects in a real recording", "",
-              {{"recording", ""}, {"case", ""}, {"verdict", ""}, {"named", ""}, {"faults", ""}, {"as expected", "-"},
-               {"time offset put in", "ms"}, {"time offset found", "ms"}, {"gap closed", "-"}, {"time", "s"}}, {}};
+  if (cells.empty())
+    throw InputError(
+        "experiments hidden_real: expected a recording with tracks, as in segcal experiments hidden_real REC --out "
+        "DIR");
+  Table table{"Hidden effects in a real recording",
+              "",
+              {{"recording", ""},
+               {"case", ""},
+               {"verdict", ""},
+               {"named", ""},
+               {"faults", ""},
+               {"as expected", "-"},
+               {"time offset put in", "ms"},
+               {"time offset found", "ms"},
+               {"gap closed", "-"},
+               {"time", "s"}},
+              {}};
   int unnamed = 0;
   double worst_offset = 0, unchanged_offset = 0;
   for (const CellResult& cell : cells) {
@@ -134,13 +151,15 @@ Findings hidden_real_gather(const std::vector<CellResult>& cells) {
     unnamed += right ? 0 : 1;
     if (put_in != 0) worst_offset = std::max(worst_offset, std::abs(found - put_in));
     if (c.expected.empty()) unchanged_offset = std::max(unchanged_offset, std::abs(found));
-    table.rows.push_back({cell.parameters.at("recording"), c.name, answer.at("verdict"), answer.at("named").dump(), answer.at("faults").dump(),
-                          right ? 1 : 0, 1e3 * put_in, 1e3 * found, answer.at("gap_closed"), answer.at("seconds")});
+    table.rows.push_back({cell.parameters.at("recording"), c.name, answer.at("verdict"), answer.at("named").dump(),
+                          answer.at("faults").dump(), right ? 1 : 0, 1e3 * put_in, 1e3 * found, answer.at("gap_closed"),
+                          answer.at("seconds")});
   }
   out.tables = {table};
   out.limits.push_back({"changed recordings whose effect is not named", static_cast<double>(unnamed), 0, "-", false});
   out.limits.push_back({"largest error of a time offset", 1e3 * worst_offset, 1e3 * largest_offset_error, "ms", false});
-  out.limits.push_back({"time offset named in the unchanged recording", 1e3 * unchanged_offset, 1e3 * largest_offset_error, "ms", false});
+  out.limits.push_back({"time offset named in the unchanged recording", 1e3 * unchanged_offset,
+                        1e3 * largest_offset_error, "ms", false});
   return out;
 }
 

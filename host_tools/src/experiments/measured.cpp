@@ -1,11 +1,12 @@
-// Right on measured data? Rendered images with the real tracker, real IMUs along real paths, and a real recording, each with a
-// truth to judge by. The headline is the number of wrong answers: `calibrated` with an entry beyond five sigma.
+// Right on measured data? Rendered images with the real tracker, real IMUs along real paths, and a real recording, each
+// with a truth to judge by. The headline is the number of wrong answers: `calibrated` with an entry beyond five sigma.
+#include "experiments/measured.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <map>
 
-#include "experiments/measured.h"
 #include "experiments/registry.h"
 #include "experiments/statistics.h"
 #include "recording.h"
@@ -25,12 +26,22 @@ void add_rendered(const StudyOptions& options, std::vector<Cell>& cells) {
     const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
     for (const char* scenario : {"arvr", "nav", "rich"})
       cells.push_back({std::string("rendered_") + scenario + "_seed" + std::to_string(seed),
-                       {{"group", std::string("rendered ") + scenario}, {"kind", "rendered"}, {"scenario", scenario},
-                        {"seconds", options.quick ? 30 : 60}, {"rate_hz", 20}, {"seed", seed}, {"line_delay_s", 0.0}}});
+                       {{"group", std::string("rendered ") + scenario},
+                        {"kind", "rendered"},
+                        {"scenario", scenario},
+                        {"seconds", options.quick ? 30 : 60},
+                        {"rate_hz", 20},
+                        {"seed", seed},
+                        {"line_delay_s", 0.0}}});
     if (options.quick && i > 0) continue;
     cells.push_back({"rendered_rolling_seed" + std::to_string(seed),
-                     {{"group", "rendered rich, rolling shutter"}, {"kind", "rendered"}, {"scenario", "rich"},
-                      {"seconds", options.quick ? 30 : 60}, {"rate_hz", 20}, {"seed", seed}, {"line_delay_s", 4e-5}}});
+                     {{"group", "rendered rich, rolling shutter"},
+                      {"kind", "rendered"},
+                      {"scenario", "rich"},
+                      {"seconds", options.quick ? 30 : 60},
+                      {"rate_hz", 20},
+                      {"seed", seed},
+                      {"line_delay_s", 4e-5}}});
   }
 }
 
@@ -41,8 +52,13 @@ void add_imu_gt(const StudyOptions& options, const std::string& data, std::vecto
       for (int i = 0; i < devices; ++i) {
         const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
         cells.push_back({std::string(sequence) + (real ? "_real_seed" : "_simulated_seed") + std::to_string(seed),
-                         {{"group", real ? "real IMU" : "simulated IMU, the same paths"}, {"kind", "imu_gt"}, {"sequence", sequence}, {"data", data},
-                          {"seconds", 150}, {"seed", seed}, {"real_imu", real}}});
+                         {{"group", real ? "real IMU" : "simulated IMU, the same paths"},
+                          {"kind", "imu_gt"},
+                          {"sequence", sequence},
+                          {"data", data},
+                          {"seconds", 150},
+                          {"seed", seed},
+                          {"real_imu", real}}});
       }
 }
 
@@ -50,9 +66,13 @@ void add_euroc(const StudyOptions& options, const std::string& data, std::vector
   const int starts = options.quick ? 3 : 11;
   for (const int factor : {1, 3, 5})
     for (int start = 0; start < (factor == 1 ? starts : starts / 2); ++start)
-      cells.push_back({"euroc_x" + std::to_string(factor) + "_start" + std::to_string(start),
-                       {{"group", factor == 1 ? "euroc_mh01" : "euroc_mh01, start " + std::to_string(factor) + " times as far off"},
-                        {"kind", "euroc"}, {"data", data}, {"start", start}, {"factor", factor}}});
+      cells.push_back(
+          {"euroc_x" + std::to_string(factor) + "_start" + std::to_string(start),
+           {{"group", factor == 1 ? "euroc_mh01" : "euroc_mh01, start " + std::to_string(factor) + " times as far off"},
+            {"kind", "euroc"},
+            {"data", data},
+            {"start", start},
+            {"factor", factor}}});
 }
 
 struct Tally {
@@ -87,16 +107,29 @@ void add(const Json& result, Tally& group) {
 }
 
 Table runs_table(const std::vector<CellResult>& cells) {
-  Table table{"Every run", "", {{"group", ""}, {"run", ""}, {"status", ""}, {"frames used", "-"}, {"of", "-"}, {"segments", "-"}, {"chi2/dof", "-"},
-              {"mean (error/sigma)^2", "-"}, {"largest", "sigma"}, {"entry", ""}, {"wrong", "-"}}, {}};
+  Table table{"Every run",
+              "",
+              {{"group", ""},
+               {"run", ""},
+               {"status", ""},
+               {"frames used", "-"},
+               {"of", "-"},
+               {"segments", "-"},
+               {"chi2/dof", "-"},
+               {"mean (error/sigma)^2", "-"},
+               {"largest", "sigma"},
+               {"entry", ""},
+               {"wrong", "-"}},
+              {}};
   for (const CellResult& c : cells) {
     const Json &r = c.result, &p = c.parameters;
     std::vector<double> z;
     for (const Json& e : r.at("entries")) z.push_back(e.at("z"));
     const std::string run = (p.contains("sequence") ? p.at("sequence").get<std::string>() + " " : "") +
                             (p.contains("seed") ? "seed " + p.at("seed").dump() : "start " + p.at("start").dump());
-    table.rows.push_back({p.at("group"), run, r.at("status"), r.at("frames_used"), r.at("frames"), r.at("segments"), r.at("chi2_per_dof"),
-                          z.empty() ? Json() : Json(mean_square(z)), r.at("largest"), r.at("largest_of"), r.at("wrong").get<bool>() ? 1 : 0});
+    table.rows.push_back({p.at("group"), run, r.at("status"), r.at("frames_used"), r.at("frames"), r.at("segments"),
+                          r.at("chi2_per_dof"), z.empty() ? Json() : Json(mean_square(z)), r.at("largest"),
+                          r.at("largest_of"), r.at("wrong").get<bool>() ? 1 : 0});
   }
   return table;
 }
@@ -134,24 +167,42 @@ Findings measured_gather(const std::vector<CellResult>& cells) {
     wrong += c.result.at("wrong").get<bool>() ? 1 : 0;
     released += c.result.at("status") == "calibrated" ? 1 : 0;
   }
-  Table table{"By group", "Over calibrated answers. Wrong: calibrated with a released entry beyond 5 sigma.",
-              {{"group", ""}, {"runs", "-"}, {"calibrated", "-"}, {"wrong", "-"}, {"mean (error/sigma)^2", "-"}, {"of the camera's entries", "-"},
-               {"share within 3 sigma", "-"}, {"median chi2/dof", "-"}}, {}};
-  Table entries{"By entry", "", {{"group", ""}, {"entry", ""}, {"answers", "-"}, {"mean (error/sigma)^2", "-"}, {"share within 3 sigma", "-"}}, {}};
+  Table table{"By group",
+              "Over calibrated answers. Wrong: calibrated with a released entry beyond 5 sigma.",
+              {{"group", ""},
+               {"runs", "-"},
+               {"calibrated", "-"},
+               {"wrong", "-"},
+               {"mean (error/sigma)^2", "-"},
+               {"of the camera's entries", "-"},
+               {"share within 3 sigma", "-"},
+               {"median chi2/dof", "-"}},
+              {}};
+  Table entries{
+      "By entry",
+      "",
+      {{"group", ""}, {"entry", ""}, {"answers", "-"}, {"mean (error/sigma)^2", "-"}, {"share within 3 sigma", "-"}},
+      {}};
   for (const auto& [name, g] : groups) {
     const bool any = !g.all.empty();
-    table.rows.push_back({name, g.n, g.calibrated, g.wrong, any ? Json(mean_square(g.all)) : Json(), g.camera.empty() ? Json() : Json(mean_square(g.camera)),
+    table.rows.push_back({name, g.n, g.calibrated, g.wrong, any ? Json(mean_square(g.all)) : Json(),
+                          g.camera.empty() ? Json() : Json(mean_square(g.camera)),
                           any ? Json(share_within(g.all, common_sigmas)) : Json(), any ? Json(median(g.fit)) : Json()});
-    for (const auto& [entry, z] : g.z) entries.rows.push_back({name, entry, z.size(), mean_square(z), share_within(z, common_sigmas)});
+    for (const auto& [entry, z] : g.z)
+      entries.rows.push_back({name, entry, z.size(), mean_square(z), share_within(z, common_sigmas)});
   }
   Findings out;
   out.tables = {table, entries, runs_table(cells)};
-  out.limits.push_back({"wrong answers of " + std::to_string(released) + " called calibrated", static_cast<double>(wrong), 0, "-", false});
+  out.limits.push_back({"wrong answers of " + std::to_string(released) + " called calibrated",
+                        static_cast<double>(wrong), 0, "-", false});
   if (!rendered.all.empty()) {
-    out.limits.push_back({"mean (error/sigma)^2, rendered images", mean_square(rendered.all), rendered_most, "-", false});
+    out.limits.push_back(
+        {"mean (error/sigma)^2, rendered images", mean_square(rendered.all), rendered_most, "-", false});
     out.limits.push_back({"the same, least", mean_square(rendered.all), rendered_least, "-", true});
   }
-  if (!real_imu.camera.empty()) out.limits.push_back({"mean (error/sigma)^2 of the camera's entries, real IMU", mean_square(real_imu.camera), real_imu_most, "-", false});
+  if (!real_imu.camera.empty())
+    out.limits.push_back({"mean (error/sigma)^2 of the camera's entries, real IMU", mean_square(real_imu.camera),
+                          real_imu_most, "-", false});
   return out;
 }
 

@@ -26,7 +26,9 @@ using Truth = std::map<std::string, double>;
 /// Gone when the cell is: a minute of images is half a gigabyte.
 class ScratchFolder {
  public:
-  ScratchFolder() : path_(fs::temp_directory_path() / ("segcal_measured_" + std::to_string(::getpid()))) { fs::remove_all(path_); }
+  ScratchFolder() : path_(fs::temp_directory_path() / ("segcal_measured_" + std::to_string(::getpid()))) {
+    fs::remove_all(path_);
+  }
   ~ScratchFolder() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
@@ -37,7 +39,8 @@ class ScratchFolder {
   fs::path path_;
 };
 
-/// `segcal track ARGUMENTS`, in this process and without its lines: the study must go the user's way, not one of its own.
+/// `segcal track ARGUMENTS`, in this process and without its lines: the study must go the user's way, not one of its
+/// own.
 void track(std::vector<std::string> arguments) {
   std::ostringstream unread;
   std::streambuf *const out = std::cout.rdbuf(unread.rdbuf()), *const err = std::cerr.rdbuf(unread.rdbuf());
@@ -85,8 +88,14 @@ Json judged(const Recording& recording, const Calibration& start, const Truth& t
     largest = std::abs(z);
     of = p.name;
   }
-  return {{"status", r.status}, {"chi2_per_dof", r.dof > 0 ? r.chi2 / r.dof : 0}, {"segments", r.segments}, {"frames", recording.cameras[0].frames.size()},
-          {"frames_used", replayed.trajectory.size()}, {"entries", entries}, {"largest", largest}, {"largest_of", of},
+  return {{"status", r.status},
+          {"chi2_per_dof", r.dof > 0 ? r.chi2 / r.dof : 0},
+          {"segments", r.segments},
+          {"frames", recording.cameras[0].frames.size()},
+          {"frames_used", replayed.trajectory.size()},
+          {"entries", entries},
+          {"largest", largest},
+          {"largest_of", of},
           {"wrong", r.status == "calibrated" && largest > wrong_sigmas}};
 }
 
@@ -131,7 +140,8 @@ Json calibrate_rendered(const Json& parameters) {
   track({scratch.path().string()});
   Truth truth = truth_of(session.truth, true);
   truth["rolling_shutter.line_delay"] = line_delay;
-  return judged(read_recording(scratch.path(), 1), session.nominal, truth, line_delay != 0 ? static_cast<unsigned>(SEGCAL_EFFECT_ROLLING_SHUTTER) : 0u);
+  return judged(read_recording(scratch.path(), 1), session.nominal, truth,
+                line_delay != 0 ? static_cast<unsigned>(SEGCAL_EFFECT_ROLLING_SHUTTER) : 0u);
 }
 
 Json calibrate_imu_gt(const Json& parameters) {
@@ -145,7 +155,8 @@ Json calibrate_imu_gt(const Json& parameters) {
   const bool real = parameters.at("real_imu");
   if (real) options.imu_file = folder / "imu.csv";
   const SimulationResult session = simulate(options);
-  // The truth of a real IMU is not known: it was calibrated in the factory or by the data's makers, which is what 1 means.
+  // The truth of a real IMU is not known: it was calibrated in the factory or by the data's makers, which is what 1
+  // means.
   Json out = judged(session.recording, session.nominal, truth_of(session.truth, !real));
   return out;
 }

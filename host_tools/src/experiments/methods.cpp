@@ -50,8 +50,8 @@ std::vector<SessionCalibration> batch(const std::vector<Recording>& sessions, co
 }
 
 /// The filter with all of theta in its state, without segments; it goes on from session to session.
-std::vector<SessionCalibration> joint_filter(const std::vector<Recording>& sessions, const Calibration& start, const Method&,
-                                             const MethodOptions&) {
+std::vector<SessionCalibration> joint_filter(const std::vector<Recording>& sessions, const Calibration& start,
+                                             const Method&, const MethodOptions&) {
   std::vector<SessionCalibration> out;
   ReplayOptions r;
   r.core.calibration = start;
@@ -65,21 +65,21 @@ std::vector<SessionCalibration> joint_filter(const std::vector<Recording>& sessi
 }
 
 /// Every segment, up to what profile host holds.
-std::vector<SessionCalibration> no_sparsification(const std::vector<Recording>& sessions, const Calibration& start, const Method&,
-                                    const MethodOptions& options) {
+std::vector<SessionCalibration> no_sparsification(const std::vector<Recording>& sessions, const Calibration& start,
+                                                  const Method&, const MethodOptions& options) {
   MethodOptions o = options;
   o.segments = all_segments;
   return from_database(sessions, start, "host", "A", o);
 }
 
-std::vector<SessionCalibration> selected(const std::vector<Recording>& sessions, const Calibration& start, const Method& method,
-                                         const MethodOptions& options) {
+std::vector<SessionCalibration> selected(const std::vector<Recording>& sessions, const Calibration& start,
+                                         const Method& method, const MethodOptions& options) {
   return from_database(sessions, start, "mobile", method.metric, options);
 }
 
 /// Eight kept segments, the first that told enough, and all that came after them in epochs.
-std::vector<SessionCalibration> condensed(const std::vector<Recording>& sessions, const Calibration& start, const Method& method,
-                                          const MethodOptions& options) {
+std::vector<SessionCalibration> condensed(const std::vector<Recording>& sessions, const Calibration& start,
+                                          const Method& method, const MethodOptions& options) {
   MethodOptions o = options;
   o.condense = true;
   return from_database(sessions, start, "mobile", method.metric, o);
@@ -115,7 +115,8 @@ const std::vector<Method>& methods() {
         {"random", "8 segments of 4 s at random", always, selected, "random"},
         {"condensed", "8 segments of 4 s by A, all later ones in epochs", always, condensed, "A"},
         {"joint_ekf", "the filter with all of theta in its state", always, joint_filter, ""},
-        {"filter", "the data sheet's, and the filter's own estimates on the way", always, initial, "", Odometry::estimating},
+        {"filter", "the data sheet's, and the filter's own estimates on the way", always, initial, "",
+         Odometry::estimating},
         {"filter_A", "as A, and the filter's own estimates on the way", always, selected, "A", Odometry::estimating},
     };
     std::vector<Method> out;

@@ -16,7 +16,10 @@ std::vector<Cell> repeatability_cells(const StudyOptions& options) {
       for (const Method& m : methods()) {
         if (std::string(m.name) == "initial" || m.odometry != Odometry::held) continue;
         cells.push_back({std::string(d.name) + "_session" + std::to_string(session) + "_" + m.name,
-                         {{"dataset", d.name}, {"session", session}, {"session_s", d.session_s}, {"method", m.name},
+                         {{"dataset", d.name},
+                          {"session", session},
+                          {"session_s", d.session_s},
+                          {"method", m.name},
                           {"seed", options.seed}}});
       }
     }
@@ -46,7 +49,7 @@ struct MethodRecord {
 /// Of all sessions, in the order of the calibration vector.
 struct MethodRecords {
   std::vector<std::string> names;
-  std::map<std::pair<std::string, std::string>, MethodRecord> of;   ///< by parameter and method
+  std::map<std::pair<std::string, std::string>, MethodRecord> of;  ///< by parameter and method
 };
 
 MethodRecords method_records(const std::vector<CellResult>& cells) {
@@ -80,8 +83,10 @@ Scatter scatter_of(const MethodRecords& records, const std::string& method, Tabl
     if (it == records.of.end()) continue;
     const MethodRecord& r = it->second;
     const double scatter = deviation(r.value), ratio = scatter / deviation(records.of.at({name, "all"}).value);
-    table->rows.push_back({name, r.unit, method, r.truth, mean(r.value), scatter, mean(r.sigma), mean(r.value) - r.truth, ratio, r.value.size()});
-    for (std::size_t i = 0; i < r.value.size(); ++i) out.squares.push_back(std::pow((r.value[i] - r.truth) / r.sigma[i], 2));
+    table->rows.push_back({name, r.unit, method, r.truth, mean(r.value), scatter, mean(r.sigma),
+                           mean(r.value) - r.truth, ratio, r.value.size()});
+    for (std::size_t i = 0; i < r.value.size(); ++i)
+      out.squares.push_back(std::pow((r.value[i] - r.truth) / r.sigma[i], 2));
     out.against_all.push_back(ratio);
     out.against_sigma.push_back(scatter / mean(r.sigma));
     out.bars.x.push_back(name);
@@ -95,17 +100,34 @@ Scatter scatter_of(const MethodRecords& records, const std::string& method, Tabl
 Findings repeatability_gather(const std::vector<CellResult>& cells) {
   const MethodRecords records = method_records(cells);
   Findings out;
-  Table table{"Parameters over sessions", "One device, each session calibrated by itself from the data sheet's values.",
-              {{"parameter", ""}, {"unit", ""}, {"method", ""}, {"truth", "unit"}, {"mean", "unit"}, {"scatter", "unit"},
-               {"stated sigma, mean", "unit"}, {"mean error", "unit"}, {"scatter against all", "-"}, {"sessions", "-"}}, {}};
-  Table summary{"Methods", "Scatter: standard deviation over the sessions, against that of `all`, geometric mean over the parameters. "
-                "Mean (error/sigma)^2 over parameters and sessions: 1 is honest.",
-                {{"method", ""}, {"scatter against all", "-"}, {"scatter against stated sigma", "-"}, {"mean (error/sigma)^2", "-"}}, {}};
+  Table table{"Parameters over sessions",
+              "One device, each session calibrated by itself from the data sheet's values.",
+              {{"parameter", ""},
+               {"unit", ""},
+               {"method", ""},
+               {"truth", "unit"},
+               {"mean", "unit"},
+               {"scatter", "unit"},
+               {"stated sigma, mean", "unit"},
+               {"mean error", "unit"},
+               {"scatter against all", "-"},
+               {"sessions", "-"}},
+              {}};
+  Table summary{
+      "Methods",
+      "Scatter: standard deviation over the sessions, against that of `all`, geometric mean over the parameters. "
+      "Mean (error/sigma)^2 over parameters and sessions: 1 is honest.",
+      {{"method", ""},
+       {"scatter against all", "-"},
+       {"scatter against stated sigma", "-"},
+       {"mean (error/sigma)^2", "-"}},
+      {}};
   Figure figure{"Scatter against that of all segments", "bars", "parameter", "ratio [-]", true, {}};
   for (const Method& m : methods()) {
     const Scatter of = scatter_of(records, m.name, &table);
     if (of.bars.x.empty()) continue;
-    summary.rows.push_back({m.name, geometric_mean(of.against_all), geometric_mean(of.against_sigma), mean(of.squares)});
+    summary.rows.push_back(
+        {m.name, geometric_mean(of.against_all), geometric_mean(of.against_sigma), mean(of.squares)});
     figure.series.push_back(of.bars);
   }
   out.tables = {table, summary};

@@ -34,7 +34,9 @@ Json stored(const fs::path& file, const Json& parameters) {
 [[noreturn]] void run_in_child(const Experiment& experiment, const Cell& cell, const fs::path& file) {
   int code = 1;
   try {
-    const Json json = {{"format", 1}, {"experiment", experiment.name}, {"parameters", cell.parameters},
+    const Json json = {{"format", 1},
+                       {"experiment", experiment.name},
+                       {"parameters", cell.parameters},
                        {"result", experiment.run(cell.parameters)}};
     write_file(file, json.dump(1) + "\n");
     code = 0;
@@ -86,7 +88,8 @@ void show_progress(const char* name, std::size_t done, std::size_t all, std::siz
 
 }  // namespace
 
-std::vector<CellResult> run_cells(const Experiment& experiment, const std::vector<Cell>& cells, const fs::path& dir, int jobs) {
+std::vector<CellResult> run_cells(const Experiment& experiment, const std::vector<Cell>& cells, const fs::path& dir,
+                                  int jobs) {
   std::vector<const Cell*> open;
   for (const Cell& cell : cells) {
     if (stored(file_of(dir, cell), cell.parameters).is_null()) open.push_back(&cell);
@@ -109,7 +112,8 @@ std::vector<CellResult> run_cells(const Experiment& experiment, const std::vecto
   std::vector<CellResult> out;
   for (const Cell& cell : cells) {
     out.push_back({cell.parameters, stored(file_of(dir, cell), cell.parameters)});
-    if (out.back().result.is_null()) throw InputError(file_of(dir, cell).string() + ": expected the result of this cell");
+    if (out.back().result.is_null())
+      throw InputError(file_of(dir, cell).string() + ": expected the result of this cell");
   }
   return out;
 }

@@ -14,8 +14,12 @@ std::vector<Cell> runtime_cells(const StudyOptions& options) {
     for (const char* profile : {"mcu", "mobile", "host"}) {
       for (int repeat = 0; repeat < (options.quick ? 1 : 3); ++repeat) {
         cells.push_back({std::string(d.name) + "_" + profile + "_" + std::to_string(repeat),
-                         {{"dataset", d.name}, {"profile", profile}, {"segments", std::string(profile) == "host" ? 64 : 8},
-                          {"session_s", d.session_s}, {"repeat", repeat}, {"seed", options.seed}}});
+                         {{"dataset", d.name},
+                          {"profile", profile},
+                          {"segments", std::string(profile) == "host" ? 64 : 8},
+                          {"session_s", d.session_s},
+                          {"repeat", repeat},
+                          {"seed", options.seed}}});
       }
     }
   }
@@ -31,8 +35,9 @@ Json runtime_run(const Json& parameters) {
   options.core.segments = parameters.at("segments");
   options.profile = parameters.at("profile");
   const ReplayResult r = replay({session.recording}, options);
-  return {{"vio_ms_median", r.timing.vio_ms_median}, {"vio_ms_p95", r.timing.vio_ms_p95}, {"score_ms_median", r.timing.score_ms_median},
-          {"calibrate_ms", r.timing.calibrate_ms}, {"iterations", r.result.iterations}, {"segments", r.result.segments}};
+  return {{"vio_ms_median", r.timing.vio_ms_median},     {"vio_ms_p95", r.timing.vio_ms_p95},
+          {"score_ms_median", r.timing.score_ms_median}, {"calibrate_ms", r.timing.calibrate_ms},
+          {"iterations", r.result.iterations},           {"segments", r.result.segments}};
 }
 
 Findings runtime_gather(const std::vector<CellResult>& cells) {
@@ -50,13 +55,22 @@ Findings runtime_gather(const std::vector<CellResult>& cells) {
     g.segments.push_back(c.result.at("segments"));
   }
   Findings out;
-  Table table{"Times", "Medians over sessions and repeats, one thread. mcu and mobile keep 8 segments, host keeps all, up to 64. The "
-              "paper's table IV, in ms: each image 3, each segment 156, each calibration 12050, batch 27028.",
-              {{"use case", ""}, {"profile", ""}, {"each image", "ms"}, {"each image, 95 %", "ms"}, {"each segment", "ms"},
-               {"calibration", "ms"}, {"iterations", "-"}, {"segments", "-"}}, {}};
+  Table table{
+      "Times",
+      "Medians over sessions and repeats, one thread. mcu and mobile keep 8 segments, host keeps all, up to 64. The "
+      "paper's table IV, in ms: each image 3, each segment 156, each calibration 12050, batch 27028.",
+      {{"use case", ""},
+       {"profile", ""},
+       {"each image", "ms"},
+       {"each image, 95 %", "ms"},
+       {"each segment", "ms"},
+       {"calibration", "ms"},
+       {"iterations", "-"},
+       {"segments", "-"}},
+      {}};
   for (const auto& [key, g] : groups) {
-    table.rows.push_back({key.first, key.second, median(g.vio), median(g.p95), median(g.score), median(g.calibrate), median(g.iterations),
-                          median(g.segments)});
+    table.rows.push_back({key.first, key.second, median(g.vio), median(g.p95), median(g.score), median(g.calibrate),
+                          median(g.iterations), median(g.segments)});
   }
   out.tables = {table};
   return out;

@@ -16,8 +16,8 @@ struct Strategy {
   const char *name, *method;
   bool multi_session;
 };
-constexpr Strategy strategies[] = {{"multi", "A", true}, {"single", "A", false}, {"all_of_session", "all", false},
-                                   {"all_so_far", "all", true}};
+constexpr Strategy strategies[] = {
+    {"multi", "A", true}, {"single", "A", false}, {"all_of_session", "all", false}, {"all_so_far", "all", true}};
 
 /// Middle ratio of the sigmas of two calibrations.
 double sigma_ratio(const Json& a, const Json& b) {
@@ -35,7 +35,8 @@ struct After {
 
   After(const Runs& runs, const char* strategy, std::size_t session) {
     for (const auto& [key, by_strategy] : runs) {
-      add(by_strategy.at(strategy).at(session), by_strategy.at("all_so_far").at(session), by_strategy.at("all_of_session").at(session));
+      add(by_strategy.at(strategy).at(session), by_strategy.at("all_so_far").at(session),
+          by_strategy.at("all_of_session").at(session));
     }
   }
 
@@ -53,9 +54,10 @@ struct After {
 };
 
 void put_limits(const After& after_two, std::vector<Limit>* limits) {
-  limits->push_back({"multi after two sessions, position against all_so_far", median(after_two.so_far), most_ratio_after_two, "-", false});
-  limits->push_back({"multi after two sessions, position against all_of_session", median(after_two.of_session), most_ratio_after_two,
-                     "-", false});
+  limits->push_back({"multi after two sessions, position against all_so_far", median(after_two.so_far),
+                     most_ratio_after_two, "-", false});
+  limits->push_back({"multi after two sessions, position against all_of_session", median(after_two.of_session),
+                     most_ratio_after_two, "-", false});
 }
 
 }  // namespace
@@ -68,8 +70,13 @@ std::vector<Cell> sessions_cells(const StudyOptions& options) {
       const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
       for (const Strategy& s : strategies) {
         cells.push_back({std::string(d.name) + "_seed" + std::to_string(seed) + "_" + s.name,
-                         {{"dataset", d.name}, {"strategy", s.name}, {"sessions", d.sessions}, {"session_s", d.session_s},
-                          {"evaluations", options.quick ? 3 : 15}, {"evaluation_s", options.quick ? 60 : 114}, {"seed", seed}}});
+                         {{"dataset", d.name},
+                          {"strategy", s.name},
+                          {"sessions", d.sessions},
+                          {"session_s", d.session_s},
+                          {"evaluations", options.quick ? 3 : 15},
+                          {"evaluation_s", options.quick ? 60 : 114},
+                          {"seed", seed}}});
       }
     }
   }
@@ -80,7 +87,8 @@ Json sessions_run(const Json& parameters) {
   const Dataset& dataset = dataset_named(parameters.at("dataset"));
   const std::uint64_t seed = parameters.at("seed");
   const std::string name = parameters.at("strategy");
-  const Strategy* strategy = std::find_if(std::begin(strategies), std::end(strategies), [&name](const Strategy& s) { return name == s.name; });
+  const Strategy* strategy =
+      std::find_if(std::begin(strategies), std::end(strategies), [&name](const Strategy& s) { return name == s.name; });
   std::vector<SimulationResult> sessions;
   for (int i = 0; i < parameters.at("sessions").get<int>(); ++i) {
     sessions.push_back(simulate_session(dataset, seed, i, parameters.at("session_s")));
@@ -108,19 +116,28 @@ Findings sessions_gather(const std::vector<CellResult>& cells) {
     sessions = std::max(sessions, after.size());
   }
   Findings out;
-  Table table{"After each session", "RMSE: median over evaluation sessions, devices and rooms. Ratios: medians over the same pairs; "
-              "sigmas: geometric mean over the parameters. `all_of_session`: every segment of that session alone, the paper's batch; "
+  Table table{"After each session",
+              "RMSE: median over evaluation sessions, devices and rooms. Ratios: medians over the same pairs; "
+              "sigmas: geometric mean over the parameters. `all_of_session`: every segment of that session alone, the "
+              "paper's batch; "
               "`all_so_far`: every segment of all sessions until then, the best 64 where there are more.",
-              {{"session", "-"}, {"strategy", ""}, {"position", "cm"}, {"attitude", "deg"}, {"position against all_so_far", "-"},
-               {"position against all_of_session", "-"}, {"sigmas against all_so_far", "-"}, {"sigmas against all_of_session", "-"}}, {}};
+              {{"session", "-"},
+               {"strategy", ""},
+               {"position", "cm"},
+               {"attitude", "deg"},
+               {"position against all_so_far", "-"},
+               {"position against all_of_session", "-"},
+               {"sigmas against all_so_far", "-"},
+               {"sigmas against all_of_session", "-"}},
+              {}};
   Figure rmse{"Position RMSE after each session", "lines", "session", "RMSE [cm]", false, {}};
   Figure sigma{"Sigmas against all segments so far", "lines", "session", "ratio [-]", false, {}};
   for (const Strategy& s : strategies) {
     Series line{s.name, {}, {}}, sigma_line{s.name, {}, {}};
     for (std::size_t k = 0; k < sessions; ++k) {
       const After after(runs, s.name, k);
-      table.rows.push_back({k + 1, s.name, median(after.cm), median(after.deg), median(after.so_far), median(after.of_session),
-                            median(after.sigma_so_far), median(after.sigma_of_session)});
+      table.rows.push_back({k + 1, s.name, median(after.cm), median(after.deg), median(after.so_far),
+                            median(after.of_session), median(after.sigma_so_far), median(after.sigma_of_session)});
       line.x.push_back(k + 1);
       line.y.push_back(median(after.cm));
       sigma_line.x.push_back(k + 1);

@@ -1,5 +1,5 @@
-// A day of stream through one device: 200 Hz and 10 images/s, sessions of five minutes with a second between them, faults in every
-// second one. Does anything change with the hours?
+// A day of stream through one device: 200 Hz and 10 images/s, sessions of five minutes with a second between them,
+// faults in every second one. Does anything change with the hours?
 #include <sys/resource.h>
 #include <time.h>
 
@@ -21,7 +21,7 @@ namespace {
 
 using sim::FaultKind, sim::fault_kinds;
 
-constexpr double pause_s = 1, fault_share = 1.0 / 15;   // s between sessions; of a session
+constexpr double pause_s = 1, fault_share = 1.0 / 15;  // s between sessions; of a session
 constexpr int parts = 12;
 /// Two faults in a session, at these shares of it; the later one first, since stamps before it must be in order.
 constexpr double fault_places[] = {0.65, 0.25};
@@ -39,7 +39,8 @@ double peak_kb() {
   return static_cast<double>(usage.ru_maxrss);
 }
 
-/// Those that a stretch of a session may have. A bias that steps is seen by the review of a replay alone, and a soak has a device.
+/// Those that a stretch of a session may have. A bias that steps is seen by the review of a replay alone, and a soak
+/// has a device.
 const std::vector<const FaultKind*>& passing_faults() {
   static const std::vector<const FaultKind*> kinds = [] {
     std::vector<const FaultKind*> out;
@@ -54,7 +55,8 @@ const std::vector<const FaultKind*>& passing_faults() {
 template <class Stamped, class Change>
 void change_piece(std::vector<Stamped>& from, std::int64_t begin_ns, std::int64_t end_ns, const Change& change) {
   const auto before = [](const Stamped& s, std::int64_t t) { return s.t_ns < t; };
-  const auto first = std::lower_bound(from.begin(), from.end(), begin_ns, before), last = std::lower_bound(first, from.end(), end_ns, before);
+  const auto first = std::lower_bound(from.begin(), from.end(), begin_ns, before),
+             last = std::lower_bound(first, from.end(), end_ns, before);
   const std::vector<Stamped> piece = change(std::vector<Stamped>(first, last));
   from.insert(from.erase(first, last), piece.begin(), piece.end());
 }
@@ -93,14 +95,16 @@ SimulationResult session_of(std::uint64_t seed, int index, double seconds) {
 /// What is compared between the hours.
 struct Part {
   std::vector<double> frame_ms, score_ms, calibrate_ms, log10_condition, tilt_mrad, speed_mm_s;
-  std::vector<double> squares[2];   ///< (error / sigma)^2 of released entries; of sessions without, with faults
+  std::vector<double> squares[2];  ///< (error / sigma)^2 of released entries; of sessions without, with faults
   int sessions[2] = {0, 0}, calibrated[2] = {0, 0}, wrong[2] = {0, 0};
 };
 
 class Soak {
  public:
   explicit Soak(const Json& p)
-      : seed_(p.at("seed")), session_s_(p.at("session_s")), sessions_(static_cast<int>(std::lround(p.at("hours").get<double>() * 3600 / session_s_))) {
+      : seed_(p.at("seed")),
+        session_s_(p.at("session_s")),
+        sessions_(static_cast<int>(std::lround(p.at("hours").get<double>() * 3600 / session_s_))) {
     const SimulationResult first = session_of(seed_, 0, session_s_);
     CoreOptions options;
     options.calibration = first.nominal;
@@ -119,7 +123,8 @@ class Soak {
       judge(session.truth, i % 2, &part);
       if (i == 1) first_peak = peak_kb();
     }
-    Json out = {{"peak_kb_first", first_peak}, {"peak_kb", peak_kb()}, {"parts", Json::array()}, {"counters", Json::object()}};
+    Json out = {
+        {"peak_kb_first", first_peak}, {"peak_kb", peak_kb()}, {"parts", Json::array()}, {"counters", Json::object()}};
     for (const auto& [name, count] : core_->counters())
       if (count > 0) out["counters"][name] = count;
     for (int i = 0; i < parts; ++i) {
@@ -164,7 +169,8 @@ class Soak {
     if (!core_->state(&x)) return;
     const sim::BodyState truth = session.state_at(x.t_ns - shift).body;
     const Eigen::Quaterniond q(x.q_GI_wxyz[0], x.q_GI_wxyz[1], x.q_GI_wxyz[2], x.q_GI_wxyz[3]);
-    const Eigen::Vector3d down = q.inverse() * Eigen::Vector3d::UnitZ(), true_down = truth.R_GI.transpose() * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d down = q.inverse() * Eigen::Vector3d::UnitZ(),
+                          true_down = truth.R_GI.transpose() * Eigen::Vector3d::UnitZ();
     part->tilt_mrad.push_back(1e3 * down.cross(true_down).norm());
     part->speed_mm_s.push_back(1e3 * std::abs(x.v_GI.norm() - truth.v_GI.norm()));
   }
@@ -199,21 +205,30 @@ class Soak {
     for (Eigen::Index i = 0; i < n; ++i)
       for (Eigen::Index j = 0; j < n; ++j)
         C(i, j) = result.covariance[static_cast<std::size_t>(i * n + j)] /
-                  (result.parameters[static_cast<std::size_t>(i)].prior_sigma * result.parameters[static_cast<std::size_t>(j)].prior_sigma);
+                  (result.parameters[static_cast<std::size_t>(i)].prior_sigma *
+                   result.parameters[static_cast<std::size_t>(j)].prior_sigma);
     const Eigen::VectorXd eigenvalues = eigenvalues_of(C);
     part->log10_condition.push_back(0.5 * std::log10(eigenvalues(n - 1) / eigenvalues(0)));
   }
 
   static Json said(const Part& p) {
-    Json out = {{"frames", p.frame_ms.size()}, {"frame_ms", median(p.frame_ms)}, {"frame_ms_most", quantile(p.frame_ms, 0.999)},
-                {"score_ms", median(p.score_ms)}, {"calibrate_ms", median(p.calibrate_ms)}, {"log10_condition", median(p.log10_condition)},
-                {"tilt_mrad", median(p.tilt_mrad)}, {"speed_mm_s", median(p.speed_mm_s)}};
+    Json out = {{"frames", p.frame_ms.size()},
+                {"frame_ms", median(p.frame_ms)},
+                {"frame_ms_most", quantile(p.frame_ms, 0.999)},
+                {"score_ms", median(p.score_ms)},
+                {"calibrate_ms", median(p.calibrate_ms)},
+                {"log10_condition", median(p.log10_condition)},
+                {"tilt_mrad", median(p.tilt_mrad)},
+                {"speed_mm_s", median(p.speed_mm_s)}};
     for (int faults = 0; faults < 2; ++faults) {
       const char* const name = faults ? "with_faults" : "clean";
       double sum = 0;
       for (const double square : p.squares[faults]) sum += square;
-      out[name] = {{"sessions", p.sessions[faults]}, {"calibrated", p.calibrated[faults]}, {"wrong", p.wrong[faults]},
-                   {"sum_of_squares", sum}, {"entries", p.squares[faults].size()}};
+      out[name] = {{"sessions", p.sessions[faults]},
+                   {"calibrated", p.calibrated[faults]},
+                   {"wrong", p.wrong[faults]},
+                   {"sum_of_squares", sum},
+                   {"entries", p.squares[faults].size()}};
     }
     return out;
   }
@@ -235,7 +250,8 @@ std::vector<Cell> soak_cells(const StudyOptions& options) {
   for (int i = 0; i < seeds; ++i) {
     const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
     for (const char* profile : {"mobile", "mcu"})
-      cells.push_back({std::string(profile) + "_seed" + std::to_string(seed), {{"profile", profile}, {"hours", hours}, {"session_s", 300}, {"seed", seed}}});
+      cells.push_back({std::string(profile) + "_seed" + std::to_string(seed),
+                       {{"profile", profile}, {"hours", hours}, {"session_s", 300}, {"seed", seed}}});
   }
   return cells;
 }

@@ -7,9 +7,9 @@
 namespace host::experiments {
 namespace {
 
-constexpr int steps = 12;          // of the grid over the image
+constexpr int steps = 12;  // of the grid over the image
 constexpr double least_w = 0.05, most_w = 1.5;
-constexpr int rounds = 60;         // of golden section: the interval shrinks to 1e-12
+constexpr int rounds = 60;  // of golden section: the interval shrinks to 1e-12
 
 /// With the best focal lengths for this w.
 CameraCalibration with_w(const CameraCalibration& camera, double w) {

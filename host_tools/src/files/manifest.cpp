@@ -27,17 +27,25 @@ std::string inside(const std::string& name) {
 }
 
 ManifestRun run_of(const Json& json) {
-  ManifestRun run{json.at("run").get<std::string>(), json.at("program").get<std::string>(), json.at("command").get<std::string>(),
-                  json.at("arguments").get<std::vector<std::string>>(), {}};
+  ManifestRun run{json.at("run").get<std::string>(),
+                  json.at("program").get<std::string>(),
+                  json.at("command").get<std::string>(),
+                  json.at("arguments").get<std::vector<std::string>>(),
+                  {}};
   for (const Json& f : json.at("files"))
-    run.files.push_back({inside(f.at("name").get<std::string>()), whole_number<std::uintmax_t>(f.at("bytes")), f.at("sha256").get<std::string>()});
+    run.files.push_back({inside(f.at("name").get<std::string>()), whole_number<std::uintmax_t>(f.at("bytes")),
+                         f.at("sha256").get<std::string>()});
   return run;
 }
 
 Json json_of(const ManifestRun& run) {
   Json files = Json::array();
   for (const ManifestFile& f : run.files) files.push_back({{"name", f.name}, {"bytes", f.bytes}, {"sha256", f.sha256}});
-  return {{"run", run.id}, {"program", run.program}, {"command", run.command}, {"arguments", run.arguments}, {"files", files}};
+  return {{"run", run.id},
+          {"program", run.program},
+          {"command", run.command},
+          {"arguments", run.arguments},
+          {"files", files}};
 }
 
 [[noreturn]] void refuse_stopped(const fs::path& folder, const Manifest& manifest) {
@@ -46,15 +54,18 @@ Json json_of(const ManifestRun& run) {
 }
 
 [[noreturn]] void refuse_changed(const fs::path& folder, const ManifestRun& run, const ManifestFile& file) {
-  throw InputError((folder / file.name).string() + ": expected the file that `segcal " + run.command + "` wrote with the others of this "
-                   "folder, found another one; run it again, or remove " + (folder / manifest_name).string() +
-                   " if you changed the file yourself");
+  throw InputError((folder / file.name).string() + ": expected the file that `segcal " + run.command +
+                   "` wrote with the others of this "
+                   "folder, found another one; run it again, or remove " +
+                   (folder / manifest_name).string() + " if you changed the file yourself");
 }
 
-/// A stopped run refuses a file that it may have written, and one of its own command: report and export refuse the folder as well.
+/// A stopped run refuses a file that it may have written, and one of its own command: report and export refuse the
+/// folder as well.
 void check_as_listed(const fs::path& folder, const Manifest& manifest, const std::string& name) {
   const auto& writing = manifest.writing;
-  if (std::find(writing.files.begin(), writing.files.end(), name) != writing.files.end()) refuse_stopped(folder, manifest);
+  if (std::find(writing.files.begin(), writing.files.end(), name) != writing.files.end())
+    refuse_stopped(folder, manifest);
   for (const ManifestRun& run : manifest.runs) {
     for (const ManifestFile& file : run.files) {
       if (file.name != name) continue;
@@ -105,7 +116,8 @@ Manifest read_manifest(const fs::path& folder) {
 std::string manifest_json(const Manifest& manifest) {
   Json json = {{"format", format}, {"kind", kind}, {"runs", Json::array()}};
   for (const ManifestRun& run : manifest.runs) json["runs"].push_back(json_of(run));
-  if (!manifest.writing.command.empty()) json["writing"] = {{"command", manifest.writing.command}, {"files", manifest.writing.files}};
+  if (!manifest.writing.command.empty())
+    json["writing"] = {{"command", manifest.writing.command}, {"files", manifest.writing.files}};
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";  // a file name need not be UTF-8
 }
 

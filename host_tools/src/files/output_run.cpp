@@ -59,21 +59,27 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 void expect_output_folder(const fs::path& folder, const std::string& command, bool makes_recordings) {
   std::error_code ignored;
   if (!fs::exists(folder, ignored)) return;
-  if (!fs::is_directory(folder, ignored)) throw InputError(folder.string() + ": expected a folder to write into, found a file");
+  if (!fs::is_directory(folder, ignored))
+    throw InputError(folder.string() + ": expected a folder to write into, found a file");
   const Manifest manifest = read_manifest(folder);
   const std::string owner = manifest.runs.empty() ? manifest.writing.command : manifest.runs.front().command;
   if (!owner.empty() && owner != command) {
-    throw InputError(folder.string() + ": expected a folder of its own for `segcal " + command + "`, found the files of `segcal " + owner + "`");
+    throw InputError(folder.string() + ": expected a folder of its own for `segcal " + command +
+                     "`, found the files of `segcal " + owner + "`");
   }
   if (!makes_recordings && fs::exists(folder / "mav0", ignored))
-    throw InputError(folder.string() + ": expected a folder of its own for `segcal " + command + "`, found a recording");
+    throw InputError(folder.string() + ": expected a folder of its own for `segcal " + command +
+                     "`, found a recording");
 }
 
 OutputRun::OutputRun(fs::path folder, std::string command, FolderRole role)
-    : folder_(fs::absolute(folder).lexically_normal()), command_(std::move(command)), role_(role), manifest_(read_manifest(folder_)) {
+    : folder_(fs::absolute(folder).lexically_normal()),
+      command_(std::move(command)),
+      role_(role),
+      manifest_(read_manifest(folder_)) {
   if (manifest_.foreign)
-    throw InputError((folder_ / manifest_name).string() + ": expected a folder without one of another program: `segcal " + command_ +
-                     "` writes its own");
+    throw InputError((folder_ / manifest_name).string() +
+                     ": expected a folder without one of another program: `segcal " + command_ + "` writes its own");
   remove_left_over_parts(folder_);
   run_.program = "segcal " SEGCAL_PROGRAM_VERSION;
   run_.command = command_;
@@ -110,9 +116,10 @@ void OutputRun::after_write(const fs::path& file, std::string_view text) {
   run_.files.push_back(entry);
 }
 
-/// Files of earlier runs that this one did not write: as they were written, or of a run that did not come to its end. What a
-/// user has changed stays.
-void OutputRun::remove_left_over(const std::vector<ManifestRun>& replaced, const std::vector<std::string>& interrupted) const {
+/// Files of earlier runs that this one did not write: as they were written, or of a run that did not come to its end.
+/// What a user has changed stays.
+void OutputRun::remove_left_over(const std::vector<ManifestRun>& replaced,
+                                 const std::vector<std::string>& interrupted) const {
   const auto written = [this](const std::string& name) {
     return std::any_of(run_.files.begin(), run_.files.end(), [&](const ManifestFile& f) { return f.name == name; });
   };

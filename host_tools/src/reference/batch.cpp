@@ -111,7 +111,8 @@ class Builder {
         if (at == keyframes.end() || at->t_ns != frame.t_ns) continue;
         for (const TrackPoint& z : frame.points) {
           if (!std::isfinite(z.u + z.v)) continue;
-          tracks[z.track_id].push_back({first + static_cast<int>(at - keyframes.begin()), 0, static_cast<int>(c), {z.u, z.v}, false});
+          tracks[z.track_id].push_back(
+              {first + static_cast<int>(at - keyframes.begin()), 0, static_cast<int>(c), {z.u, z.v}, false});
         }
       }
     }
@@ -134,14 +135,15 @@ class Builder {
 
 ReferenceResult reference_batch(const std::vector<Recording>& sessions, const ReferenceOptions& options) {
   using namespace reference;
-  reference::Problem problem;   // host::Problem is what segcal diagnose solves
+  reference::Problem problem;  // host::Problem is what segcal diagnose solves
   problem.model = model_of(options);
   problem.prior_mean = problem.theta = options.calibration;
   Builder builder(&problem, options);
   for (const Recording& session : sessions) {
     if (options.progress) options.progress("first estimate by a replay: " + session.root.string());
     const ReplayResult replay = first_estimate(session, options);
-    if (replay.result.parameters.empty()) throw InputError(session.root.string() + ": the odometry finds no path in it");
+    if (replay.result.parameters.empty())
+      throw InputError(session.root.string() + ": the odometry finds no path in it");
     problem.prior_sigma.clear();
     for (const CoreParameter& p : replay.result.parameters) problem.prior_sigma.push_back(p.prior_sigma);
     if (replay.result.status == "calibrated") problem.theta = replay.calibration;

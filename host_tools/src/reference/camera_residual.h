@@ -70,7 +70,8 @@ template <class T>
 bool predicted(const CameraCalibration& camera0, const State& state0, const Landmark& landmark0, const T* pose,
                const T* landmark, const T* camera, Vector2<T>* uv) {
   const Tangent tangent(landmark0.direction);
-  Vector3<T> m = landmark0.direction.cast<T>() + landmark[0] * tangent.e1.cast<T>() + landmark[1] * tangent.e2.cast<T>();
+  Vector3<T> m =
+      landmark0.direction.cast<T>() + landmark[0] * tangent.e1.cast<T>() + landmark[1] * tangent.e2.cast<T>();
   m.normalize();
   const T rho = landmark[2];
   const Vector3<T> p_GI(pose[3], pose[4], pose[5]);

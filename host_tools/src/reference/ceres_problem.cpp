@@ -16,7 +16,8 @@ CeresProblem::CeresProblem(const Problem& problem) : problem_(problem) {
 void CeresProblem::fill() {
   for (const State& x : problem_.states) {
     pose_.push_back({0, 0, 0, x.p_GI.x(), x.p_GI.y(), x.p_GI.z()});
-    motion_.push_back({x.v_GI.x(), x.v_GI.y(), x.v_GI.z(), x.b_a.x(), x.b_a.y(), x.b_a.z(), x.b_g.x(), x.b_g.y(), x.b_g.z()});
+    motion_.push_back(
+        {x.v_GI.x(), x.v_GI.y(), x.v_GI.z(), x.b_a.x(), x.b_a.y(), x.b_a.z(), x.b_g.x(), x.b_g.y(), x.b_g.z()});
   }
   for (const Landmark& l : problem_.landmarks) landmark_.push_back({0, 0, l.inverse_distance});
   for (const CameraCalibration& c : problem_.theta.cameras) {
@@ -33,7 +34,8 @@ void CeresProblem::fill() {
   for (const Point& z : problem_.points) points_of_[static_cast<std::size_t>(z.landmark)] += z.rejected ? 0 : 1;
 }
 
-/// The drift of a point, and its step from the point of the track before; null at the track's beginning, from where it counts.
+/// The drift of a point, and its step from the point of the track before; null at the track's beginning, from where it
+/// counts.
 double* CeresProblem::add_drift(std::size_t point) {
   const Point& z = problem_.points[point];
   if (!(problem_.model.track_walk > 0)) return nullptr;
@@ -45,7 +47,8 @@ double* CeresProblem::add_drift(std::size_t point) {
   const auto before = static_cast<std::size_t>(last->second);
   drift_before_[point] = last->second;
   last->second = static_cast<int>(point);
-  auto* f = new ceres::AutoDiffCostFunction<DriftStep, 2, 2, 2>(new DriftStep{std::sqrt(drift_variance(before, point))});
+  auto* f =
+      new ceres::AutoDiffCostFunction<DriftStep, 2, 2, 2>(new DriftStep{std::sqrt(drift_variance(before, point))});
   ceres_.AddResidualBlock(f, new ceres::HuberLoss(problem_.model.huber), drift_[before].data(), drift_[point].data());
   if (drift_before_[before] < 0) ceres_.SetParameterBlockConstant(drift_[before].data());
   return drift_[point].data();
@@ -53,7 +56,9 @@ double* CeresProblem::add_drift(std::size_t point) {
 
 /// px^2, of the walk from one point to the other.
 double CeresProblem::drift_variance(std::size_t from, std::size_t to) const {
-  const auto time = [this](std::size_t i) { return problem_.states[static_cast<std::size_t>(problem_.points[i].state)].t_ns; };
+  const auto time = [this](std::size_t i) {
+    return problem_.states[static_cast<std::size_t>(problem_.points[i].state)].t_ns;
+  };
   return std::pow(problem_.model.track_walk, 2) * 1e-9 * static_cast<double>(time(to) - time(from));
 }
 
@@ -61,19 +66,22 @@ void CeresProblem::add_points() {
   auto* const loss = new ceres::HuberLoss(problem_.model.huber);  // one for all: Ceres deletes it once
   for (std::size_t i = 0; i < problem_.points.size(); ++i) {
     const Point& z = problem_.points[i];
-    const auto l = static_cast<std::size_t>(z.landmark), k = static_cast<std::size_t>(z.state), c = static_cast<std::size_t>(z.camera);
+    const auto l = static_cast<std::size_t>(z.landmark), k = static_cast<std::size_t>(z.state),
+               c = static_cast<std::size_t>(z.camera);
     if (z.rejected || !used(l)) continue;
-    const CameraResidual f{problem_.theta.cameras[c], problem_.states[k], problem_.landmarks[l], z.uv, problem_.model.pixel_sigma,
-                           problem_.model.huber};
+    const CameraResidual f{problem_.theta.cameras[c],  problem_.states[k],  problem_.landmarks[l], z.uv,
+                           problem_.model.pixel_sigma, problem_.model.huber};
     double* const drift = add_drift(i);
     if (drift) {
       block_[i] = ceres_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<DriftingResidual, 2, kPoseSize, kLandmarkSize, kCameraSize, 2>(new DriftingResidual{f}), loss,
-          pose_[k].data(), landmark_[l].data(), camera_[c].data(), drift);
+          new ceres::AutoDiffCostFunction<DriftingResidual, 2, kPoseSize, kLandmarkSize, kCameraSize, 2>(
+              new DriftingResidual{f}),
+          loss, pose_[k].data(), landmark_[l].data(), camera_[c].data(), drift);
     } else {
       block_[i] = ceres_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<CameraResidual, 2, kPoseSize, kLandmarkSize, kCameraSize>(new CameraResidual(f)), loss,
-          pose_[k].data(), landmark_[l].data(), camera_[c].data());
+          new ceres::AutoDiffCostFunction<CameraResidual, 2, kPoseSize, kLandmarkSize, kCameraSize>(
+              new CameraResidual(f)),
+          loss, pose_[k].data(), landmark_[l].data(), camera_[c].data());
     }
     used_points_[l].push_back(i);
     ++image_points_;
@@ -81,22 +89,24 @@ void CeresProblem::add_points() {
   if (image_points_ == 0) delete loss;
   for (std::size_t l = 0; l < landmark_.size(); ++l) {
     if (!used(l)) continue;
-    ceres_.AddResidualBlock(weak_prior<kLandmarkSize, 1>(2, 0, problem_.landmarks[l].prior_sigma), nullptr, landmark_[l].data());
+    ceres_.AddResidualBlock(weak_prior<kLandmarkSize, 1>(2, 0, problem_.landmarks[l].prior_sigma), nullptr,
+                            landmark_[l].data());
   }
 }
 
 void CeresProblem::add_motion() {
   for (const Link& link : problem_.links) {
     const auto a = static_cast<std::size_t>(link.from), b = static_cast<std::size_t>(link.to);
-    motion_residuals_.push_back(ceres_.AddResidualBlock(new LinkResidual(problem_, link), nullptr, pose_[a].data(), motion_[a].data(),
-                                                        pose_[b].data(), motion_[b].data(), imu_.data()));
+    motion_residuals_.push_back(ceres_.AddResidualBlock(new LinkResidual(problem_, link), nullptr, pose_[a].data(),
+                                                        motion_[a].data(), pose_[b].data(), motion_[b].data(),
+                                                        imu_.data()));
   }
   for (const BiasWalk& walk : problem_.walks) {
     const double root = std::sqrt(walk.gap_s);
     auto* f = new BiasResidual{problem_.model.accel_random_walk * root, problem_.model.gyro_random_walk * root};
-    motion_residuals_.push_back(ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<BiasResidual, 6, kMotionSize, kMotionSize>(f), nullptr,
-                                                        motion_[static_cast<std::size_t>(walk.from)].data(),
-                                                        motion_[static_cast<std::size_t>(walk.to)].data()));
+    motion_residuals_.push_back(ceres_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<BiasResidual, 6, kMotionSize, kMotionSize>(f), nullptr,
+        motion_[static_cast<std::size_t>(walk.from)].data(), motion_[static_cast<std::size_t>(walk.to)].data()));
   }
 }
 
@@ -104,7 +114,8 @@ void CeresProblem::add_priors() {
   const double* sigma = problem_.prior_sigma.data();
   for (std::size_t c = 0; c < camera_.size(); ++c) {
     auto* f = new CameraPrior{problem_.theta.cameras[c], problem_.prior_mean.cameras[c], sigma};
-    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<CameraPrior, kCameraSize, kCameraSize>(f), nullptr, camera_[c].data());
+    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<CameraPrior, kCameraSize, kCameraSize>(f), nullptr,
+                            camera_[c].data());
     const int n = camera_parameters(problem_.theta.cameras[c]);
     if (n < kCameraSize) {
       std::vector<int> unused;
@@ -117,10 +128,12 @@ void CeresProblem::add_priors() {
   ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<ImuPrior, kImuSize, kImuSize>(f), nullptr, imu_.data());
   for (const int k : problem_.gauges) {
     auto* g = new Gauge{problem_.states[static_cast<std::size_t>(k)]};
-    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<Gauge, 4, kPoseSize>(g), nullptr, pose_[static_cast<std::size_t>(k)].data());
+    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<Gauge, 4, kPoseSize>(g), nullptr,
+                            pose_[static_cast<std::size_t>(k)].data());
   }
   for (const int k : problem_.segment_starts) {
-    ceres_.AddResidualBlock(weak_prior<kMotionSize, 3>(0, 0, problem_.model.velocity_sigma), nullptr, motion_[static_cast<std::size_t>(k)].data());
+    ceres_.AddResidualBlock(weak_prior<kMotionSize, 3>(0, 0, problem_.model.velocity_sigma), nullptr,
+                            motion_[static_cast<std::size_t>(k)].data());
   }
   for (const int k : problem_.chain_starts) {
     double* const motion = motion_[static_cast<std::size_t>(k)].data();
@@ -137,7 +150,8 @@ std::shared_ptr<ceres::ParameterBlockOrdering> CeresProblem::ordering() {
   for (Pose& x : pose_) out->AddElementToGroup(x.data(), 1);
   for (Motion& x : motion_) out->AddElementToGroup(x.data(), 1);
   for (std::size_t i = 0; i < drift_.size(); ++i) {
-    if (drift_before_[i] >= 0 || ceres_.HasParameterBlock(drift_[i].data())) out->AddElementToGroup(drift_[i].data(), 1);
+    if (drift_before_[i] >= 0 || ceres_.HasParameterBlock(drift_[i].data()))
+      out->AddElementToGroup(drift_[i].data(), 1);
   }
   for (auto& c : camera_) out->AddElementToGroup(c.data(), 1);
   out->AddElementToGroup(imu_.data(), 1);

@@ -20,7 +20,8 @@ class CeresProblem {
   /// Landmarks first, then the rest: the Schur complement's order.
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering();
   std::vector<const double*> theta_blocks() const;
-  /// The unknowns one after the other: landmarks, states (pose, then motion), theta. Without drifts of tracks (CoreModel::track_walk).
+  /// The unknowns one after the other: landmarks, states (pose, then motion), theta. Without drifts of tracks
+  /// (CoreModel::track_walk).
   std::vector<double*> blocks();
   /// Residual blocks of the links, then of the walks over gaps, in the problem's order.
   const std::vector<ceres::ResidualBlockId>& motion_residuals() const { return motion_residuals_; }
@@ -53,12 +54,12 @@ class CeresProblem {
   std::vector<std::array<double, kCameraSize>> camera_;
   std::array<double, kImuSize> imu_{};
   std::vector<int> points_of_;
-  std::vector<std::array<double, 2>> drift_;       ///< px, per point
-  std::vector<int> drift_before_;                  ///< point of the same track before; -1: it begins there
-  std::vector<ceres::ResidualBlockId> block_;      ///< per point that is used
+  std::vector<std::array<double, 2>> drift_;           ///< px, per point
+  std::vector<int> drift_before_;                      ///< point of the same track before; -1: it begins there
+  std::vector<ceres::ResidualBlockId> block_;          ///< per point that is used
   std::vector<std::vector<std::size_t>> used_points_;  ///< per landmark
   std::vector<ceres::ResidualBlockId> motion_residuals_;
-  std::map<std::array<int, 3>, int> track_;        ///< segment, landmark, camera: the last point added
+  std::map<std::array<int, 3>, int> track_;  ///< segment, landmark, camera: the last point added
   int image_points_ = 0;
 };
 

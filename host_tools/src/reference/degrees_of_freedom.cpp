@@ -15,14 +15,16 @@ double CeresProblem::step_variance(std::size_t from, std::size_t to) const {
   return variance * std::max(1.0, e / problem_.model.huber);
 }
 
-/// Covariance of a landmark's image points in units of the pixel sigma squared, of one axis: white noise by its robust weight,
-/// and the walks of the tracks.
-Eigen::MatrixXd CeresProblem::point_covariance(const std::vector<std::size_t>& points, const std::vector<double>& weights) const {
+/// Covariance of a landmark's image points in units of the pixel sigma squared, of one axis: white noise by its robust
+/// weight, and the walks of the tracks.
+Eigen::MatrixXd CeresProblem::point_covariance(const std::vector<std::size_t>& points,
+                                               const std::vector<double>& weights) const {
   const auto n = static_cast<Eigen::Index>(points.size());
   Eigen::MatrixXd C = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < i; ++j) {
-      if (static_cast<int>(points[static_cast<std::size_t>(j)]) != drift_before_[points[static_cast<std::size_t>(i)]]) continue;
+      if (static_cast<int>(points[static_cast<std::size_t>(j)]) != drift_before_[points[static_cast<std::size_t>(i)]])
+        continue;
       C.row(i).head(i) = C.row(j).head(i);
       C(i, i) = C(j, j) + step_variance(points[static_cast<std::size_t>(j)], points[static_cast<std::size_t>(i)]) /
                               std::pow(problem_.model.pixel_sigma, 2);
@@ -33,7 +35,8 @@ Eigen::MatrixXd CeresProblem::point_covariance(const std::vector<std::size_t>& p
   return C;
 }
 
-/// Part of what is known of a landmark's inverse distance that comes from its prior: so much of an unknown is not fitted.
+/// Part of what is known of a landmark's inverse distance that comes from its prior: so much of an unknown is not
+/// fitted.
 double CeresProblem::prior_share(std::size_t landmark) const {
   const double sigma = problem_.landmarks[landmark].prior_sigma, prior = 1 / (sigma * sigma);
   const std::vector<std::size_t>& points = used_points_[landmark];
@@ -58,9 +61,11 @@ double CeresProblem::prior_share(std::size_t landmark) const {
 }
 
 double CeresProblem::degrees_of_freedom() const {
-  double residuals = 2.0 * image_points_ + kLinkRows * static_cast<double>(problem_.links.size()) + 6.0 * static_cast<double>(problem_.walks.size());
+  double residuals = 2.0 * image_points_ + kLinkRows * static_cast<double>(problem_.links.size()) +
+                     6.0 * static_cast<double>(problem_.walks.size());
   double unknowns = 15.0 * static_cast<double>(pose_.size()) + kImuSize;
-  unknowns -= 4.0 * static_cast<double>(problem_.gauges.size()) + 6.0 * static_cast<double>(problem_.chain_starts.size());
+  unknowns -=
+      4.0 * static_cast<double>(problem_.gauges.size()) + 6.0 * static_cast<double>(problem_.chain_starts.size());
   for (const CameraCalibration& c : problem_.theta.cameras) unknowns += camera_parameters(c);
   for (std::size_t l = 0; l < landmark_.size(); ++l) unknowns += used(l) ? 3 - prior_share(l) : 0;
   return residuals - unknowns;

@@ -12,8 +12,8 @@ using Jet21 = ceres::Jet<double, kIntegralInputs>;
 double seconds(std::int64_t from_ns, std::int64_t to_ns) { return static_cast<double>(to_ns - from_ns) * 1e-9; }
 
 /// The polynomial through samples first..last at a time, by Lagrange's formula.
-void interpolate(const std::vector<ImuSample>& samples, std::size_t first, std::size_t last, double t_s, std::int64_t zero_ns,
-                 Eigen::Vector3d* gyro, Eigen::Vector3d* accel) {
+void interpolate(const std::vector<ImuSample>& samples, std::size_t first, std::size_t last, double t_s,
+                 std::int64_t zero_ns, Eigen::Vector3d* gyro, Eigen::Vector3d* accel) {
   gyro->setZero();
   accel->setZero();
   for (std::size_t i = first; i <= last; ++i) {
@@ -59,7 +59,8 @@ struct ErrorModel {
   }
 
   /// The derivative of the covariance by time. White noise of the sensors enters as their biases do.
-  Matrix15 slope(const Matrix15& P, const Eigen::Matrix3d& R, const Eigen::Vector3d& w, const Eigen::Vector3d& f) const {
+  Matrix15 slope(const Matrix15& P, const Eigen::Matrix3d& R, const Eigen::Vector3d& w,
+                 const Eigen::Vector3d& f) const {
     Matrix15 A = Matrix15::Zero(), Q = noise;
     A.block<3, 3>(0, 0) = -crossing(w);
     A.block<3, 3>(0, 12) = rate_by_bias;
@@ -77,7 +78,8 @@ struct ErrorModel {
 
 std::vector<Step> steps_between(const std::vector<ImuSample>& samples, std::int64_t t0_ns, std::int64_t t1_ns) {
   const std::size_t n = samples.size();
-  if (n < 2 || samples.front().t_ns > t0_ns || samples.back().t_ns < t1_ns) throw InputError("IMU samples do not reach over a link");
+  if (n < 2 || samples.front().t_ns > t0_ns || samples.back().t_ns < t1_ns)
+    throw InputError("IMU samples do not reach over a link");
   std::vector<Step> out;
   const auto next = std::upper_bound(samples.begin(), samples.end(), t0_ns,
                                      [](std::int64_t t, const ImuSample& s) { return t < s.t_ns; });
@@ -120,7 +122,9 @@ LinkResidual::LinkResidual(const Problem& problem, const Link& link)
   Eigen::Map<Eigen::Vector3d>{inputs} = from_.b_a;
   Eigen::Map<Eigen::Vector3d>{inputs + 3} = from_.b_g;
   imu_block(problem.theta.imu, inputs + 6);
-  weigh(problem.model, link_noise(problem.model, problem.samples[static_cast<std::size_t>(link.samples)], from_.t_ns, to_.t_ns), inputs);
+  weigh(problem.model,
+        link_noise(problem.model, problem.samples[static_cast<std::size_t>(link.samples)], from_.t_ns, to_.t_ns),
+        inputs);
 }
 
 /// The covariance of the integral and the biases by the same Runge-Kutta method, beside the integral itself.
@@ -147,8 +151,8 @@ void LinkResidual::weigh(const CoreModel& model, const LinkNoise& white, const d
 }
 
 template <class T>
-void LinkResidual::residual(const Integral<T>& integral, const T* pose0, const T* motion0, const T* pose1, const T* motion1,
-                            T* out) const {
+void LinkResidual::residual(const Integral<T>& integral, const T* pose0, const T* motion0, const T* pose1,
+                            const T* motion1, T* out) const {
   using Map = Eigen::Map<const Vector3<T>>;
   const Eigen::Quaternion<T> q0 = from_.q_GI.cast<T>() * turned_by(pose0), q1 = to_.q_GI.cast<T>() * turned_by(pose1);
   const Vector3<T> g(T(0), T(0), T(-gravity_));
@@ -219,7 +223,8 @@ bool LinkResidual::Evaluate(double const* const* parameters, double* residuals, 
   const auto put = [&](int block, int at, auto width) {
     constexpr int n = decltype(width)::value;
     if (!jacobians[block]) return;
-    Eigen::Map<Eigen::Matrix<double, kLinkRows, n, Eigen::RowMajor>>{jacobians[block]} = whitened.template middleCols<n>(at);
+    Eigen::Map<Eigen::Matrix<double, kLinkRows, n, Eigen::RowMajor>>{jacobians[block]} =
+        whitened.template middleCols<n>(at);
   };
   put(0, 0, std::integral_constant<int, kPoseSize>());
   put(1, 6, std::integral_constant<int, kMotionSize>());

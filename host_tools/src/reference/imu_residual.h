@@ -16,7 +16,7 @@ constexpr int kMotionSize = 9, kImuSize = 15, kLinkRows = 15;
 
 /// The signal at the beginning, the middle and the end of a step.
 struct Step {
-  double h = 0;                    ///< s
+  double h = 0;  ///< s
   Eigen::Vector3d gyro[3], accel[3];
 };
 
@@ -47,7 +47,7 @@ Vector3<T> solve_triangle(const T* s, const T* m, const Vector3<T>& y) {
 /// Rotation rate and specific force in I, from raw readings.
 template <class T>
 struct Sensor {
-  const T* input;                  ///< kIntegralInputs
+  const T* input;  ///< kIntegralInputs
   Eigen::Quaternion<T> q_IA;
   Sensor(const T* inputs, const Eigen::Matrix3d& R_AI0)
       : input(inputs), q_IA((turned_by(inputs + 18) * Eigen::Quaterniond(R_AI0).cast<T>()).conjugate()) {}
@@ -68,7 +68,8 @@ void integrate(const Step& step, const Sensor<T>& sensor, Integral<T>* x) {
   const Vector3<T> w[3] = {sensor.rate(step.gyro[0]), sensor.rate(step.gyro[1]), sensor.rate(step.gyro[2])};
   const Vector3<T> f[3] = {sensor.force(step.accel[0]), sensor.force(step.accel[1]), sensor.force(step.accel[2])};
   const auto slope = [](const Vector4& q, const Vector3<T>& rate) -> Vector4 {
-    const Eigen::Quaternion<T> product = Eigen::Quaternion<T>(q) * Eigen::Quaternion<T>(T(0), rate.x(), rate.y(), rate.z());
+    const Eigen::Quaternion<T> product =
+        Eigen::Quaternion<T>(q) * Eigen::Quaternion<T>(T(0), rate.x(), rate.y(), rate.z());
     return T(0.5) * product.coeffs();
   };
   const auto rotated = [](const Vector4& q, const Vector3<T>& v) -> Vector3<T> {
@@ -90,7 +91,8 @@ constexpr int kAll = 2 * (kPoseSize + kMotionSize) + kImuSize;
 using Jet45 = ceres::Jet<double, kAll>;
 
 /// One IMU link, with fixed weights: [rotation | velocity | position | b_a | b_g], whitened.
-class LinkResidual final : public ceres::SizedCostFunction<kLinkRows, kPoseSize, kMotionSize, kPoseSize, kMotionSize, kImuSize> {
+class LinkResidual final
+    : public ceres::SizedCostFunction<kLinkRows, kPoseSize, kMotionSize, kPoseSize, kMotionSize, kImuSize> {
  public:
   /// The weights are those at `from` and at the IMU's calibration.
   LinkResidual(const Problem& problem, const Link& link);
@@ -100,7 +102,8 @@ class LinkResidual final : public ceres::SizedCostFunction<kLinkRows, kPoseSize,
   Integral<Jet45> integral_by_unknowns(const double* inputs) const;
   void evaluate_alone(double const* const* parameters, const double* inputs, double* residuals) const;
   template <class T>
-  void residual(const Integral<T>& integral, const T* pose0, const T* motion0, const T* pose1, const T* motion1, T* out) const;
+  void residual(const Integral<T>& integral, const T* pose0, const T* motion0, const T* pose1, const T* motion1,
+                T* out) const;
   void weigh(const CoreModel& model, const LinkNoise& white, const double* inputs);
 
   const State &from_, &to_;

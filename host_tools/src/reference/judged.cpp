@@ -47,7 +47,8 @@ CoreResult judged(Problem* problem, const Fit& fit, const SolveOptions& options)
   CoreResult out;
   const double ratio = fit.dof > 0 ? fit.chi2 / fit.dof : 0;
   out.noise_scale = std::sqrt(std::max({1.0, ratio, problem->scatter}));
-  const Eigen::VectorXd prior = Eigen::Map<const Eigen::VectorXd>(problem->prior_sigma.data(), static_cast<Eigen::Index>(problem->prior_sigma.size()));
+  const Eigen::VectorXd prior = Eigen::Map<const Eigen::VectorXd>(
+      problem->prior_sigma.data(), static_cast<Eigen::Index>(problem->prior_sigma.size()));
   const Eigen::VectorXd sigma = (out.noise_scale * fit.covariance.diagonal().cwiseSqrt()).cwiseMin(prior);
   const Eigen::VectorXd printed = out.noise_scale * printed_sigmas(problem->theta, fit.covariance);
   const Eigen::VectorXd initial = printed_values(problem->prior_mean);
@@ -66,7 +67,10 @@ CoreResult judged(Problem* problem, const Fit& fit, const SolveOptions& options)
     out.parameters.push_back(p);
   }
   const bool plausible = ratio > rules.least_chi2_per_dof && ratio < rules.most_chi2_per_dof && fit.converged;
-  out.status = fit.image_points == 0 ? "insufficient" : !plausible ? "failed" : 2 * observed >= prior.size() ? "calibrated" : "insufficient";
+  out.status = fit.image_points == 0          ? "insufficient"
+               : !plausible                   ? "failed"
+               : 2 * observed >= prior.size() ? "calibrated"
+                                              : "insufficient";
   out.unobservable = blind_directions(fit.covariance, prior);
   hold_fixed(problem, out.parameters, options);
   const Eigen::VectorXd value = printed_values(problem->theta);

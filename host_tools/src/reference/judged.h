@@ -5,8 +5,8 @@
 
 namespace host::reference {
 
-/// The result as replay has it: verdicts, sigmas scaled by what the fit shows, status. Parameters that are not observed go
-/// back to where they started, and the others follow (which moves the problem's estimate).
+/// The result as replay has it: verdicts, sigmas scaled by what the fit shows, status. Parameters that are not observed
+/// go back to where they started, and the others follow (which moves the problem's estimate).
 CoreResult judged(Problem* problem, const Fit& fit, const SolveOptions& options);
 
 }  // namespace host::reference

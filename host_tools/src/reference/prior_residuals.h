@@ -42,7 +42,8 @@ struct CameraPrior {
     Eigen::Map<Vector3<T>>{residual} = turn_from(camera, camera0.R_CI, mean.R_CI);
     for (int i = 0; i < 3; ++i) residual[3 + i] = camera[3 + i] - T(mean.p_CI(i));
     for (int i = 0; i < 4; ++i) residual[6 + i] = camera[6 + i] - T(mean.intrinsics(i));
-    for (int i = 0; i < 4; ++i) residual[10 + i] = i < lens_parameters(mean) ? camera[10 + i] - T(mean.distortion(i)) : T(0);
+    for (int i = 0; i < 4; ++i)
+      residual[10 + i] = i < lens_parameters(mean) ? camera[10 + i] - T(mean.distortion(i)) : T(0);
     for (int i = 0; i < camera_parameters(mean); ++i) residual[i] /= T(sigma[i]);
     return true;
   }
@@ -63,7 +64,8 @@ struct ImuPrior {
   }
 };
 
-/// Where the world stands is free but for the priors on inverse distances from fixed anchors (segments/landmark_guess.h).
+/// Where the world stands is free but for the priors on inverse distances from fixed anchors
+/// (segments/landmark_guess.h).
 struct Gauge {
   const State& state;
   template <class T>

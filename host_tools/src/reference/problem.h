@@ -1,5 +1,5 @@
-// The reference's problem: what is measured, what is unknown, and what is known beforehand. Written apart from the core:
-// neither its code nor its layouts are used here.
+// The reference's problem: what is measured, what is unknown, and what is known beforehand. Written apart from the
+// core: neither its code nor its layouts are used here.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +22,7 @@ struct State {
 /// The IMU between two states: all samples of the stretch, which may reach further on both sides.
 struct Link {
   int from = 0, to = 0;
-  int samples = 0;                 ///< index in Problem::samples
+  int samples = 0;  ///< index in Problem::samples
 };
 
 /// Only the biases go on from one state to the other.
@@ -34,37 +34,37 @@ struct BiasWalk {
 /// At anchor + direction / inverse_distance; the direction has unit length, the anchor is fixed.
 struct Landmark {
   Eigen::Vector3d anchor{0, 0, 0}, direction{0, 0, 1};
-  double inverse_distance = 0;     ///< 1/m
-  double prior_sigma = 5;          ///< 1/m, of the weak prior about zero on the inverse distance
+  double inverse_distance = 0;  ///< 1/m
+  double prior_sigma = 5;       ///< 1/m, of the weak prior about zero on the inverse distance
 };
 
 struct Point {
   int state = 0, landmark = 0, camera = 0;
-  Eigen::Vector2d uv{0, 0};        ///< px
+  Eigen::Vector2d uv{0, 0};  ///< px
   bool rejected = false;
-  int segment = 0;                 ///< a track's drift begins at its first point in each
-  Eigen::Vector2d drift{0, 0};     ///< px, estimate of the random walk there
+  int segment = 0;              ///< a track's drift begins at its first point in each
+  Eigen::Vector2d drift{0, 0};  ///< px, estimate of the random walk there
 };
 
 struct Problem {
   CoreModel model;
   Calibration prior_mean;
-  std::vector<double> prior_sigma; ///< per parameter, in the order of parameter_names()
-  double scatter = 1;              ///< variance for the sigmas, from how far segments disagree: told, not found here
-  Calibration theta;               ///< the estimate
+  std::vector<double> prior_sigma;  ///< per parameter, in the order of parameter_names()
+  double scatter = 1;               ///< variance for the sigmas, from how far segments disagree: told, not found here
+  Calibration theta;                ///< the estimate
   std::vector<State> states;
   std::vector<std::vector<ImuSample>> samples;
   std::vector<Link> links;
   std::vector<BiasWalk> walks;
   std::vector<Landmark> landmarks;
   std::vector<Point> points;
-  std::vector<int> gauges;         ///< states whose position and rotation about gravity are held
-  std::vector<int> chain_starts;   ///< states with a prior on their biases
-  std::vector<int> segment_starts; ///< states with a prior on their velocity
+  std::vector<int> gauges;          ///< states whose position and rotation about gravity are held
+  std::vector<int> chain_starts;    ///< states with a prior on their biases
+  std::vector<int> segment_starts;  ///< states with a prior on their velocity
 };
 
-/// Places the landmarks of a problem anew, from its states, points and theta. Points of a landmark that cannot be placed
-/// are marked as rejected; it stays where it is.
+/// Places the landmarks of a problem anew, from its states, points and theta. Points of a landmark that cannot be
+/// placed are marked as rejected; it stays where it is.
 void triangulate(Problem* problem);
 
 /// Pixels to a point at z = 1 of the camera; false where the lens does not reach.

@@ -12,17 +12,17 @@
 namespace host {
 
 struct ReferenceOptions {
-  Calibration calibration;            ///< batch: where it starts, and the mean of the prior
-  ImuNoise noise;                     ///< batch
-  double pixel_sigma = 0.5;           ///< px; batch
-  double keyframe_interval_s = 0.2;   ///< batch
+  Calibration calibration;           ///< batch: where it starts, and the mean of the prior
+  ImuNoise noise;                    ///< batch
+  double pixel_sigma = 0.5;          ///< px; batch
+  double keyframe_interval_s = 0.2;  ///< batch
   int threads = 1;
-  std::optional<Calibration> start;   ///< segments: where the iterations start; empty: the prior's mean
+  std::optional<Calibration> start;                  ///< segments: where the iterations start; empty: the prior's mean
   std::function<void(const std::string&)> progress;  ///< one line now and then; may be empty
 };
 
 struct ReferenceResult {
-  CoreResult result;                  ///< as replay has it
+  CoreResult result;  ///< as replay has it
   Calibration calibration;
   ImuNoise noise;
   std::vector<CoreState> trajectory;  ///< at each keyframe

@@ -48,11 +48,16 @@ struct KeptBuilder {
       problem.links.push_back({first - 1, first, samples});
       frames.join(i - 1, i);
     }
-    for (int k = 1; k < static_cast<int>(segment.keyframes.size()); ++k) problem.links.push_back({first + k - 1, first + k, samples});
+    for (int k = 1; k < static_cast<int>(segment.keyframes.size()); ++k)
+      problem.links.push_back({first + k - 1, first + k, samples});
     std::vector<int> index;
     for (const CoreLandmark& l : segment.landmarks) index.push_back(landmark_of(l, i, segment.turned_only));
     for (const CorePoint& z : segment.measured) {
-      problem.points.push_back({first + z.keyframe, index[static_cast<std::size_t>(z.landmark)], z.camera, {z.u, z.v}, z.rejected,
+      problem.points.push_back({first + z.keyframe,
+                                index[static_cast<std::size_t>(z.landmark)],
+                                z.camera,
+                                {z.u, z.v},
+                                z.rejected,
                                 static_cast<int>(i)});
     }
   }
@@ -94,7 +99,8 @@ ReferenceResult reference_segments(const KeptSegments& kept, const ReferenceOpti
                      " as well, which the reference does not model; expected a replay without --enable and --model");
   }
   if (kept.condensed > 0) {
-    throw InputError("kept_segments.json: " + std::to_string(kept.condensed) + " more segments took part in that calibration as epochs, of which no samples "
+    throw InputError("kept_segments.json: " + std::to_string(kept.condensed) +
+                     " more segments took part in that calibration as epochs, of which no samples "
                      "and points are left to solve it again from; expected a replay without --condense");
   }
   reference::Problem problem = reference::problem_of(kept);

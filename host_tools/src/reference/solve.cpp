@@ -52,12 +52,14 @@ Fit solve(Problem* problem, const SolveOptions& options) {
     ceres.take_over(problem);
     double moved = 0;  // in units of the prior's sigmas, a hundred to a thousand times the posterior's
     const Eigen::VectorXd step = theta_step(before, problem->theta);
-    for (Eigen::Index i = 0; i < step.size(); ++i) moved = std::max(moved, std::abs(step(i)) / problem->prior_sigma[static_cast<std::size_t>(i)]);
+    for (Eigen::Index i = 0; i < step.size(); ++i)
+      moved = std::max(moved, std::abs(step(i)) / problem->prior_sigma[static_cast<std::size_t>(i)]);
     fit.converged = moved < 1e-5 && summary.IsSolutionUsable();
     if (options.progress) {
       char line[160];
-      std::snprintf(line, sizeof line, "round %d: cost %.3f, %zu iterations, theta moved by %.1e of its prior's sigmas, %.1f s",
-                    round + 1, fit.cost, summary.iterations.size(), moved, summary.total_time_in_seconds);
+      std::snprintf(line, sizeof line,
+                    "round %d: cost %.3f, %zu iterations, theta moved by %.1e of its prior's sigmas, %.1f s", round + 1,
+                    fit.cost, summary.iterations.size(), moved, summary.total_time_in_seconds);
       options.progress(line);
     }
   }
@@ -71,7 +73,8 @@ Eigen::MatrixXd theta_covariance(const Problem& problem, int threads) {
   options.algorithm_type = ceres::SPARSE_QR;
   ceres::Covariance covariance(options);
   const std::vector<const double*> blocks = ceres.theta_blocks();
-  if (!covariance.Compute(blocks, &ceres.ceres())) throw InputError("Ceres finds no covariance: the problem has no full rank");
+  if (!covariance.Compute(blocks, &ceres.ceres()))
+    throw InputError("Ceres finds no covariance: the problem has no full rank");
   Eigen::Index n = kImuSize;
   for (const CameraCalibration& c : problem.theta.cameras) n += camera_parameters(c);
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> out(n, n);

@@ -10,8 +10,8 @@ namespace host::reference {
 
 struct SolveOptions {
   int threads = 1;
-  int rounds = 8;                      ///< at most; in each the weights of the IMU links are taken anew
-  int iterations = 200;                ///< at most, of one round
+  int rounds = 8;                                    ///< at most; in each the weights of the IMU links are taken anew
+  int iterations = 200;                              ///< at most, of one round
   std::function<void(const std::string&)> progress;  ///< one line now and then; may be empty
 };
 
@@ -19,9 +19,9 @@ struct SolveOptions {
 struct Fit {
   bool converged = false;
   int iterations = 0, image_points = 0, partitions = 0;
-  double start_cost = 0, cost = 0;     ///< robust
-  double chi2 = 0, dof = 0;            ///< weighted squares at the end, and their degrees of freedom
-  Eigen::MatrixXd covariance;          ///< of theta, rotations as small turns Exp(d) R; prior included
+  double start_cost = 0, cost = 0;  ///< robust
+  double chi2 = 0, dof = 0;         ///< weighted squares at the end, and their degrees of freedom
+  Eigen::MatrixXd covariance;       ///< of theta, rotations as small turns Exp(d) R; prior included
 };
 
 /// Moves theta, states and landmarks to the minimum. The covariance is filled in by the caller, if wanted.

@@ -1,4 +1,5 @@
-// First places of landmarks: the ray of the first image point, and the inverse distance that fits the other points best.
+// First places of landmarks: the ray of the first image point, and the inverse distance that fits the other points
+// best.
 #include <cmath>
 
 #include "reference/imu_residual.h"
@@ -28,7 +29,8 @@ bool place(Problem* problem, std::size_t index, const std::vector<const Point*>&
   l.direction = (x.q_GI * (camera.R_CI.transpose() * xy.homogeneous())).normalized();
   l.anchor = x.p_GI - x.q_GI * (camera.R_CI.transpose() * camera.p_CI);
   // The cost has its minimum at one inverse distance or another: look at a grid, then between its neighbours.
-  static constexpr double kGrid[] = {0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.14, 0.2, 0.27, 0.35, 0.45, 0.6, 0.8, 1.1, 1.5, 2, 3, 5};
+  static constexpr double kGrid[] = {0,    0.01, 0.02, 0.04, 0.07, 0.1, 0.14, 0.2, 0.27,
+                                     0.35, 0.45, 0.6,  0.8,  1.1,  1.5, 2,    3,   5};
   double best = 0, least = INFINITY, step = 0.01;
   for (std::size_t i = 0; i < std::size(kGrid); ++i) {
     l.inverse_distance = kGrid[i];
@@ -55,7 +57,8 @@ bool place(Problem* problem, std::size_t index, const std::vector<const Point*>&
 
 bool unproject(const CameraCalibration& camera, const Eigen::Vector2d& uv, Eigen::Vector2d* xy) {
   using Jet = ceres::Jet<double, 2>;
-  const Eigen::Vector2d target((uv.x() - camera.intrinsics(2)) / camera.intrinsics(0), (uv.y() - camera.intrinsics(3)) / camera.intrinsics(1));
+  const Eigen::Vector2d target((uv.x() - camera.intrinsics(2)) / camera.intrinsics(0),
+                               (uv.y() - camera.intrinsics(3)) / camera.intrinsics(1));
   Jet k[4];
   for (int i = 0; i < 4; ++i) k[i] = Jet(camera.distortion(i));
   *xy = target;

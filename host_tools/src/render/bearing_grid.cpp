@@ -32,10 +32,12 @@ class Centres {
  public:
   Centres(const CameraCalibration& camera, const sim::Effects& effects) : stride_(camera.width + 2) {
     for (int v = -1; v <= camera.height; ++v)
-      for (int u = -1; u <= camera.width; ++u) bearings_.push_back(sim::bearing_of(camera, before_effects(camera, effects, Vector2d(u, v))));
+      for (int u = -1; u <= camera.width; ++u)
+        bearings_.push_back(sim::bearing_of(camera, before_effects(camera, effects, Vector2d(u, v))));
   }
   const std::optional<Vector3d>& at(int u, int v) const {
-    return bearings_[static_cast<std::size_t>(v + 1) * static_cast<std::size_t>(stride_) + static_cast<std::size_t>(u + 1)];
+    return bearings_[static_cast<std::size_t>(v + 1) * static_cast<std::size_t>(stride_) +
+                     static_cast<std::size_t>(u + 1)];
   }
 
  private:
@@ -45,14 +47,16 @@ class Centres {
 
 }  // namespace
 
-BearingGrid::BearingGrid(const CameraCalibration& camera, const sim::Effects& effects) : width_(camera.width), height_(camera.height) {
+BearingGrid::BearingGrid(const CameraCalibration& camera, const sim::Effects& effects)
+    : width_(camera.width), height_(camera.height) {
   const Centres centres(camera, effects);
-  for (auto& place : bearings_) place.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), Bearing{0, 0, 1, 0});
+  for (auto& place : bearings_)
+    place.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), Bearing{0, 0, 1, 0});
   std::size_t i = 0;
   for (int v = 0; v < height_; ++v) {
     for (int u = 0; u < width_; ++u, ++i) {
-      const auto &here = centres.at(u, v), &left = centres.at(u - 1, v), &right = centres.at(u + 1, v), &up = centres.at(u, v - 1),
-                 &down = centres.at(u, v + 1);
+      const auto &here = centres.at(u, v), &left = centres.at(u - 1, v), &right = centres.at(u + 1, v),
+                 &up = centres.at(u, v - 1), &down = centres.at(u, v + 1);
       if (!here || !left || !right || !up || !down) continue;
       // Within a pixel a bearing is linear to 1e-5 px.
       const Vector3d along_u = (*right - *left) / 2, along_v = (*down - *up) / 2;

@@ -1,5 +1,5 @@
-// The pictures that simulated rooms are papered with: real photographs, because a tracker lives on what edges, print and
-// foliage look like, and noise looks like none of them.
+// The pictures that simulated rooms are papered with: real photographs, because a tracker lives on what edges, print
+// and foliage look like, and noise looks like none of them.
 #pragma once
 
 #include <filesystem>

@@ -11,10 +11,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t seed_step_per_camera = 1000003;
-constexpr int fast_png = 1;   // zlib's level: noise does not compress, and more effort only costs time
+constexpr int fast_png = 1;  // zlib's level: noise does not compress, and more effort only costs time
 
 void write_image(const fs::path& file, const cv::Mat& image) {
-  if (!cv::imwrite(file.string(), image, {cv::IMWRITE_PNG_COMPRESSION, fast_png})) throw InputError(file.string() + ": cannot be written");
+  if (!cv::imwrite(file.string(), image, {cv::IMWRITE_PNG_COMPRESSION, fast_png}))
+    throw InputError(file.string() + ": cannot be written");
 }
 
 void make_folder(const fs::path& folder) {
@@ -25,11 +26,12 @@ void make_folder(const fs::path& folder) {
 
 }  // namespace
 
-void write_images(const SimulationResult& result, const SimulationOptions& options, const ImageOptions& images, const fs::path& root,
-                  const std::function<void(std::size_t, std::size_t)>& progress) {
+void write_images(const SimulationResult& result, const SimulationOptions& options, const ImageOptions& images,
+                  const fs::path& root, const std::function<void(std::size_t, std::size_t)>& progress) {
   const std::vector<double>& times = result.frame_times;
   if (times.empty()) return;
-  const Room room = make_room(result.trajectory, times.front(), times.back(), read_photographs(images.photographs), options.seed);
+  const Room room =
+      make_room(result.trajectory, times.front(), times.back(), read_photographs(images.photographs), options.seed);
   const std::size_t cameras = result.recording.cameras.size();
   for (std::size_t c = 0; c < cameras; ++c) {
     const fs::path folder = root / "mav0" / ("cam" + std::to_string(c));

@@ -10,11 +10,12 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr int tile_px = 32;
-constexpr float tile_margin = 0.03f;              // rad, beside what the three views of a frame cover
+constexpr float tile_margin = 0.03f;  // rad, beside what the three views of a frame cover
 constexpr int fewest_moments = 4, most_moments = 24;
-constexpr double px_per_moment = 0.5;            // of motion: with longer steps corners of a blurred checker scatter by 0.06 px
-constexpr double usual_distance_m = 1.5;          // turns speed into image motion, for the number of moments
-// A sample stands for half a pixel across the slope of a face and, as the places lie in rows of their own, for a third along it.
+constexpr double px_per_moment = 0.5;  // of motion: with longer steps corners of a blurred checker scatter by 0.06 px
+constexpr double usual_distance_m = 1.5;  // turns speed into image motion, for the number of moments
+// A sample stands for half a pixel across the slope of a face and, as the places lie in rows of their own, for a third
+// along it.
 constexpr float share_across = 0.5f, share_along = 0.33f;
 
 /// floor(log2(x)) for x >= 1: the exponent of the float.
@@ -55,8 +56,15 @@ void meet_block(const Block& block, const Vector3f& o, const Vector3f& d, const 
 
 }  // namespace
 
-Renderer::Renderer(const Room& room, const CameraCalibration& camera, std::size_t index, const sim::Trajectory& truth, const sim::Effects& effects)
-    : room_(room), first_camera_(camera), camera_(camera), index_(index), truth_(truth), effects_(effects), grid_(camera, effects) {
+Renderer::Renderer(const Room& room, const CameraCalibration& camera, std::size_t index, const sim::Trajectory& truth,
+                   const sim::Effects& effects)
+    : room_(room),
+      first_camera_(camera),
+      camera_(camera),
+      index_(index),
+      truth_(truth),
+      effects_(effects),
+      grid_(camera, effects) {
   tiles_across_ = (camera.width + tile_px - 1) / tile_px;
   tiles_down_ = (camera.height + tile_px - 1) / tile_px;
   seen_.resize(static_cast<std::size_t>(tiles_across_) * static_cast<std::size_t>(tiles_down_));
@@ -93,7 +101,8 @@ void Renderer::follow_calibration(double t) {
 /// Cones around the tiles against spheres around the furniture, for the frame's first, middle and last view.
 void Renderer::find_seen(double t, double exposure_s) {
   const int h = camera_.height, w = camera_.width;
-  const View views[] = {view_at(row_time(t, 0) - exposure_s / 2), view_at(row_time(t, h / 2.0)), view_at(row_time(t, h - 1) + exposure_s / 2)};
+  const View views[] = {view_at(row_time(t, 0) - exposure_s / 2), view_at(row_time(t, h / 2.0)),
+                        view_at(row_time(t, h - 1) + exposure_s / 2)};
   for (int i = 0; i < tiles_across_ * tiles_down_; ++i) {
     const int u0 = i % tiles_across_ * tile_px, v0 = i / tiles_across_ * tile_px;
     const int u1 = std::min(u0 + tile_px, w) - 1, v1 = std::min(v0 + tile_px, h) - 1;
@@ -113,7 +122,8 @@ void Renderer::find_seen(double t, double exposure_s) {
         const Vector3f to = view.R_GC.transpose() * (block.bounds.center() - view.p_GC);
         const float distance = to.norm();
         if (distance <= radius) return true;
-        return std::acos(std::clamp(axis.dot(to) / distance, -1.0f, 1.0f)) < half + std::asin(radius / distance) + tile_margin;
+        return std::acos(std::clamp(axis.dot(to) / distance, -1.0f, 1.0f)) <
+               half + std::asin(radius / distance) + tile_margin;
       });
       if (is_near) seen.push_back(&block);
     }
@@ -127,7 +137,7 @@ inline float Renderer::light_from(const View& view, const Bearing& bearing, cons
   meet_walls(room_.walls, view.p_GC, d, inverse, hit);
   for (const Block* block : seen) meet_block(*block, view.p_GC, d, inverse, hit);
   const Vector3f p = view.p_GC + hit.distance * d;
-  if (!(p.cwiseAbs().maxCoeff() < 1e6f)) return 0;   // m: no ray, where the lens has none for the pixel
+  if (!(p.cwiseAbs().maxCoeff() < 1e6f)) return 0;  // m: no ray, where the lens has none for the pixel
   float s, t;
   texel_of(room_, *hit.paint, hit.axis, p, s, t);
   const float across = hit.distance * bearing.angle * room_.texels_per_m;  // texels per px, facing the ray
@@ -138,8 +148,8 @@ inline float Renderer::light_from(const View& view, const Bearing& bearing, cons
   return hit.paint->brightness * texture.at(s, t, std::min(exponent_of(texels), texture.levels() - 1));
 }
 
-/// Neighbouring pixels take their places in another order: if all looked left first and right last, a blurred edge would be
-/// displaced by hundredths of a pixel.
+/// Neighbouring pixels take their places in another order: if all looked left first and right last, a blurred edge
+/// would be displaced by hundredths of a pixel.
 void Renderer::add_row(const View& view, int v, int moment, float* sum) const {
   static const float dithers[places_per_pixel] = {1.0905f, 1.2968f, 1.5422f, 1.8340f};  // 2^((k + 1/2) / 4)
   const Bearing* const rows[] = {grid_.row(0, v), grid_.row(1, v), grid_.row(2, v), grid_.row(3, v)};

@@ -11,13 +11,15 @@
 
 namespace host::render {
 
-/// One camera in one room. Rows are exposed at their own time (Effect::exposure_time: time offset, rolling shutter), for
-/// `exposure_s` around it; motion blur is the mean of 4 to 24 moments. Each moment looks from another place in the pixel, so
-/// that these are the samples against aliasing too; a sample reads the mip level whose texels are as large as it is.
+/// One camera in one room. Rows are exposed at their own time (Effect::exposure_time: time offset, rolling shutter),
+/// for `exposure_s` around it; motion blur is the mean of 4 to 24 moments. Each moment looks from another place in the
+/// pixel, so that these are the samples against aliasing too; a sample reads the mip level whose texels are as large as
+/// it is.
 class Renderer {
  public:
   /// `room`, `truth` and `effects` must outlive this.
-  Renderer(const Room& room, const CameraCalibration& camera, std::size_t index, const sim::Trajectory& truth, const sim::Effects& effects);
+  Renderer(const Room& room, const CameraCalibration& camera, std::size_t index, const sim::Trajectory& truth,
+           const sim::Effects& effects);
 
   /// CV_32F, grey values of the photographs times the brightness of the face; 0 where the lens has no ray.
   /// `t` is the frame's stamp, s on the trajectory's clock.
@@ -47,7 +49,7 @@ class Renderer {
   const sim::Effects& effects_;
   BearingGrid grid_;
   int tiles_across_ = 0, tiles_down_ = 0;
-  std::vector<Seen> seen_;                   ///< by tile, row by row
+  std::vector<Seen> seen_;  ///< by tile, row by row
 };
 
 }  // namespace host::render

@@ -1,9 +1,9 @@
-#include "angles.h"
 #include "room.h"
 
 #include <cmath>
 
 #include "../simulate/random.h"
+#include "angles.h"
 #include "wallpaper.h"
 
 namespace host::render {
@@ -12,12 +12,12 @@ namespace {
 using Eigen::Vector3d;
 using Box = Eigen::AlignedBox3d;
 
-constexpr int n_textures = 4, texture_side = 2048;   // px; at 3 mm a texel a picture repeats after 6.2 m
-constexpr double largest_room = 7;                   // m, extent of the motion above which it is a walk
-constexpr double clearance = 0.5;                    // m between furniture and the path
+constexpr int n_textures = 4, texture_side = 2048;  // px; at 3 mm a texel a picture repeats after 6.2 m
+constexpr double largest_room = 7;                  // m, extent of the motion above which it is a walk
+constexpr double clearance = 0.5;                   // m between furniture and the path
 constexpr int pieces_in_a_room = 9;
-constexpr double pieces_per_metre = 0.9;             // of a walk
-constexpr int tries = 40;                            // to place one piece
+constexpr double pieces_per_metre = 0.9;  // of a walk
+constexpr int tries = 40;                 // to place one piece
 
 std::vector<Vector3d> sample_path(const sim::Trajectory& truth, double t_begin, double t_end) {
   std::vector<Vector3d> path;
@@ -37,7 +37,8 @@ class Builder {
     Room room;
     room.origin_G = hull_.center();
     for (int i = 0; i < n_textures; ++i)
-      room.textures.emplace_back(make_wallpaper(photographs, texture_side, seed + 1000003u * static_cast<std::uint64_t>(i + 1)));
+      room.textures.emplace_back(
+          make_wallpaper(photographs, texture_side, seed + 1000003u * static_cast<std::uint64_t>(i + 1)));
     const Box walls = around(hull_);
     room.walls = painted(walls, room.origin_G, true);
     const int pieces = is_walk_ ? static_cast<int>(pieces_per_metre * length()) : pieces_in_a_room;
@@ -71,7 +72,8 @@ class Builder {
   void place_piece(const Box& walls, Room& room) {
     for (int i = 0; i < tries; ++i) {
       const bool tall = is_walk_ && random_.uniform() < 0.4;
-      Vector3d size(random_.uniform(0.3, 1.2), random_.uniform(0.3, 1.2), tall ? walls.sizes().z() : random_.uniform(0.4, 1.6));
+      Vector3d size(random_.uniform(0.3, 1.2), random_.uniform(0.3, 1.2),
+                    tall ? walls.sizes().z() : random_.uniform(0.4, 1.6));
       Vector3d centre = is_walk_ ? beside_the_path() : anywhere(walls);
       centre.z() = walls.min().z() + size.z() / 2;
       const Box box(centre - size / 2, centre + size / 2);
@@ -114,7 +116,8 @@ class Builder {
 
 }  // namespace
 
-Room make_room(const sim::Trajectory& truth, double t_begin, double t_end, const Photographs& photographs, std::uint64_t seed) {
+Room make_room(const sim::Trajectory& truth, double t_begin, double t_end, const Photographs& photographs,
+               std::uint64_t seed) {
   return Builder(truth, t_begin, t_end, seed).build(photographs, seed);
 }
 

@@ -7,12 +7,13 @@
 namespace host::render {
 namespace {
 
-constexpr double grey_per_light = 0.85;         // at gain 1 and the usual exposure: photographs have a mean of 120
+constexpr double grey_per_light = 0.85;  // at gain 1 and the usual exposure: photographs have a mean of 120
 constexpr double wanted_mean_grey = 105;
 constexpr double control_time_s = 0.15;
-constexpr double shortest = 0.5, longest = 2;   // of the usual exposure
+constexpr double shortest = 0.5, longest = 2;  // of the usual exposure
 constexpr double least_gain = 0.5, most_gain = 4;
-constexpr std::size_t normal_table = 1u << 16;  // a table read from random places is as good as fresh draws here, and ten times as fast
+constexpr std::size_t normal_table =
+    1u << 16;  // a table read from random places is as good as fresh draws here, and ten times as fast
 
 }  // namespace
 
@@ -33,9 +34,11 @@ void Sensor::control(double mean_light, double since_last_s) {
 cv::Mat Sensor::image_of(cv::Mat light, double since_last_s) {
   if (options_.lens_blur_px > 0) cv::GaussianBlur(light, light, {5, 5}, options_.lens_blur_px);
   const auto grey_of_light = static_cast<float>(grey_per_light * gain_ * exposure_s_ / options_.exposure_s);
-  // Half of the variance at grey 128 is the read-out's, half the photons', which grows with the light; the gain acts on both.
+  // Half of the variance at grey 128 is the read-out's, half the photons', which grows with the light; the gain acts on
+  // both.
   const auto variance = static_cast<float>(options_.noise_grey * options_.noise_grey / 2);
-  const auto read_out = static_cast<float>(variance * gain_ * gain_), photons = static_cast<float>(variance * gain_ / 128);
+  const auto read_out = static_cast<float>(variance * gain_ * gain_),
+             photons = static_cast<float>(variance * gain_ / 128);
   cv::Mat image(light.size(), CV_8UC1);
   for (int v = 0; v < light.rows; ++v) {
     const auto start = static_cast<std::size_t>(random_.integer(0, static_cast<int>(normal_table) - 1));
@@ -43,7 +46,8 @@ cv::Mat Sensor::image_of(cv::Mat light, double since_last_s) {
     std::uint8_t* const to = image.ptr<std::uint8_t>(v);
     for (int u = 0; u < light.cols; ++u) {
       const float grey = grey_of_light * from[u];
-      const float noisy = grey + std::sqrt(read_out + photons * grey) * normals_[(start + static_cast<std::size_t>(u)) % normal_table];
+      const float noisy =
+          grey + std::sqrt(read_out + photons * grey) * normals_[(start + static_cast<std::size_t>(u)) % normal_table];
       to[u] = static_cast<std::uint8_t>(std::clamp(noisy + 0.5f, 0.0f, 255.0f));
     }
   }

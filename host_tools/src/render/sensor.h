@@ -10,14 +10,14 @@
 namespace host::render {
 
 struct SensorOptions {
-  double exposure_s = 0.005;      ///< in light of usual brightness; the control goes from half of it to twice
-  double noise_grey = 2;          ///< standard deviation at a grey value of 128 and gain 1, half read-out, half photons
-  double lens_blur_px = 0.5;      ///< standard deviation of the lens' point spread
-  bool control_exposure = true;   ///< false: exposure and gain stay
+  double exposure_s = 0.005;     ///< in light of usual brightness; the control goes from half of it to twice
+  double noise_grey = 2;         ///< standard deviation at a grey value of 128 and gain 1, half read-out, half photons
+  double lens_blur_px = 0.5;     ///< standard deviation of the lens' point spread
+  bool control_exposure = true;  ///< false: exposure and gain stay
 };
 
-/// One camera's sensor. The exposure control works as cameras do it: it looks at the last image and goes part of the way, first
-/// by the time, then by the gain.
+/// One camera's sensor. The exposure control works as cameras do it: it looks at the last image and goes part of the
+/// way, first by the time, then by the gain.
 class Sensor {
  public:
   Sensor(const SensorOptions& options, std::uint64_t seed);

@@ -15,7 +15,8 @@ class Texture {
 
   int levels() const { return static_cast<int>(levels_.size()); }
 
-  /// Grey value, 0 to 255, at (s, t) in texels of level 0, where texel k covers k - 0.5 to k + 0.5; bilinear in `level`.
+  /// Grey value, 0 to 255, at (s, t) in texels of level 0, where texel k covers k - 0.5 to k + 0.5; bilinear in
+  /// `level`.
   float at(float s, float t, int level) const {
     const Level& picture = levels_[static_cast<std::size_t>(level)];
     const float scale = picture.scale;
@@ -25,8 +26,10 @@ class Texture {
     y0 -= y < static_cast<float>(y0);
     const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
     const int left = x0 & picture.mask, right = (x0 + 1) & picture.mask;
-    const std::uint8_t* const upper = picture.texels.data() + static_cast<std::size_t>(y0 & picture.mask) * picture.side;
-    const std::uint8_t* const lower = picture.texels.data() + static_cast<std::size_t>((y0 + 1) & picture.mask) * picture.side;
+    const std::uint8_t* const upper =
+        picture.texels.data() + static_cast<std::size_t>(y0 & picture.mask) * picture.side;
+    const std::uint8_t* const lower =
+        picture.texels.data() + static_cast<std::size_t>((y0 + 1) & picture.mask) * picture.side;
     const float a = upper[left], b = upper[right], c = lower[left], d = lower[right];
     const float top = a + fx * (b - a), bottom = c + fx * (d - c);
     return top + fy * (bottom - top);

@@ -8,8 +8,8 @@
 
 namespace host::render {
 
-/// A square of `side` px, 8-bit grey: photographs cut, turned and scaled at random (by 1.4 at most), and a third of the patches
-/// of low contrast, as walls are.
+/// A square of `side` px, 8-bit grey: photographs cut, turned and scaled at random (by 1.4 at most), and a third of the
+/// patches of low contrast, as walls are.
 cv::Mat make_wallpaper(const Photographs& photographs, int side, std::uint64_t seed);
 
 }  // namespace host::render

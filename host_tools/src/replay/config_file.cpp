@@ -21,7 +21,8 @@ constexpr PriorEntry kPriors[] = {
     {"p_CI_m", &PriorSigmas::p_CI_m, "m, each axis of the lever arm"},
     {"focal_length_share", &PriorSigmas::focal_length_share, "of f"},
     {"principal_point_px", &PriorSigmas::principal_point_px, "px"},
-    {"distortion", &PriorSigmas::distortion, "each coefficient of the lens; by default 0.03 (fov), 0.1 (radtan), 0.02 (equidistant)"},
+    {"distortion", &PriorSigmas::distortion,
+     "each coefficient of the lens; by default 0.03 (fov), 0.1 (radtan), 0.02 (equidistant)"},
     {"gyro_scale", &PriorSigmas::gyro_scale, "of 1"},
     {"gyro_misalignment", &PriorSigmas::gyro_misalignment, "rad"},
     {"accel_scale", &PriorSigmas::accel_scale, "of 1"},
@@ -32,7 +33,7 @@ constexpr PriorEntry kPriors[] = {
 struct NoiseEntry {
   const char* name;
   std::optional<double> SensorConfig::*value;
-  double least, most;                    // what the core takes
+  double least, most;  // what the core takes
   const char* unit;
 };
 constexpr NoiseEntry kNoise[] = {
@@ -41,10 +42,11 @@ constexpr NoiseEntry kNoise[] = {
     {"accelerometer_noise_density", &SensorConfig::accel_noise_density, 1e-9, 10, "m/s^2/sqrt(Hz)"},
     {"accelerometer_random_walk", &SensorConfig::accel_random_walk, 1e-9, 10, "m/s^3/sqrt(Hz)"},
     {"pixel_sigma_px", &SensorConfig::pixel_sigma, 1e-3, 100, "px, white noise of a tracked corner per axis"},
-    {"track_walk_px_per_sqrt_s", &SensorConfig::track_walk, 0, 100, "px/sqrt(s), random walk of its error along the track"},
+    {"track_walk_px_per_sqrt_s", &SensorConfig::track_walk, 0, 100,
+     "px/sqrt(s), random walk of its error along the track"},
 };
 
-constexpr double kLeastGravity = 1, kMostGravity = 30;   // from the Moon to Jupiter; 980.665 or 1 g are other units
+constexpr double kLeastGravity = 1, kMostGravity = 30;  // from the Moon to Jupiter; 980.665 or 1 g are other units
 
 double number_in(const YamlFile& yaml, const YAML::Node& node, const char* name, double least, double most) {
   const double value = yaml.number(node, name);
@@ -79,7 +81,8 @@ std::vector<std::string> names_of(const Entries& entries) {
 double read_gravity(const YamlFile& yaml, const YAML::Node& node) {
   refuse_unknown(yaml, node, "gravity", std::vector<std::string>{"m_s2", "latitude_deg", "height_m"});
   const bool by_place = node["latitude_deg"].IsDefined();
-  if (by_place == node["m_s2"].IsDefined()) yaml.fail(node, "either 'm_s2' or 'latitude_deg' with 'height_m' for 'gravity'");
+  if (by_place == node["m_s2"].IsDefined())
+    yaml.fail(node, "either 'm_s2' or 'latitude_deg' with 'height_m' for 'gravity'");
   if (!by_place) {
     if (node["height_m"].IsDefined()) yaml.fail(node["height_m"], "'height_m' beside 'latitude_deg' only");
     return number_in(yaml, node, "m_s2", kLeastGravity, kMostGravity);
@@ -104,8 +107,10 @@ PriorSigmas effective(const PriorSigmas& stated, const Calibration& start) {
   const CameraCalibration& first = start.cameras.front();
   const std::vector<double> all = default_sigmas(first);
   const double* const imu = all.data() + all.size() - 15;
-  const bool one_lens = std::all_of(start.cameras.begin(), start.cameras.end(), [&](const auto& c) { return c.model == first.model; });
-  PriorSigmas out{all[0], all[3], all[6] / first.intrinsics(0), all[8], one_lens ? all[10] : 0, imu[0], imu[3], imu[6], imu[9], imu[12]};
+  const bool one_lens =
+      std::all_of(start.cameras.begin(), start.cameras.end(), [&](const auto& c) { return c.model == first.model; });
+  PriorSigmas out{all[0], all[3], all[6] / first.intrinsics(0), all[8], one_lens ? all[10] : 0, imu[0], imu[3], imu[6],
+                  imu[9], imu[12]};
   for (const PriorEntry& entry : kPriors)
     if (stated.*entry.sigma > 0) out.*entry.sigma = stated.*entry.sigma;
   return out;
@@ -166,28 +171,36 @@ SensorConfig read_config_file(const std::filesystem::path& file) {
     if (const YAML::Node priors = root["prior_sigma"]) {
       refuse_unknown(yaml, priors, "prior_sigma", names_of(kPriors));
       for (const PriorEntry& entry : kPriors)
-        if (priors[entry.name].IsDefined()) out.prior_sigma.*entry.sigma = number_in(yaml, priors, entry.name, SEGCAL_NS::kLeastSigma, SEGCAL_NS::kMostSigma);
+        if (priors[entry.name].IsDefined())
+          out.prior_sigma.*entry.sigma =
+              number_in(yaml, priors, entry.name, SEGCAL_NS::kLeastSigma, SEGCAL_NS::kMostSigma);
     }
     if (const YAML::Node gravity = root["gravity"]) out.gravity = read_gravity(yaml, gravity);
     if (const YAML::Node noise = root["noise"]) {
       refuse_unknown(yaml, noise, "noise", names_of(kNoise));
       for (const NoiseEntry& entry : kNoise)
-        if (noise[entry.name].IsDefined()) out.*entry.value = number_in(yaml, noise, entry.name, entry.least, entry.most);
+        if (noise[entry.name].IsDefined())
+          out.*entry.value = number_in(yaml, noise, entry.name, entry.least, entry.most);
     }
     return out;
   });
 }
 
 std::string config_yaml(const CoreOptions& options) {
-  std::string text = "# What this replay believed of the sensors: segcal replay --config takes it.\nformat: 1\nprior_sigma:\n";
+  std::string text =
+      "# What this replay believed of the sensors: segcal replay --config takes it.\nformat: 1\nprior_sigma:\n";
   const PriorSigmas priors = effective(options.prior_sigma, options.calibration);
   for (const PriorEntry& entry : kPriors)
     if (priors.*entry.sigma > 0) append_entry(&text, entry.name, priors.*entry.sigma, entry.unit);
   text += options.gravity > 0 ? "gravity:\n" : "# Nobody stated it, the standard value was taken:\n# gravity:\n#";
   append_entry(&text, "m_s2", options.gravity > 0 ? options.gravity : kStandardGravity, "m/s^2");
   text += "noise:\n";
-  const double values[] = {options.noise.gyro_noise_density, options.noise.gyro_random_walk, options.noise.accel_noise_density,
-                           options.noise.accel_random_walk, options.pixel_sigma, options.track_walk};
+  const double values[] = {options.noise.gyro_noise_density,
+                           options.noise.gyro_random_walk,
+                           options.noise.accel_noise_density,
+                           options.noise.accel_random_walk,
+                           options.pixel_sigma,
+                           options.track_walk};
   for (std::size_t i = 0; i < std::size(kNoise); ++i) append_entry(&text, kNoise[i].name, values[i], kNoise[i].unit);
   return text;
 }
@@ -198,7 +211,8 @@ std::string config_help() {
   options.calibration.cameras.resize(1);
   options.calibration.cameras[0].intrinsics << 1, 1, 0, 0;
   options.calibration.cameras[0].model = DistortionModel::radtan;
-  std::string text = R"(--config reads the assumptions about the sensors. Every entry is optional; a missing one has the value shown here, noise the value
+  std::string text =
+      R"(--config reads the assumptions about the sensors. Every entry is optional; a missing one has the value shown here, noise the value
 of the recording's sensor.yaml. Instead of gravity's m_s2: latitude_deg and height_m (WGS 84). OUT/config.yaml holds the values
 used and can be the next run's --config; --pixel-sigma and --track-walk override the file.
 )";

@@ -11,16 +11,16 @@ namespace host {
 
 /// What a config.yaml states; an empty entry is left as it is.
 struct SensorConfig {
-  PriorSigmas prior_sigma;               ///< 0: not stated
-  std::optional<double> gravity;         ///< m/s^2
+  PriorSigmas prior_sigma;        ///< 0: not stated
+  std::optional<double> gravity;  ///< m/s^2
   std::optional<double> gyro_noise_density, gyro_random_walk, accel_noise_density, accel_random_walk;
   std::optional<double> pixel_sigma, track_walk;
 
   void apply(CoreOptions* options) const;
 };
 
-/// Throws InputError with file and line: another format, an entry of a name that there is not, a number outside its range, two
-/// gravities.
+/// Throws InputError with file and line: another format, an entry of a name that there is not, a number outside its
+/// range, two gravities.
 SensorConfig read_config_file(const std::filesystem::path& file);
 
 /// All that the options state or take by default, so that a replay with it repeats the run.

@@ -5,12 +5,16 @@
 namespace host {
 
 // One per profile, from profile/core_of_profile.cpp.
-#define SEGCAL_DECLARE(profile) namespace segcal_##profile##_core { std::unique_ptr<Core> make_core(const CoreOptions& options); }
+#define SEGCAL_DECLARE(profile)                                  \
+  namespace segcal_##profile##_core {                            \
+    std::unique_ptr<Core> make_core(const CoreOptions& options); \
+  }
 SEGCAL_FOR_EACH_PROFILE(SEGCAL_DECLARE)
 #undef SEGCAL_DECLARE
 
 std::unique_ptr<Core> make_core(const std::string& profile, const CoreOptions& options) {
-#define SEGCAL_CALL(name) if (profile == #name) return segcal_##name##_core::make_core(options);
+#define SEGCAL_CALL(name) \
+  if (profile == #name) return segcal_##name##_core::make_core(options);
   SEGCAL_FOR_EACH_PROFILE(SEGCAL_CALL)
 #undef SEGCAL_CALL
   refuse_profile(profile);

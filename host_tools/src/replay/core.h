@@ -19,12 +19,13 @@ struct CoreTerm {
   int kind = 0, a = 0, b = 0, c = 0;
 };
 
-/// One standard deviation of the starting calibration's error, by group; 0: the core's default (lib/src/calibration/prior.h).
+/// One standard deviation of the starting calibration's error, by group; 0: the core's default
+/// (lib/src/calibration/prior.h).
 struct PriorSigmas {
   double r_CI_rad = 0, p_CI_m = 0;
-  double focal_length_share = 0;     ///< of f
+  double focal_length_share = 0;  ///< of f
   double principal_point_px = 0;
-  double distortion = 0;             ///< of each coefficient
+  double distortion = 0;  ///< of each coefficient
   double gyro_scale = 0, gyro_misalignment = 0;
   double accel_scale = 0, accel_misalignment = 0, r_AI_rad = 0;
 };
@@ -33,27 +34,28 @@ struct CoreOptions {
   Calibration calibration;
   PriorSigmas prior_sigma;
   ImuNoise noise;
-  double gravity = 0;                ///< m/s^2; 0: nobody stated it, the standard value is taken
-  std::string metric = "A";          ///< A, D, E, set_d or random
+  double gravity = 0;        ///< m/s^2; 0: nobody stated it, the standard value is taken
+  std::string metric = "A";  ///< A, D, E, set_d or random
   bool multi_session = false;
   int segments = 8;
   double segment_s = 4;
-  bool adaptive_segments = false;    ///< segments of half to twice segment_s, where motion says
-  double pixel_sigma = 0.5;          ///< px, white noise of a corner per axis
-  double track_walk = 0;             ///< px/sqrt(s), random walk of its error along the track, per axis
+  bool adaptive_segments = false;  ///< segments of half to twice segment_s, where motion says
+  double pixel_sigma = 0.5;        ///< px, white noise of a corner per axis
+  double track_walk = 0;           ///< px/sqrt(s), random walk of its error along the track, per axis
   std::uint64_t seed = 1;
-  double outdated_level = 1e-3;      ///< probability that a calibration drops segments of an unchanged device; -1: it never drops any
-  double trigger_fraction = 0;       ///< sigmas over the prior's at which the device calibrates of its own; 0: it does not
-  bool hold_calibration = false;     ///< the filter runs with the calibration as it is, without estimates of its own
-  std::vector<double> sigma_ref;     ///< normalises the metrics, per parameter; empty: the prior sigmas
-  bool condense = false;             ///< segments that end after a release go into epochs
-  bool joint_ekf = false;            ///< the filter's own calibration is the result; no segments
+  double outdated_level =
+      1e-3;  ///< probability that a calibration drops segments of an unchanged device; -1: it never drops any
+  double trigger_fraction = 0;    ///< sigmas over the prior's at which the device calibrates of its own; 0: it does not
+  bool hold_calibration = false;  ///< the filter runs with the calibration as it is, without estimates of its own
+  std::vector<double> sigma_ref;  ///< normalises the metrics, per parameter; empty: the prior sigmas
+  bool condense = false;          ///< segments that end after a release go into epochs
+  bool joint_ekf = false;         ///< the filter's own calibration is the result; no segments
   std::vector<std::uint8_t> device_config;  ///< a device's own (recording.h): taken instead of all here; empty: none
-  std::uint32_t effects = 0;         ///< SEGCAL_EFFECT_* that are estimated
-  std::uint32_t watched_effects = 0; ///< SEGCAL_EFFECT_* that each scored segment is asked about
-  std::vector<CoreTerm> terms;       ///< and further terms
-  std::vector<double> term_values;   ///< where they start, effects by bit, then `terms`; empty: at zero
-  bool has_temperature = false;      ///< the samples tell the temperature
+  std::uint32_t effects = 0;                ///< SEGCAL_EFFECT_* that are estimated
+  std::uint32_t watched_effects = 0;        ///< SEGCAL_EFFECT_* that each scored segment is asked about
+  std::vector<CoreTerm> terms;              ///< and further terms
+  std::vector<double> term_values;          ///< where they start, effects by bit, then `terms`; empty: at zero
+  bool has_temperature = false;             ///< the samples tell the temperature
 };
 
 struct CoreState {
@@ -63,7 +65,7 @@ struct CoreState {
 };
 
 struct CoreDirection {
-  std::vector<double> weight;        ///< per parameter, in units of its prior sigma; the largest is 1
+  std::vector<double> weight;  ///< per parameter, in units of its prior sigma; the largest is 1
   double relative_sigma = 1;
 };
 
@@ -73,14 +75,14 @@ struct CoreSegment {
   int keyframes = 0, landmarks = 0, points = 0, rank = 0;
   double A = 0, D = 0, E = 0, gain_nats = 0;
   bool kept = false;
-  bool settled = true;               ///< its states follow its own IMU samples, at the calibration that the odometry believed
-  bool outdated = false;             ///< dropped by a calibration: newer segments contradict it
+  bool settled = true;    ///< its states follow its own IMU samples, at the calibration that the odometry believed
+  bool outdated = false;  ///< dropped by a calibration: newer segments contradict it
   std::vector<CoreDirection> not_excited;
-  std::vector<double> sigma;         ///< per parameter, from this segment and the prior alone
+  std::vector<double> sigma;  ///< per parameter, from this segment and the prior alone
 };
 
 struct CoreParameter {
-  std::string name, unit, verdict;   ///< verdict: observed, weak or fixed
+  std::string name, unit, verdict;  ///< verdict: observed, weak or fixed
   double value = 0, initial = 0, sigma = 0, prior_sigma = 0;
 };
 
@@ -91,11 +93,12 @@ struct CoreEpoch {
   std::vector<double> value, sigma;
 };
 
-/// A step of the calibration between what was known and a release that dropped it; steps in the order of the parameters.
+/// A step of the calibration between what was known and a release that dropped it; steps in the order of the
+/// parameters.
 struct CoreChange {
-  bool open = false;                     ///< not decided: no steps
+  bool open = false;  ///< not decided: no steps
   unsigned before_session = 0, after_session = 0;
-  std::int64_t t_ns = 0;                 ///< where the segment begins that contradicted first
+  std::int64_t t_ns = 0;  ///< where the segment begins that contradicted first
   std::vector<double> step, sigma;
 };
 
@@ -106,9 +109,10 @@ struct CoreResult {
   int iterations = 0, segments = 0, partitions = 0, image_points = 0;
   bool converged = false;
   double chi2 = 0, dof = 0, noise_scale = 1, reprojection_rms_px = 0, reprojection_median_px = 0;
-  std::vector<double> mean, covariance;  ///< of the parameters with nothing held (segcal_get_posterior), row-major; empty: not known
-  std::vector<CoreEpoch> epochs;         ///< oldest first
-  std::vector<CoreChange> changes;       ///< oldest first, an open one last
+  std::vector<double> mean,
+      covariance;  ///< of the parameters with nothing held (segcal_get_posterior), row-major; empty: not known
+  std::vector<CoreEpoch> epochs;    ///< oldest first
+  std::vector<CoreChange> changes;  ///< oldest first, an open one last
 };
 
 struct CorePointResidual {
@@ -125,21 +129,22 @@ struct CoreImuResidual {
 struct CoreModel {
   double gyro_noise_density = 0, gyro_random_walk = 0, accel_noise_density = 0, accel_random_walk = 0;
   double gravity = 0, pixel_sigma = 0, huber = 0;
-  double bias_a_sigma = 0, bias_g_sigma = 0, velocity_sigma = 0, inverse_depth_sigma = 0, turned_inverse_depth_sigma = 0;
+  double bias_a_sigma = 0, bias_g_sigma = 0, velocity_sigma = 0, inverse_depth_sigma = 0,
+         turned_inverse_depth_sigma = 0;
   double track_walk = 0;
 };
 
 struct CoreLandmark {
   std::uint32_t track_id = 0;
-  int tie = -1;                      ///< the same number in several segments: one landmark; -1: the segment's own
+  int tie = -1;  ///< the same number in several segments: one landmark; -1: the segment's own
   Eigen::Vector3d anchor{0, 0, 0}, direction{0, 0, 1};
-  double inverse_distance = 0;       ///< the landmark is at anchor + direction / inverse_distance
+  double inverse_distance = 0;  ///< the landmark is at anchor + direction / inverse_distance
 };
 
 struct CorePoint {
   int landmark = 0, keyframe = 0, camera = 0;
-  double u = 0, v = 0;               ///< px
-  bool rejected = false;             ///< left out by the last calibration
+  double u = 0, v = 0;    ///< px
+  bool rejected = false;  ///< left out by the last calibration
 };
 
 /// Everything about one kept segment: what the report draws, and all that the calibration had of it.
@@ -148,30 +153,33 @@ struct CoreKept {
   std::vector<CoreState> keyframes;
   std::vector<CorePointResidual> points;
   std::vector<CoreImuResidual> imu;
-  int place = -1;                    ///< order in the last calibration; -1: it took no part
-  std::string join = "none";         ///< how it hangs on the one before: none, imu or bias
-  double gap_s = 0;                  ///< s from the one before
-  std::int64_t lead_ns = 0;          ///< the samples begin this long before the first keyframe
-  bool turned_only = false;          ///< linearised as pure rotation
+  int place = -1;             ///< order in the last calibration; -1: it took no part
+  std::string join = "none";  ///< how it hangs on the one before: none, imu or bias
+  double gap_s = 0;           ///< s from the one before
+  std::int64_t lead_ns = 0;   ///< the samples begin this long before the first keyframe
+  bool turned_only = false;   ///< linearised as pure rotation
   std::vector<CoreLandmark> landmarks;
   std::vector<CorePoint> measured;
-  std::vector<ImuSample> samples;    ///< as stored, rounded to 16 bits
+  std::vector<ImuSample> samples;  ///< as stored, rounded to 16 bits
 };
 
 /// Square-root rows over [theta | candidates | residual] of some kept segments, without the prior (segcal_linearise).
 struct CoreRows {
-  int n_theta = 0, n_candidates = 0; ///< theta with the terms that are estimated
-  double dof = 0;                    ///< residuals minus states and landmarks
-  std::vector<double> triangle;      ///< packed, row-major, n_theta + n_candidates + 1 columns
+  int n_theta = 0, n_candidates = 0;  ///< theta with the terms that are estimated
+  double dof = 0;                     ///< residuals minus states and landmarks
+  std::vector<double> triangle;       ///< packed, row-major, n_theta + n_candidates + 1 columns
 };
 
-/// What one kept segment says through its camera, then through its gyroscope (rotation, its bias' walk) beside the camera, then through its
-/// accelerometer (velocity, position, its bias' walk) beside both; with the states at their best.
+/// What one kept segment says through its camera, then through its gyroscope (rotation, its bias' walk) beside the
+/// camera, then through its accelerometer (velocity, position, its bias' walk) beside both; with the states at their
+/// best.
 struct CoreSensorRows {
-  int n_theta = 0, n_candidates = 0;   ///< as CoreRows
-  /// What a sensor adds to the squares at (theta, candidates) = x is |root (x, -1)|^2. They add up to CoreRows of the same segment.
+  int n_theta = 0, n_candidates = 0;  ///< as CoreRows
+  /// What a sensor adds to the squares at (theta, candidates) = x is |root (x, -1)|^2. They add up to CoreRows of the
+  /// same segment.
   std::array<Eigen::MatrixXd, 3> root;
-  /// (s, t): how much the variance of sensor t adds to what s adds, expected. Sums of rows are degrees of freedom, theta not counted.
+  /// (s, t): how much the variance of sensor t adds to what s adds, expected. Sums of rows are degrees of freedom,
+  /// theta not counted.
   Eigen::Matrix3d shared = Eigen::Matrix3d::Zero();
 };
 
@@ -206,8 +214,8 @@ class Core {
   virtual bool last_segment(CoreSegment* out) = 0;
   virtual std::vector<CoreKept> kept() const = 0;
   virtual CoreModel model() const = 0;
-  /// Rows of the kept segments with these serial numbers, at the last calibration. Throws InputError for candidates that
-  /// this profile has no room for.
+  /// Rows of the kept segments with these serial numbers, at the last calibration. Throws InputError for candidates
+  /// that this profile has no room for.
   virtual CoreRows linearise(const std::vector<std::uint32_t>& serials, const std::vector<CoreTerm>& candidates) = 0;
   /// The same of one kept segment, sensor by sensor.
   virtual CoreSensorRows sensor_rows(std::uint32_t serial, const std::vector<CoreTerm>& candidates) = 0;
@@ -218,8 +226,9 @@ class Core {
   /// Data faults and other counters, by name.
   virtual std::vector<std::pair<std::string, std::uint32_t>> counters() const = 0;
   virtual CoreMemory memory() const = 0;
-  /// Before anything is pushed: goes on, in a new session, where the device that saved into this flash ended. Throws InputError
-  /// without a file's name if that device's configuration or capacities were others, or if nothing whole is stored.
+  /// Before anything is pushed: goes on, in a new session, where the device that saved into this flash ended. Throws
+  /// InputError without a file's name if that device's configuration or capacities were others, or if nothing whole is
+  /// stored.
   virtual void restore(FlashImage* flash) = 0;
   /// After flush() or calibrate(): what outlives power. An empty image is made as large as this profile needs.
   virtual void save(FlashImage* flash) = 0;
@@ -227,7 +236,8 @@ class Core {
   virtual std::uint64_t result_hash() const = 0;
 };
 
-/// `profile`: mcu, mobile, host or mobile_double. Throws InputError for another name or a configuration that the core refuses.
+/// `profile`: mcu, mobile, host or mobile_double. Throws InputError for another name or a configuration that the core
+/// refuses.
 std::unique_ptr<Core> make_core(const std::string& profile, const CoreOptions& options);
 
 }  // namespace host

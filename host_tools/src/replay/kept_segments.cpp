@@ -25,7 +25,8 @@ Json array_of(const Eigen::Matrix<double, Rows, Columns>& m) {
 
 template <int Rows, int Columns>
 void read_array(const Json& json, Eigen::Matrix<double, Rows, Columns>* m) {
-  if (json.size() != Rows * Columns) throw InputError("expected a list of " + std::to_string(Rows * Columns) + " numbers");
+  if (json.size() != Rows * Columns)
+    throw InputError("expected a list of " + std::to_string(Rows * Columns) + " numbers");
   for (int i = 0; i < Rows; ++i) {
     for (int j = 0; j < Columns; ++j) (*m)(i, j) = json.at(static_cast<std::size_t>(i * Columns + j)).get<double>();
   }
@@ -34,24 +35,36 @@ void read_array(const Json& json, Eigen::Matrix<double, Rows, Columns>* m) {
 /// The names of the model's figures in the file, and where they are.
 const std::vector<std::pair<const char*, double CoreModel::*>>& model_fields() {
   static const std::vector<std::pair<const char*, double CoreModel::*>> fields = {
-      {"gyro_noise_density", &CoreModel::gyro_noise_density}, {"gyro_random_walk", &CoreModel::gyro_random_walk},
-      {"accel_noise_density", &CoreModel::accel_noise_density}, {"accel_random_walk", &CoreModel::accel_random_walk},
-      {"gravity", &CoreModel::gravity}, {"pixel_sigma", &CoreModel::pixel_sigma}, {"huber", &CoreModel::huber},
-      {"bias_a_sigma", &CoreModel::bias_a_sigma}, {"bias_g_sigma", &CoreModel::bias_g_sigma},
-      {"velocity_sigma", &CoreModel::velocity_sigma}, {"inverse_depth_sigma", &CoreModel::inverse_depth_sigma},
-      {"turned_inverse_depth_sigma", &CoreModel::turned_inverse_depth_sigma}, {"track_walk", &CoreModel::track_walk}};
+      {"gyro_noise_density", &CoreModel::gyro_noise_density},
+      {"gyro_random_walk", &CoreModel::gyro_random_walk},
+      {"accel_noise_density", &CoreModel::accel_noise_density},
+      {"accel_random_walk", &CoreModel::accel_random_walk},
+      {"gravity", &CoreModel::gravity},
+      {"pixel_sigma", &CoreModel::pixel_sigma},
+      {"huber", &CoreModel::huber},
+      {"bias_a_sigma", &CoreModel::bias_a_sigma},
+      {"bias_g_sigma", &CoreModel::bias_g_sigma},
+      {"velocity_sigma", &CoreModel::velocity_sigma},
+      {"inverse_depth_sigma", &CoreModel::inverse_depth_sigma},
+      {"turned_inverse_depth_sigma", &CoreModel::turned_inverse_depth_sigma},
+      {"track_walk", &CoreModel::track_walk}};
   return fields;
 }
 
 Json calibration_json(const Calibration& c) {
   Json cameras = Json::array();
   for (const CameraCalibration& camera : c.cameras) {
-    cameras.push_back({{"model", distortion_name(camera.model)}, {"width", camera.width}, {"height", camera.height},
-                       {"intrinsics", array_of(camera.intrinsics)}, {"distortion", array_of(camera.distortion)},
-                       {"R_CI", array_of(camera.R_CI)}, {"p_CI", array_of(camera.p_CI)},
+    cameras.push_back({{"model", distortion_name(camera.model)},
+                       {"width", camera.width},
+                       {"height", camera.height},
+                       {"intrinsics", array_of(camera.intrinsics)},
+                       {"distortion", array_of(camera.distortion)},
+                       {"R_CI", array_of(camera.R_CI)},
+                       {"p_CI", array_of(camera.p_CI)},
                        {"timeshift_cam_imu", camera.timeshift_cam_imu}});
   }
-  return {{"cameras", cameras}, {"T_g", array_of(c.imu.T_g)}, {"T_a", array_of(c.imu.T_a)}, {"R_AI", array_of(c.imu.R_AI)}};
+  return {
+      {"cameras", cameras}, {"T_g", array_of(c.imu.T_g)}, {"T_a", array_of(c.imu.T_a)}, {"R_AI", array_of(c.imu.R_AI)}};
 }
 
 Calibration read_calibration_json(const Json& json) {
@@ -76,18 +89,26 @@ Calibration read_calibration_json(const Json& json) {
 
 /// Long lists are arrays of numbers, not objects: a segment has a thousand samples and as many points.
 Json segment_json(const CoreKept& k) {
-  Json json = {{"session", k.segment.session}, {"serial", k.segment.serial}, {"join", k.join}, {"gap_s", k.gap_s},
-               {"lead_ns", k.lead_ns}, {"turned_only", k.turned_only}};
+  Json json = {{"session", k.segment.session}, {"serial", k.segment.serial},  {"join", k.join}, {"gap_s", k.gap_s},
+               {"lead_ns", k.lead_ns},         {"turned_only", k.turned_only}};
   for (const char* name : {"keyframes", "landmarks", "points", "samples"}) json[name] = Json::array();
   for (const CoreState& x : k.keyframes) {
-    json["keyframes"].push_back({{"t_ns", x.t_ns}, {"q_GI_wxyz", array_of(x.q_GI_wxyz)}, {"p_GI", array_of(x.p_GI)},
-                                 {"v_GI", array_of(x.v_GI)}, {"b_a", array_of(x.b_a)}, {"b_g", array_of(x.b_g)}});
+    json["keyframes"].push_back({{"t_ns", x.t_ns},
+                                 {"q_GI_wxyz", array_of(x.q_GI_wxyz)},
+                                 {"p_GI", array_of(x.p_GI)},
+                                 {"v_GI", array_of(x.v_GI)},
+                                 {"b_a", array_of(x.b_a)},
+                                 {"b_g", array_of(x.b_g)}});
   }
   for (const CoreLandmark& l : k.landmarks) {
-    json["landmarks"].push_back({{"track_id", l.track_id}, {"tie", l.tie}, {"anchor", array_of(l.anchor)},
-                                 {"direction", array_of(l.direction)}, {"inverse_distance", l.inverse_distance}});
+    json["landmarks"].push_back({{"track_id", l.track_id},
+                                 {"tie", l.tie},
+                                 {"anchor", array_of(l.anchor)},
+                                 {"direction", array_of(l.direction)},
+                                 {"inverse_distance", l.inverse_distance}});
   }
-  for (const CorePoint& z : k.measured) json["points"].push_back({z.landmark, z.keyframe, z.camera, z.u, z.v, z.rejected ? 1 : 0});
+  for (const CorePoint& z : k.measured)
+    json["points"].push_back({z.landmark, z.keyframe, z.camera, z.u, z.v, z.rejected ? 1 : 0});
   for (const ImuSample& s : k.samples) {
     json["samples"].push_back({s.t_ns, s.gyro[0], s.gyro[1], s.gyro[2], s.accel[0], s.accel[1], s.accel[2]});
   }
@@ -116,8 +137,8 @@ CoreLandmark read_landmark(const Json& json) {
 }
 
 CorePoint read_point(const Json& json, const CoreKept& k, std::size_t n_cameras) {
-  const CorePoint z{whole_number<int>(json.at(0)), whole_number<int>(json.at(1)), whole_number<int>(json.at(2)), json.at(3).get<double>(),
-                    json.at(4).get<double>(), whole_number<int>(json.at(5)) != 0};
+  const CorePoint z{whole_number<int>(json.at(0)), whole_number<int>(json.at(1)), whole_number<int>(json.at(2)),
+                    json.at(3).get<double>(),      json.at(4).get<double>(),      whole_number<int>(json.at(5)) != 0};
   const auto below = [](int i, std::size_t n) { return i >= 0 && static_cast<std::size_t>(i) < n; };
   if (!below(z.landmark, k.landmarks.size()) || !below(z.keyframe, k.keyframes.size()) || !below(z.camera, n_cameras)) {
     throw InputError("a point of a landmark, keyframe or camera that is not there");
@@ -163,7 +184,8 @@ KeptSegments read(const Json& json) {
   out.noise.gyro_random_walk = out.model.gyro_random_walk;
   out.noise.accel_noise_density = out.model.accel_noise_density;
   out.noise.accel_random_walk = out.model.accel_random_walk;
-  if (out.prior_sigma.size() != parameter_names(out.start).size()) throw InputError("prior.sigma: expected one per parameter");
+  if (out.prior_sigma.size() != parameter_names(out.start).size())
+    throw InputError("prior.sigma: expected one per parameter");
   out.effects = json.value("effects", std::vector<std::string>());
   out.scatter = json.value("segment_scatter", 1.0);
   out.condensed = json.value("condensed", 0);
@@ -184,13 +206,15 @@ KeptSegments kept_segments(const ReplayResult& result) {
   if (r.dof > 0 && noise > 1.0001 * std::max(1.0, r.chi2 / r.dof)) out.scatter = noise;  // the core's floats round
   for (const CoreParameter& p : result.result.parameters) out.prior_sigma.push_back(p.prior_sigma);
   const std::size_t n_theta = std::min(out.prior_sigma.size(), parameter_names(result.start).size());
-  for (std::size_t i = n_theta; i < result.result.parameters.size(); ++i) out.effects.push_back(result.result.parameters[i].name);
+  for (std::size_t i = n_theta; i < result.result.parameters.size(); ++i)
+    out.effects.push_back(result.result.parameters[i].name);
   out.prior_sigma.resize(n_theta);
   for (const CoreEpoch& e : r.epochs) out.condensed += e.segments;
   for (const CoreKept& k : result.kept) {
     if (k.place >= 0) out.segments.push_back(k);
   }
-  std::sort(out.segments.begin(), out.segments.end(), [](const CoreKept& a, const CoreKept& b) { return a.place < b.place; });
+  std::sort(out.segments.begin(), out.segments.end(),
+            [](const CoreKept& a, const CoreKept& b) { return a.place < b.place; });
   return out;
 }
 
@@ -199,7 +223,8 @@ std::string kept_segments_json(const KeptSegments& kept) {
   json["format"] = kFormat;
   for (const auto& [name, field] : model_fields()) json["model"][name] = kept.model.*field;
   json["imu_rate_hz"] = kept.noise.rate_hz;
-  json["prior"] = {{"mean", calibration_json(kept.start)}, {"names", parameter_names(kept.start)}, {"sigma", kept.prior_sigma}};
+  json["prior"] = {
+      {"mean", calibration_json(kept.start)}, {"names", parameter_names(kept.start)}, {"sigma", kept.prior_sigma}};
   json["effects"] = kept.effects;
   json["segment_scatter"] = kept.scatter;
   json["condensed"] = kept.condensed;
@@ -210,7 +235,8 @@ std::string kept_segments_json(const KeptSegments& kept) {
 
 KeptSegments read_kept_segments(const std::filesystem::path& dir) {
   const std::filesystem::path file = dir / "kept_segments.json";
-  if (!std::filesystem::exists(file)) throw InputError(file.string() + ": missing; `segcal replay REC --out " + dir.string() + "` writes it");
+  if (!std::filesystem::exists(file))
+    throw InputError(file.string() + ": missing; `segcal replay REC --out " + dir.string() + "` writes it");
   const std::string text = read_file(file);
   try {
     return read(Json::parse(text));

@@ -12,13 +12,15 @@ namespace host {
 /// The problem that a calibration solved.
 struct KeptSegments {
   CoreModel model;
-  Calibration start;                  ///< mean of the prior
-  std::vector<double> prior_sigma;    ///< per parameter, in the order of parameter_names()
+  Calibration start;                ///< mean of the prior
+  std::vector<double> prior_sigma;  ///< per parameter, in the order of parameter_names()
   ImuNoise noise;
-  double scatter = 1;                 ///< variance that the segments' disagreement put into the sigmas; 1: no more than their residuals did
-  std::vector<std::string> effects;   ///< parameters of effects that the calibration estimated as well; none is in `start`
-  int condensed = 0;                  ///< further segments that took part as epochs: of these nothing is left to repeat it from
-  std::vector<CoreKept> segments;     ///< in the order of the calibration
+  double scatter =
+      1;  ///< variance that the segments' disagreement put into the sigmas; 1: no more than their residuals did
+  std::vector<std::string>
+      effects;        ///< parameters of effects that the calibration estimated as well; none is in `start`
+  int condensed = 0;  ///< further segments that took part as epochs: of these nothing is left to repeat it from
+  std::vector<CoreKept> segments;  ///< in the order of the calibration
 };
 
 /// The segments that took part in the last calibration of a replay.

@@ -92,7 +92,8 @@ double EffectChoice::value(const std::string& parameter) const {
 
 void EffectChoice::add_term(const std::string& name, double value) {
   Term t;
-  if (!find_term(name, &t)) throw InputError("there is no term '" + name + "'; expected one as gyro_x:fy*wz, accel_z:T or image_u:x^2*y");
+  if (!find_term(name, &t))
+    throw InputError("there is no term '" + name + "'; expected one as gyro_x:fy*wz, accel_z:T or image_u:x^2*y");
   terms_.push_back({static_cast<int>(t.kind), t.a, t.b, t.c});
   term_values_.push_back(value);
   has_term_of_temperature_ |= is_of_temperature(name);
@@ -146,8 +147,9 @@ std::string model_yaml(const ReplayResult& result) {
     const std::string effect = listed ? all[i].name.substr(0, dot) : "term";
     if (effect != last) text += "  - name: " + effect + "\n    parameters:\n";
     last = effect;
-    text += "      - {name: \"" + (listed ? all[i].name.substr(dot + 1) : all[i].name) + "\", value: " + yaml_digits("%.9g", all[i].value) +
-            ", sigma: " + yaml_digits("%.4g", all[i].sigma) + ", unit: \"" + all[i].unit + "\", verdict: " + all[i].verdict + "}\n";
+    text += "      - {name: \"" + (listed ? all[i].name.substr(dot + 1) : all[i].name) +
+            "\", value: " + yaml_digits("%.9g", all[i].value) + ", sigma: " + yaml_digits("%.4g", all[i].sigma) +
+            ", unit: \"" + all[i].unit + "\", verdict: " + all[i].verdict + "}\n";
   }
   return text;
 }
@@ -158,8 +160,8 @@ std::string effects_help() {
     const EffectEntry& entry = effect_entry(e);
     std::string parameters;
     for (int i = 0; i < entry.n; ++i) parameters += std::string(i > 0 ? " " : "") + entry.parameter[i];
-    out += std::string("  ") + entry.name + " [" + parameters + ", " + entry.unit + "]\n      shows as " + entry.looks_like +
-           "\n      confounded with " + entry.confounded + "\n";
+    out += std::string("  ") + entry.name + " [" + parameters + ", " + entry.unit + "]\n      shows as " +
+           entry.looks_like + "\n      confounded with " + entry.confounded + "\n";
   }
   return out + "A model.yaml written by a replay can be the --model of the next one.\n";
 }

@@ -29,7 +29,7 @@ class EffectChoice {
 
  private:
   std::uint32_t effects_ = 0;
-  std::map<std::string, double> value_;   ///< of parameters
+  std::map<std::string, double> value_;  ///< of parameters
   std::vector<CoreTerm> terms_;
   std::vector<double> term_values_;
   bool has_term_of_temperature_ = false;

@@ -19,9 +19,12 @@ void measure_step(const CoreResult& now, const CoreResult* before, ReplayPass* p
 
 std::string in_words(const ReplayPass& pass, std::size_t number) {
   char text[300];
-  std::snprintf(text, sizeof text, "pass %zu: %s, %d of %d segments, %u images used, %u restarts, chi2/dof %.3f, largest step %.2f sigma%s%s%s", number,
-                pass.status.c_str(), pass.segments, pass.segments_scored, pass.frames_used, pass.filter_restarts, pass.chi2_per_dof, pass.step_sigmas,
-                pass.moved.empty() ? "" : " (", pass.moved.c_str(), pass.moved.empty() ? "" : ")");
+  std::snprintf(
+      text, sizeof text,
+      "pass %zu: %s, %d of %d segments, %u images used, %u restarts, chi2/dof %.3f, largest step %.2f sigma%s%s%s",
+      number, pass.status.c_str(), pass.segments, pass.segments_scored, pass.frames_used, pass.filter_restarts,
+      pass.chi2_per_dof, pass.step_sigmas, pass.moved.empty() ? "" : " (", pass.moved.c_str(),
+      pass.moved.empty() ? "" : ")");
   return text;
 }
 

@@ -11,12 +11,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_or_empty(const YamlFile& yaml, const char* key) { return yaml.root()[key] ? yaml.text(yaml.root(), key) : ""; }
+std::string text_or_empty(const YamlFile& yaml, const char* key) {
+  return yaml.root()[key] ? yaml.text(yaml.root(), key) : "";
+}
 
 /// Files of a recording that a replay reads, relative to it; those that may be missing among them.
 std::vector<std::string> files_read(int n_cameras) {
-  std::vector<std::string> files = {"camchain-imucam.yaml", "imu.yaml", "mav0/imu0/data.csv", "mav0/imu0/sensor.yaml",
-                                    "dso/imu_config.yaml", "dso/imu.yaml", "dso/camchain.yaml"};
+  std::vector<std::string> files = {
+      "camchain-imucam.yaml", "imu.yaml",     "mav0/imu0/data.csv", "mav0/imu0/sensor.yaml",
+      "dso/imu_config.yaml",  "dso/imu.yaml", "dso/camchain.yaml"};
   for (int c = 0; c < n_cameras; ++c) {
     const std::string camera = "mav0/cam" + std::to_string(c);
     files.push_back(camera + "/sensor.yaml");
@@ -57,7 +60,8 @@ std::string sha256_of_logs(const std::vector<LogIdentity>& logs) {
 
 std::string sha256_of_rates(const ImuData& imu) {
   std::string bytes;
-  for (const ImuSample& sample : imu.samples) bytes.append(reinterpret_cast<const char*>(sample.gyro.data()), 3 * sizeof(double));
+  for (const ImuSample& sample : imu.samples)
+    bytes.append(reinterpret_cast<const char*>(sample.gyro.data()), 3 * sizeof(double));
   return sha256_of_text(bytes);
 }
 
@@ -83,12 +87,24 @@ nlohmann::ordered_json configuration_json(const ReplayOptions& options) {
     json["device_config_sha256"] = sha256_of_text({bytes, core.device_config.size()});
     return json;
   }
-  json.update({{"cameras", core.calibration.cameras.size()}, {"metric", core.metric}, {"segments", core.segments},
-               {"segment_s", core.segment_s}, {"adaptive_segments", core.adaptive_segments},
-               {"gravity", core.gravity > 0 ? nlohmann::ordered_json(core.gravity) : nlohmann::ordered_json()}, {"strategy", core.multi_session ? "multi" : "single"}, {"pixel_sigma", core.pixel_sigma},
-               {"track_walk", core.track_walk}, {"estimate_track_noise", options.estimate_track_noise}, {"seed", core.seed},
-               {"trigger_sigma", core.trigger_fraction}, {"keep_outdated", core.outdated_level < 0}, {"condense", core.condense},
-               {"hold_calibration", core.hold_calibration}, {"joint_ekf", options.joint_ekf}, {"calibrate", options.calibrate}, {"passes", options.passes}});
+  json.update({{"cameras", core.calibration.cameras.size()},
+               {"metric", core.metric},
+               {"segments", core.segments},
+               {"segment_s", core.segment_s},
+               {"adaptive_segments", core.adaptive_segments},
+               {"gravity", core.gravity > 0 ? nlohmann::ordered_json(core.gravity) : nlohmann::ordered_json()},
+               {"strategy", core.multi_session ? "multi" : "single"},
+               {"pixel_sigma", core.pixel_sigma},
+               {"track_walk", core.track_walk},
+               {"estimate_track_noise", options.estimate_track_noise},
+               {"seed", core.seed},
+               {"trigger_sigma", core.trigger_fraction},
+               {"keep_outdated", core.outdated_level < 0},
+               {"condense", core.condense},
+               {"hold_calibration", core.hold_calibration},
+               {"joint_ekf", options.joint_ekf},
+               {"calibrate", options.calibrate},
+               {"passes", options.passes}});
   return json;
 }
 

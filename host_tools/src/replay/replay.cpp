@@ -1,21 +1,22 @@
 #include "replay/replay.h"
 
-#include "quantile.h"
-#include "review/review.h"
-
 #include <algorithm>
 #include <chrono>
 
+#include "quantile.h"
 #include "replay/config_file.h"
 #include "replay/counters.h"
 #include "replay/temperature_use.h"
+#include "review/review.h"
 
 namespace host {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
 
 /// ms; 0 where there was none.
 double share_of_times(const std::vector<double>& ms, double q) { return ms.empty() ? 0 : quantile(ms, q); }
@@ -43,7 +44,7 @@ class Session {
         case DeviceCall::hash: out_.hash_checks.push_back({call.hash_value, core_.result_hash()}); break;
       }
       if (call.late) core_.be_late(false);
-      if (call.what == DeviceCall::sample) continue;   // its time counts with its frame's
+      if (call.what == DeviceCall::sample) continue;  // its time counts with its frame's
       start = Clock::now();
     }
   }
@@ -121,7 +122,8 @@ class Session {
 
 void mark_kept(ReplayResult& out) {
   for (CoreSegment& s : out.segments) {
-    s.kept = std::any_of(out.kept.begin(), out.kept.end(), [&s](const CoreKept& k) { return k.segment.serial == s.serial; });
+    s.kept =
+        std::any_of(out.kept.begin(), out.kept.end(), [&s](const CoreKept& k) { return k.segment.serial == s.serial; });
   }
 }
 
@@ -131,14 +133,16 @@ bool calibrates_at_end(const Recording& recording) {
   const std::vector<DeviceCall>& calls = recording.device->calls;
   const auto is = [](DeviceCall::What what) { return [what](const DeviceCall& call) { return call.what == what; }; };
   return recording.device->last && std::any_of(calls.begin(), calls.end(), is(DeviceCall::frame)) &&
-         std::none_of(std::find_if(calls.rbegin(), calls.rend(), is(DeviceCall::frame)).base(), calls.end(), is(DeviceCall::calibrate));
+         std::none_of(std::find_if(calls.rbegin(), calls.rend(), is(DeviceCall::frame)).base(), calls.end(),
+                      is(DeviceCall::calibrate));
 }
 
 /// The device of the state file, unless that is new.
 void go_on_from(StateFile* state, const std::string& profile, Core* core) {
   if (state->is_new()) return;
   const std::string name = state->path().string() + ": ";
-  if (state->profile != profile) throw InputError(name + "saved with --profile " + state->profile + "; expected the same, found " + profile);
+  if (state->profile != profile)
+    throw InputError(name + "saved with --profile " + state->profile + "; expected the same, found " + profile);
   try {
     core->restore(&state->flash);
   } catch (const InputError& error) {
@@ -147,7 +151,8 @@ void go_on_from(StateFile* state, const std::string& profile, Core* core) {
 }
 
 /// One pass over all recordings.
-void run_all(const std::vector<Recording>& sessions, const ReplayOptions& options, bool goes_on, Core* core, Session* session) {
+void run_all(const std::vector<Recording>& sessions, const ReplayOptions& options, bool goes_on, Core* core,
+             Session* session) {
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     if (i > 0 || goes_on) core->new_session();
     session->run(sessions[i], options.progress);
@@ -213,9 +218,10 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
     }
     run_all(sessions, options, pass > 0, core.get(), &session);
     out.passes.push_back(pass_of(out, difference(core->counters(), counters_before), *core));
-    out.result = core->result();   // measure_step compares the next pass with it
+    out.result = core->result();  // measure_step compares the next pass with it
   }
-  if (options.passes > 1 && !out.calibrated) out.result.status = "insufficient";   // the core still has the result of the pass before
+  if (options.passes > 1 && !out.calibrated)
+    out.result.status = "insufficient";  // the core still has the result of the pass before
   out.calibration = core->calibration();
   out.kept = core->kept();
   out.model = core->model();

@@ -14,23 +14,27 @@ namespace host {
 struct ReplayOptions {
   CoreOptions core;
   std::string profile = "mobile";
-  bool joint_ekf = false;            ///< no segments: the filter gives the calibration itself, at the end of each session
-  bool review = false;               ///< judge the result and name causes (review/review.h)
-  std::vector<ClockSearch> clocks;   ///< what was found of the sessions' clocks, one each; may be empty
-  bool estimate_track_noise = false; ///< replays twice: pixel_sigma and track_walk are what the first one's tracks show
-  int passes = 1;                    ///< at most so many times over all recordings, each from the result of the one before; single-session only
-  bool calibrate = true;             ///< false: odometry only, the calibration stays as it is
+  bool joint_ekf = false;  ///< no segments: the filter gives the calibration itself, at the end of each session
+  bool review = false;     ///< judge the result and name causes (review/review.h)
+  std::vector<ClockSearch> clocks;  ///< what was found of the sessions' clocks, one each; may be empty
+  bool estimate_track_noise =
+      false;  ///< replays twice: pixel_sigma and track_walk are what the first one's tracks show
+  int passes =
+      1;  ///< at most so many times over all recordings, each from the result of the one before; single-session only
+  bool calibrate = true;  ///< false: odometry only, the calibration stays as it is
   /// Called after each session with what has been found so far; may be empty. The number counts from 0.
   std::function<void(std::size_t, const CoreResult&, const Calibration&)> after_session;
-  StateFile* state = nullptr;        ///< the first session goes on from there; at the end it has this device's state, not written yet
-  std::unique_ptr<Core>* keep_core = nullptr;  ///< takes the core over when the replay is done, to ask it further things
+  StateFile* state =
+      nullptr;  ///< the first session goes on from there; at the end it has this device's state, not written yet
+  std::unique_ptr<Core>* keep_core =
+      nullptr;                           ///< takes the core over when the replay is done, to ask it further things
   std::function<void(double)> progress;  ///< called with the fraction done, 0..1; may be empty
 };
 
 /// One calibration that ran.
 struct ReplayCalibration {
-  std::int64_t t_ns = 0;             ///< stamp of the newest frame then
-  bool by_targets = false;           ///< the device began it of its own, else the replay did at the session's end
+  std::int64_t t_ns = 0;    ///< stamp of the newest frame then
+  bool by_targets = false;  ///< the device began it of its own, else the replay did at the session's end
   int segments = 0;
   std::string status;
   std::vector<CoreParameter> parameters;
@@ -49,19 +53,19 @@ struct ReplayTiming {
 
 /// What was stated, or taken for granted, and what the data say of it. Nothing is refused for it.
 struct Note {
-  std::string name;                  ///< gyro_noise, accel_noise, pixel_noise or gravity
-  double factor = 1;                 ///< what the data show over what was stated
-  std::string words;                 ///< a sentence
+  std::string name;   ///< gyro_noise, accel_noise, pixel_noise or gravity
+  double factor = 1;  ///< what the data show over what was stated
+  std::string words;  ///< a sentence
 };
 
 /// What a result may suffer from: a fault of the data, or an effect that the model lacks.
 struct Suspect {
-  std::string name;                  ///< of a fault "kind.sensor", of an effect its own
-  double statistic = 0;              ///< of a fault its size over the limit, of an effect chi-square
-  double log10_p = 0;                ///< of an effect, corrected for the number of effects
-  double bias_sigmas = 0;            ///< by how much the effect would move the released value `moves`
+  std::string name;        ///< of a fault "kind.sensor", of an effect its own
+  double statistic = 0;    ///< of a fault its size over the limit, of an effect chi-square
+  double log10_p = 0;      ///< of an effect, corrected for the number of effects
+  double bias_sigmas = 0;  ///< by how much the effect would move the released value `moves`
   std::string moves;
-  std::string words;                 ///< a sentence
+  std::string words;  ///< a sentence
 };
 
 struct Health {
@@ -70,31 +74,32 @@ struct Health {
   double segment_scatter = 1;        ///< variance of what the segments say, over what stated noise leaves; 1: as stated
   double step_chi2 = 0;              ///< of the step from the start by the prior's sigmas
   int step_dof = 0;
-  std::vector<Suspect> suspects;     ///< faults, then effects, the largest statistic first
-  std::vector<Note> notes;           ///< on noise and gravity
+  std::vector<Suspect> suspects;  ///< faults, then effects, the largest statistic first
+  std::vector<Note> notes;        ///< on noise and gravity
 };
 
 struct ReplayResult {
   Health health;
-  std::string cause;                 ///< why it is not calibrated; a sentence, where it was reviewed
-  std::vector<ClockSearch> clocks;   ///< of the sessions
+  std::string cause;                ///< why it is not calibrated; a sentence, where it was reviewed
+  std::vector<ClockSearch> clocks;  ///< of the sessions
   CoreResult result;
-  bool calibrated = false;           ///< a calibration ran
+  bool calibrated = false;  ///< a calibration ran
   std::vector<ReplayCalibration> calibrations;
-  std::vector<ReplayPass> passes;    ///< one for each; all else here is of the last one
+  std::vector<ReplayPass> passes;  ///< one for each; all else here is of the last one
   Calibration calibration;
-  Calibration start;                 ///< where it started from, the mean of the prior
+  Calibration start;  ///< where it started from, the mean of the prior
   ImuNoise noise;
-  std::string config;                ///< config.yaml; empty where a device brought its own
+  std::string config;  ///< config.yaml; empty where a device brought its own
   CoreModel model;
-  std::vector<CoreState> trajectory; ///< at each processed frame
-  std::vector<CoreSegment> segments; ///< every segment scored, `kept` as at the end
+  std::vector<CoreState> trajectory;  ///< at each processed frame
+  std::vector<CoreSegment> segments;  ///< every segment scored, `kept` as at the end
   std::vector<CoreKept> kept;
-  std::vector<std::pair<std::string, std::uint32_t>> counters;  ///< of these sessions, not of those before a restored state
+  std::vector<std::pair<std::string, std::uint32_t>>
+      counters;  ///< of these sessions, not of those before a restored state
   CoreMemory memory;
-  TrackNoise track_noise;            ///< that the kept segments' tracks show
+  TrackNoise track_noise;  ///< that the kept segments' tracks show
   ReplayTiming timing;
-  std::uint64_t result_hash = 0;     ///< at the end
+  std::uint64_t result_hash = 0;       ///< at the end
   std::vector<HashCheck> hash_checks;  ///< one for each in the log
 };
 
@@ -108,8 +113,8 @@ struct RigFrame {
 /// share their trigger: a frame joins the one of cam0 with the same stamp, or stands before the first later one.
 std::vector<RigFrame> rig_frames(const Recording& recording);
 
-/// The calls that feed a recording in order: those that its device made; without one, frames follow the first sample that is
-/// not before them, as the filter wants samples up to the frame and a device sees the image later than these.
+/// The calls that feed a recording in order: those that its device made; without one, frames follow the first sample
+/// that is not before them, as the filter wants samples up to the frame and a device sees the image later than these.
 std::vector<DeviceCall> calls_of(const Recording& recording, const std::vector<RigFrame>& frames);
 
 /// Replays the recordings one after the other, each as a session of the same device.

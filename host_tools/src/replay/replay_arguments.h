@@ -14,7 +14,8 @@ struct ReplayArguments {
   std::string calibration, out, model, config, strategy, verify_hash, device_id, state;
   std::vector<std::string> effects;
   int cameras = 1;
-  bool json = false, no_calibration = false, keep_outdated = false, hash = false, smooth_stamps = false, keep_clock = false;
+  bool json = false, no_calibration = false, keep_outdated = false, hash = false, smooth_stamps = false,
+       keep_clock = false;
   ReplayOptions replay;
   std::vector<CLI::Option*> of_device;  ///< what a device log says itself
   CLI::Option *profile = nullptr, *pixel_sigma = nullptr, *track_walk = nullptr;

@@ -22,7 +22,8 @@ double align_clocks(ReplayArguments* a, EffectChoice* choice, std::vector<Record
       a->replay.clocks.push_back(found);
       if (found.differs_from(stated)) {
         offset = found.offset_s;
-        std::cerr << "segcal: " << session.root.string() << ": " << found.words << "; time_offset is estimated from there" << std::endl;
+        std::cerr << "segcal: " << session.root.string() << ": " << found.words
+                  << "; time_offset is estimated from there" << std::endl;
         choice->enable("time_offset");
       }
     }

@@ -19,13 +19,15 @@
 namespace host {
 namespace {
 
-/// A device's log is replayed as the device was: its configuration, and its capacities if they are not chosen otherwise.
+/// A device's log is replayed as the device was: its configuration, and its capacities if they are not chosen
+/// otherwise.
 void take_device(const std::vector<Recording>& sessions, ReplayArguments* a) {
   const DeviceSession& device = *sessions.front().device;
   for (const CLI::Option* option : a->of_device) {
     if (option->count() > 0) {
-      throw InputError(option->get_name() +
-                       ": the log holds the device's configuration; expected --calib FILE as well, to replay it with another one");
+      throw InputError(
+          option->get_name() +
+          ": the log holds the device's configuration; expected --calib FILE as well, to replay it with another one");
     }
   }
   for (const Recording& session : sessions) {
@@ -37,7 +39,8 @@ void take_device(const std::vector<Recording>& sessions, ReplayArguments* a) {
   a->replay.core.device_config = device.config;
   if (a->profile->count() > 0) return;
   if (device.profile.empty()) {
-    throw InputError(sessions.front().root.string() + ": expected the capacities of profile mcu, mobile or host, found others; "
+    throw InputError(sessions.front().root.string() +
+                     ": expected the capacities of profile mcu, mobile or host, found others; "
                      "--profile chooses one, and the bits will differ");
   }
   a->replay.profile = device.profile;
@@ -66,7 +69,8 @@ bool same_hash(const ReplayArguments& a, const ReplayResult& result) {
   if (std::find(a.recordings.begin(), a.recordings.end(), a.verify_hash) == a.recordings.end()) {
     checks = {{read_hashes(a.verify_hash).back(), result.result_hash}};
   }
-  if (checks.empty()) throw InputError(a.verify_hash + ": expected a result hash in the log (segcal_log_hash), found none");
+  if (checks.empty())
+    throw InputError(a.verify_hash + ": expected a result hash in the log (segcal_log_hash), found none");
   for (std::size_t i = 0; i < checks.size(); ++i) {
     if (checks[i].expected == checks[i].found) continue;
     std::cerr << "segcal: " << a.verify_hash << ": result hash " << i + 1 << " of " << checks.size() << ": expected "
@@ -114,8 +118,10 @@ int run(ReplayArguments a) {
   a.replay.core.noise = sessions.front().imu.noise;
   if (!a.config.empty()) apply_config(&a, &sessions);
   a.replay.core.multi_session = a.strategy == "multi" || (a.strategy.empty() && (a.replay.core.condense || state));
-  if (a.replay.passes > 1 && sessions.front().device) throw InputError("--passes: expected recordings, found a device log, whose calls are the device's");
-  if (a.replay.passes > 1 && a.replay.core.multi_session) throw InputError("--passes: expected --strategy single; with multi, segments of each pass would count again");
+  if (a.replay.passes > 1 && sessions.front().device)
+    throw InputError("--passes: expected recordings, found a device log, whose calls are the device's");
+  if (a.replay.passes > 1 && a.replay.core.multi_session)
+    throw InputError("--passes: expected --strategy single; with multi, segments of each pass would count again");
   a.replay.calibrate = !a.no_calibration;
   a.replay.core.has_temperature = true;
   for (const Recording& r : sessions) a.replay.core.has_temperature &= r.imu.has_temperature;
@@ -133,7 +139,8 @@ int run(ReplayArguments a) {
   Provenance from = provenance_of(a, sessions);
   if (state) from.earlier_logs = seen_logs(*state);
   write_result_files(a.out, result, from, sessions.back().truth);
-  if (state) write_state(sessions, from.logs, state.get());  // last: a run that was stopped is run again from the same state
+  if (state)
+    write_state(sessions, from.logs, state.get());  // last: a run that was stopped is run again from the same state
   if (a.json) {
     std::cout << result_json(result, from).dump(1) << std::endl;
   } else {

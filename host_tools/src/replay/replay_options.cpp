@@ -8,62 +8,95 @@ namespace {
 
 void add_files(CLI::App* sub, ReplayArguments* a) {
   sub->add_option("recordings", a->recordings,
-                  "recordings in ASL layout (REC/mav0/...) or device logs (*.segcal); several are sessions in order")->required();
-  sub->add_option("--calib", a->calibration, "starting calibration, Kalibr's camchain-imucam.yaml (default: the recording's own)");
+                  "recordings in ASL layout (REC/mav0/...) or device logs (*.segcal); several are sessions in order")
+      ->required();
+  sub->add_option("--calib", a->calibration,
+                  "starting calibration, Kalibr's camchain-imucam.yaml (default: the recording's own)");
   sub->add_option("--out", a->out,
-                  "folder for result.json, calibration.jsonl, camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml, config.yaml, kept_segments.json")->required();
+                  "folder for result.json, calibration.jsonl, camchain-imucam.yaml, imu.yaml, trajectory.tum, "
+                  "model.yaml, config.yaml, kept_segments.json")
+      ->required();
   sub->add_option("--state", a->state,
-                  "the state that the device keeps across a power cycle: continue where the last replay with this file ended, and save to it (created if missing)")
+                  "the state that the device keeps across a power cycle: continue where the last replay with this file "
+                  "ended, and save to it (created if missing)")
       ->type_name("FILE");
-  sub->add_option("--device-id", a->device_id, "name of the device in result.json (default: REC/device.yaml's device_id)");
+  sub->add_option("--device-id", a->device_id,
+                  "name of the device in result.json (default: REC/device.yaml's device_id)");
   sub->add_flag("--json", a->json, "print result.json on standard output");
 }
 
 /// What is kept, and when a calibration is due.
 void add_database_options(CLI::App* sub, ReplayArguments* a) {
   CoreOptions& core = a->replay.core;
-  a->profile = sub->add_option("--profile", a->replay.profile,
-                               "capacities of the core, as compiled for firmware: mcu, mobile, host; mobile_double: mobile in double "
-                               "precision, to check float; of a device log: the device's")->capture_default_str();
+  a->profile =
+      sub->add_option(
+             "--profile", a->replay.profile,
+             "capacities of the core, as compiled for firmware: mcu, mobile, host; mobile_double: mobile in double "
+             "precision, to check float; of a device log: the device's")
+          ->capture_default_str();
   sub->add_option("--metric", core.metric,
-                  "how segments are rated: A, D, E or random; set_d: the most informative set as a whole")->capture_default_str();
-  sub->add_option("--segments", core.segments, "segments to keep in the database")->capture_default_str()->check(CLI::PositiveNumber);
-  sub->add_option("--segment-seconds", core.segment_s, "length of a segment, s")->capture_default_str()->check(CLI::Range(1.0, 30.0));
+                  "how segments are rated: A, D, E or random; set_d: the most informative set as a whole")
+      ->capture_default_str();
+  sub->add_option("--segments", core.segments, "segments to keep in the database")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  sub->add_option("--segment-seconds", core.segment_s, "length of a segment, s")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 30.0));
   sub->add_flag("--adaptive-segments", core.adaptive_segments,
                 "end quiet segments from half that length on, extend lively ones up to twice");
-  sub->add_option("--strategy", a->strategy, "single: each session starts with an empty database; multi: the best of all sessions are kept (default: single; with --condense or --state multi)")
+  sub->add_option("--strategy", a->strategy,
+                  "single: each session starts with an empty database; multi: the best of all sessions are kept "
+                  "(default: single; with --condense or --state multi)")
       ->check(CLI::IsMember({"single", "multi"}));
   sub->add_option("--seed", core.seed, "of the random metric")->capture_default_str();
   sub->add_option("--trigger-sigma", core.trigger_fraction,
-                  "calibrate in between, as soon as all predicted sigmas are below this fraction of the prior's; 0: at the end only")
-      ->capture_default_str()->check(CLI::Range(0.0, 0.99));
-  sub->add_flag("--condense", core.condense, "condense segments that end after a release into epochs, so that their information is kept; sessions follow one another (--strategy multi)");
+                  "calibrate in between, as soon as all predicted sigmas are below this fraction of the prior's; 0: at "
+                  "the end only")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 0.99));
+  sub->add_flag("--condense", core.condense,
+                "condense segments that end after a release into epochs, so that their information is kept; sessions "
+                "follow one another (--strategy multi)");
   sub->add_option("--passes", a->replay.passes,
-                  "over the recordings up to so many times, each from the calibration that the one before gave, until no entry moves by 0.1 of its sigma; "
+                  "over the recordings up to so many times, each from the calibration that the one before gave, until "
+                  "no entry moves by 0.1 of its sigma; "
                   "segments and the prior stay those of one pass from the start that was given")
-      ->capture_default_str()->check(CLI::Range(1, 20));
-  sub->add_flag("--keep-outdated", a->keep_outdated, "keep segments that newer ones contradict: theta is assumed constant");
+      ->capture_default_str()
+      ->check(CLI::Range(1, 20));
+  sub->add_flag("--keep-outdated", a->keep_outdated,
+                "keep segments that newer ones contradict: theta is assumed constant");
   sub->add_flag("--no-calibration", a->no_calibration, "odometry only: the trajectory with the starting calibration");
 }
 
 /// What the core believes of the sensors.
 void add_model_options(CLI::App* sub, ReplayArguments* a) {
   CoreOptions& core = a->replay.core;
-  sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")->capture_default_str()->check(CLI::Range(1, 2));
+  sub->add_option("--cameras", a->cameras, "cameras to use, cam0 first")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 2));
   sub->add_option("--config,--priors", a->config,
-                  "config.yaml: priors of the starting calibration, gravity, noise of IMU and corners; see below. OUT/config.yaml holds the values used")
+                  "config.yaml: priors of the starting calibration, gravity, noise of IMU and corners; see below. "
+                  "OUT/config.yaml holds the values used")
       ->type_name("FILE");
   a->pixel_sigma = sub->add_option("--pixel-sigma", core.pixel_sigma, "stated noise of a tracked corner per axis, px")
-      ->capture_default_str()->check(CLI::PositiveNumber);
-  sub->add_flag("--smooth-stamps", a->smooth_stamps,
-                "for stamps taken in callbacks: replace each by a robust line through those of one second before and after it");
-  sub->add_flag("--keep-clock", a->keep_clock,
-                "do not search for the camera clock's offset: use the camera chain's timeshift_cam_imu, or the model's");
-  a->track_walk = sub->add_option("--track-walk", core.track_walk, "random walk of a corner's error along its track per axis, px/sqrt(s)")
-      ->capture_default_str()->check(CLI::Range(0.0, 100.0));
+                       ->capture_default_str()
+                       ->check(CLI::PositiveNumber);
+  sub->add_flag(
+      "--smooth-stamps", a->smooth_stamps,
+      "for stamps taken in callbacks: replace each by a robust line through those of one second before and after it");
+  sub->add_flag(
+      "--keep-clock", a->keep_clock,
+      "do not search for the camera clock's offset: use the camera chain's timeshift_cam_imu, or the model's");
+  a->track_walk = sub->add_option("--track-walk", core.track_walk,
+                                  "random walk of a corner's error along its track per axis, px/sqrt(s)")
+                      ->capture_default_str()
+                      ->check(CLI::Range(0.0, 100.0));
   sub->add_flag("--estimate-track-noise", a->replay.estimate_track_noise,
-                "replay twice: the second time with the white noise and the random walk estimated from the tracks of the first")
-      ->excludes("--pixel-sigma")->excludes("--track-walk");
+                "replay twice: the second time with the white noise and the random walk estimated from the tracks of "
+                "the first")
+      ->excludes("--pixel-sigma")
+      ->excludes("--track-walk");
   sub->add_option("--enable", a->effects,
                   "effect to estimate beside the calibration, as time_offset; repeatable. All of them: see below")
       ->allow_extra_args(false);
@@ -75,10 +108,13 @@ void add_model_options(CLI::App* sub, ReplayArguments* a) {
 }
 
 void add_hash_options(CLI::App* sub, ReplayArguments* a) {
-  sub->add_flag("--hash", a->hash, "print one number over all bits of theta, its sigmas, the trajectory and the kept segments");
+  sub->add_flag("--hash", a->hash,
+                "print one number over all bits of theta, its sigmas, the trajectory and the kept segments");
   sub->add_option("--verify-hash", a->verify_hash,
-                  "compare that number with the one in FILE: a device log (at the places where the device wrote it), or a text that "
-                  "holds 'result_hash' and the number")->type_name("FILE");
+                  "compare that number with the one in FILE: a device log (at the places where the device wrote it), "
+                  "or a text that "
+                  "holds 'result_hash' and the number")
+      ->type_name("FILE");
 }
 
 std::string replay_help() {
@@ -104,7 +140,8 @@ A device log (made with segcal/log.h, or by segcal convert) is replayed with the
 device made, so that it gives the device's bits:
   segcal replay flight.segcal --out out --verify-hash flight.segcal
 
-)" + config_help() + "\n" + effects_help() + R"(
+)" + config_help() +
+         "\n" + effects_help() + R"(
 Exit code 1: the result is not `calibrated` (too little motion, or the model does not fit); with --verify-hash: the hash is
 another one.)";
 }
@@ -116,13 +153,15 @@ void add_replay_options(CLI::App* sub, ReplayArguments* a) {
   add_database_options(sub, a);
   add_model_options(sub, a);
   add_hash_options(sub, a);
-  for (const char* name : {"--metric", "--segments", "--segment-seconds", "--adaptive-segments", "--strategy", "--cameras", "--config", "--pixel-sigma",
-                           "--track-walk", "--estimate-track-noise",
-                           "--seed", "--trigger-sigma", "--hold-calibration", "--joint-ekf", "--keep-outdated"}) {
+  for (const char* name : {"--metric", "--segments", "--segment-seconds", "--adaptive-segments", "--strategy",
+                           "--cameras", "--config", "--pixel-sigma", "--track-walk", "--estimate-track-noise", "--seed",
+                           "--trigger-sigma", "--hold-calibration", "--joint-ekf", "--keep-outdated"}) {
     a->of_device.push_back(sub->get_option(name));
   }
-  for (const char* name : {"--joint-ekf", "--estimate-track-noise", "--no-calibration"}) sub->get_option("--state")->excludes(sub->get_option(name));
-  for (const char* name : {"--joint-ekf", "--no-calibration", "--condense", "--state"}) sub->get_option("--passes")->excludes(sub->get_option(name));
+  for (const char* name : {"--joint-ekf", "--estimate-track-noise", "--no-calibration"})
+    sub->get_option("--state")->excludes(sub->get_option(name));
+  for (const char* name : {"--joint-ekf", "--no-calibration", "--condense", "--state"})
+    sub->get_option("--passes")->excludes(sub->get_option(name));
   sub->footer(replay_help());
 }
 

@@ -8,9 +8,12 @@ void expect_new_sessions(const std::vector<Recording>& sessions, const StateFile
   std::vector<SeenLog> seen = state.logs;
   for (const Recording& session : sessions) {
     const std::string name = session.root.string();
-    if (session.device) throw InputError("--state: expected recordings, found the device log " + name + ", which begins where its device did");
+    if (session.device)
+      throw InputError("--state: expected recordings, found the device log " + name +
+                       ", which begins where its device did");
     const std::string rates = sha256_of_rates(session.imu);
-    const auto same = std::find_if(seen.begin(), seen.end(), [&rates](const SeenLog& log) { return log.imu_sha256 == rates; });
+    const auto same =
+        std::find_if(seen.begin(), seen.end(), [&rates](const SeenLog& log) { return log.imu_sha256 == rates; });
     if (same != seen.end()) {
       throw InputError(name + ": has the samples of " + same->name + ", which " + state.path().string() +
                        " has seen; counted twice, they would make the sigmas too small");
@@ -26,7 +29,8 @@ std::vector<LogIdentity> seen_logs(const StateFile& state) {
 }
 
 void write_state(const std::vector<Recording>& sessions, const std::vector<LogIdentity>& logs, StateFile* state) {
-  for (std::size_t i = 0; i < sessions.size(); ++i) state->logs.push_back({logs[i].name, logs[i].sha256, sha256_of_rates(sessions[i].imu)});
+  for (std::size_t i = 0; i < sessions.size(); ++i)
+    state->logs.push_back({logs[i].name, logs[i].sha256, sha256_of_rates(sessions[i].imu)});
   state->write();
 }
 

@@ -15,7 +15,8 @@ std::string words_on_segments(const ReplayResult& r, bool went_on) {
   int condensed = 0;
   for (const CoreEpoch& e : r.result.epochs) condensed += e.segments;
   const std::string kept = std::to_string(r.result.segments), scored = std::to_string(r.segments.size());
-  return (went_on ? kept + " segments kept, " + scored + " scored in this run" : kept + " of " + scored + " segments kept") +
+  return (went_on ? kept + " segments kept, " + scored + " scored in this run"
+                  : kept + " of " + scored + " segments kept") +
          (condensed > 0 ? ", " + std::to_string(condensed) + " in epochs" : "");
 }
 
@@ -27,12 +28,14 @@ void show_replay_progress(double fraction) {
   const int step = terminal ? 1 : 25, percent = static_cast<int>(100 * fraction) / step * step;
   if (percent == last) return;
   last = percent;
-  std::cerr << (terminal ? "\r" : "") << "replay " << percent << " %" << (!terminal || percent == 100 ? "\n" : "") << std::flush;
+  std::cerr << (terminal ? "\r" : "") << "replay " << percent << " %" << (!terminal || percent == 100 ? "\n" : "")
+            << std::flush;
 }
 
 void print_replay_summary(const ReplayResult& r, bool went_on) {
   const CoreResult& c = r.result;
-  for (std::size_t i = 0; r.passes.size() > 1 && i < r.passes.size(); ++i) std::printf("%s\n", in_words(r.passes[i], i + 1).c_str());
+  for (std::size_t i = 0; r.passes.size() > 1 && i < r.passes.size(); ++i)
+    std::printf("%s\n", in_words(r.passes[i], i + 1).c_str());
   if (!r.cause.empty()) std::printf("not calibrated: %s\n", r.cause.c_str());
   for (const Suspect& s : r.health.suspects) {
     if (r.cause.find(s.words) == std::string::npos) std::printf("suspect: %s\n", s.words.c_str());
@@ -44,12 +47,13 @@ void print_replay_summary(const ReplayResult& r, bool went_on) {
   for (const CoreChange& change : c.changes) {
     if (!change.open || r.cause.empty()) std::printf("note: %s\n", change_words(change, c).c_str());
   }
-  std::printf("%s: %s, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n",
-              c.status.c_str(), words_on_segments(r, went_on).c_str(), c.dof > 0 ? c.chi2 / c.dof : 0.0, c.reprojection_rms_px,
+  std::printf("%s: %s, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n", c.status.c_str(),
+              words_on_segments(r, went_on).c_str(), c.dof > 0 ? c.chi2 / c.dof : 0.0, c.reprojection_rms_px,
               c.reprojection_median_px, c.iterations);
   for (const ReplayCalibration& done : r.calibrations) {
-    if (done.by_targets) std::printf("targets reached at %.2f s with %d segments: %s\n", 1e-9 * static_cast<double>(done.t_ns),
-                                     done.segments, done.status.c_str());
+    if (done.by_targets)
+      std::printf("targets reached at %.2f s with %d segments: %s\n", 1e-9 * static_cast<double>(done.t_ns),
+                  done.segments, done.status.c_str());
   }
   std::printf("%-26s %14s %12s %-10s %14s  %s\n", "parameter", "value", "sigma", "unit", "initial", "verdict");
   for (const CoreParameter& p : c.parameters) {

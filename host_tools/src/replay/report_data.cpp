@@ -45,8 +45,8 @@ double rounded(double value, double parts) { return std::round(value * parts) / 
 
 using Tracks = std::vector<std::vector<TrackResidual>>;
 
-/// One column per quantity: an object per point is four times as long. Tracks are left out whole, so that the others can be
-/// followed.
+/// One column per quantity: an object per point is four times as long. Tracks are left out whole, so that the others
+/// can be followed.
 Json camera_json(const ReplayResult& out, std::int64_t start) {
   constexpr std::size_t kMostPoints = 12000;
   Tracks tracks;
@@ -59,7 +59,8 @@ Json camera_json(const ReplayResult& out, std::int64_t start) {
   }
   const std::size_t every = total / kMostPoints + 1;
   Json columns = Json::object();
-  for (const char* name : {"t", "camera", "track", "u", "v", "u_px", "v_px", "u_sigma", "v_sigma"}) columns[name] = Json::array();
+  for (const char* name : {"t", "camera", "track", "u", "v", "u_px", "v_px", "u_sigma", "v_sigma"})
+    columns[name] = Json::array();
   for (std::size_t i = 0; i < tracks.size(); i += every) {
     const std::vector<Eigen::Vector2d> r_px = residuals_px(tracks[i], out.model);
     for (std::size_t n = 0; n < tracks[i].size(); ++n) {
@@ -95,15 +96,21 @@ Json imu_json(const ReplayResult& out, std::int64_t start) {
 Json told_bits(const CoreSegment& s, const std::vector<CoreParameter>& parameters) {
   Json bits = Json::array();
   if (s.sigma.size() != parameters.size()) return bits;
-  for (std::size_t i = 0; i < parameters.size(); ++i) bits.push_back(rounded(std::log2(parameters[i].prior_sigma / s.sigma[i]), 1e3));
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    bits.push_back(rounded(std::log2(parameters[i].prior_sigma / s.sigma[i]), 1e3));
   return bits;
 }
 
 Json segments_json(const ReplayResult& out, std::int64_t start) {
   Json json = Json::array();
   for (const CoreSegment& s : out.segments) {
-    json.push_back({{"start_s", seconds(s.start_ns, start)}, {"end_s", seconds(s.end_ns, start)}, {"A", s.A}, {"D", s.D}, {"E", s.E},
-                    {"kept", s.kept}, {"told_bits", told_bits(s, out.result.parameters)}});
+    json.push_back({{"start_s", seconds(s.start_ns, start)},
+                    {"end_s", seconds(s.end_ns, start)},
+                    {"A", s.A},
+                    {"D", s.D},
+                    {"E", s.E},
+                    {"kept", s.kept},
+                    {"told_bits", told_bits(s, out.result.parameters)}});
   }
   return json;
 }

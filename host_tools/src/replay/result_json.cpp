@@ -1,5 +1,5 @@
-#include "replay/result_files.h"
 #include "device_log/device_log.h"
+#include "replay/result_files.h"
 #include "replay/words.h"
 
 namespace host {
@@ -16,8 +16,13 @@ Json direction_json(const CoreDirection& d, const std::vector<std::string>& name
 Json parameters_json(const CoreResult& r) {
   Json out = Json::array();
   for (const CoreParameter& p : r.parameters) {
-    out.push_back({{"name", p.name}, {"value", p.value}, {"sigma", p.sigma}, {"unit", p.unit}, {"initial", p.initial},
-                   {"prior_sigma", p.prior_sigma}, {"verdict", p.verdict}});
+    out.push_back({{"name", p.name},
+                   {"value", p.value},
+                   {"sigma", p.sigma},
+                   {"unit", p.unit},
+                   {"initial", p.initial},
+                   {"prior_sigma", p.prior_sigma},
+                   {"verdict", p.verdict}});
   }
   return out;
 }
@@ -25,15 +30,27 @@ Json parameters_json(const CoreResult& r) {
 Json segment_json(const CoreSegment& s, const std::vector<std::string>& names) {
   Json words = Json::array();
   for (const CoreDirection& d : s.not_excited) words.push_back(in_words(d, names));
-  return {{"session", s.session}, {"start_ns", s.start_ns}, {"end_ns", s.end_ns}, {"keyframes", s.keyframes},
-          {"landmarks", s.landmarks}, {"A", s.A}, {"D", s.D}, {"E", s.E}, {"rank", s.rank}, {"kept", s.kept}, {"settled", s.settled}, {"outdated", s.outdated},
-          {"gain_nats", s.gain_nats}, {"not_excited", words}};
+  return {{"session", s.session},
+          {"start_ns", s.start_ns},
+          {"end_ns", s.end_ns},
+          {"keyframes", s.keyframes},
+          {"landmarks", s.landmarks},
+          {"A", s.A},
+          {"D", s.D},
+          {"E", s.E},
+          {"rank", s.rank},
+          {"kept", s.kept},
+          {"settled", s.settled},
+          {"outdated", s.outdated},
+          {"gain_nats", s.gain_nats},
+          {"not_excited", words}};
 }
 
 Json calibrations_json(const ReplayResult& out) {
   Json json = Json::array();
   for (const ReplayCalibration& c : out.calibrations) {
-    json.push_back({{"t_ns", c.t_ns}, {"by", c.by_targets ? "targets" : "end"}, {"segments", c.segments}, {"status", c.status}});
+    json.push_back(
+        {{"t_ns", c.t_ns}, {"by", c.by_targets ? "targets" : "end"}, {"segments", c.segments}, {"status", c.status}});
   }
   return json;
 }
@@ -43,9 +60,15 @@ Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json
 Json passes_json(const std::vector<ReplayPass>& passes) {
   Json json = Json::array();
   for (const ReplayPass& p : passes) {
-    json.push_back({{"status", p.status}, {"segments", p.segments}, {"segments_scored", p.segments_scored}, {"frames_used", p.frames_used},
-                    {"filter_restarts", p.filter_restarts}, {"chi2_per_dof", p.chi2_per_dof}, {"step_sigmas", p.step_sigmas},
-                    {"moved", text_or_null(p.moved)}, {"settled", p.settled()}});
+    json.push_back({{"status", p.status},
+                    {"segments", p.segments},
+                    {"segments_scored", p.segments_scored},
+                    {"frames_used", p.frames_used},
+                    {"filter_restarts", p.filter_restarts},
+                    {"chi2_per_dof", p.chi2_per_dof},
+                    {"step_sigmas", p.step_sigmas},
+                    {"moved", text_or_null(p.moved)},
+                    {"settled", p.settled()}});
   }
   return json;
 }
@@ -67,12 +90,24 @@ Json logs_json(const std::vector<LogIdentity>& logs) {
 Json health_json(const Health& h) {
   Json suspects = Json::array();
   for (const Suspect& s : h.suspects) {
-    suspects.push_back({{"name", s.name}, {"statistic", s.statistic}, {"log10_p", s.log10_p}, {"bias_sigmas", s.bias_sigmas}, {"moves", s.moves}, {"words", s.words}});
+    suspects.push_back({{"name", s.name},
+                        {"statistic", s.statistic},
+                        {"log10_p", s.log10_p},
+                        {"bias_sigmas", s.bias_sigmas},
+                        {"moves", s.moves},
+                        {"words", s.words}});
   }
   Json notes = Json::array();
   for (const Note& n : h.notes) notes.push_back({{"name", n.name}, {"factor", n.factor}, {"words", n.words}});
-  return {{"frames", h.frames}, {"frames_used", h.frames_used}, {"frames_offered", h.frames_offered}, {"filter_restarts", h.filter_restarts},
-          {"segment_scatter", h.segment_scatter}, {"step_chi2", h.step_chi2}, {"step_dof", h.step_dof}, {"suspects", suspects}, {"notes", notes}};
+  return {{"frames", h.frames},
+          {"frames_used", h.frames_used},
+          {"frames_offered", h.frames_offered},
+          {"filter_restarts", h.filter_restarts},
+          {"segment_scatter", h.segment_scatter},
+          {"step_chi2", h.step_chi2},
+          {"step_dof", h.step_dof},
+          {"suspects", suspects},
+          {"notes", notes}};
 }
 
 Json change_json(const CoreChange& c, const std::vector<std::string>& names, const CoreResult& r) {
@@ -80,7 +115,10 @@ Json change_json(const CoreChange& c, const std::vector<std::string>& names, con
   for (std::size_t i = 0; i < c.step.size() && i < names.size() && !c.open; ++i) {
     steps.push_back({{"name", names[i]}, {"step", c.step[i]}, {"sigma", c.sigma[i]}});
   }
-  return {{"open", c.open}, {"between_sessions", {c.before_session, c.after_session}}, {"t_ns", c.t_ns}, {"words", change_words(c, r)},
+  return {{"open", c.open},
+          {"between_sessions", {c.before_session, c.after_session}},
+          {"t_ns", c.t_ns},
+          {"words", change_words(c, r)},
           {"steps", steps}};
 }
 
@@ -110,20 +148,34 @@ Json result_json(const ReplayResult& out, const Provenance& from) {
   if (out.passes.size() > 1) json["passes"] = passes_json(out.passes);
   json["epochs"] = Json::array();
   for (const CoreEpoch& e : out.result.epochs) {
-    json["epochs"].push_back({{"segments", e.segments}, {"first_session", e.first_session}, {"last_session", e.last_session},
-                              {"value", e.value}, {"sigma", e.sigma}});
+    json["epochs"].push_back({{"segments", e.segments},
+                              {"first_session", e.first_session},
+                              {"last_session", e.last_session},
+                              {"value", e.value},
+                              {"sigma", e.sigma}});
   }
   json["changes"] = Json::array();
   for (const CoreChange& c : out.result.changes) json["changes"].push_back(change_json(c, names, r));
-  json["fit"] = {{"chi2", r.chi2}, {"dof", r.dof}, {"iterations", r.iterations}, {"converged", r.converged},
-                 {"reprojection_rms_px", r.reprojection_rms_px}, {"reprojection_median_px", r.reprojection_median_px},
-                 {"noise_scale", r.noise_scale}, {"partitions", r.partitions}, {"image_points", r.image_points}};
-  json["noise"] = {{"track_white_px", out.track_noise.white_px}, {"track_walk_px_per_sqrt_s", out.track_noise.walk_px_per_sqrt_s},
-                   {"track_points", out.track_noise.points}, {"stated_white_px", out.model.pixel_sigma},
+  json["fit"] = {{"chi2", r.chi2},
+                 {"dof", r.dof},
+                 {"iterations", r.iterations},
+                 {"converged", r.converged},
+                 {"reprojection_rms_px", r.reprojection_rms_px},
+                 {"reprojection_median_px", r.reprojection_median_px},
+                 {"noise_scale", r.noise_scale},
+                 {"partitions", r.partitions},
+                 {"image_points", r.image_points}};
+  json["noise"] = {{"track_white_px", out.track_noise.white_px},
+                   {"track_walk_px_per_sqrt_s", out.track_noise.walk_px_per_sqrt_s},
+                   {"track_points", out.track_noise.points},
+                   {"stated_white_px", out.model.pixel_sigma},
                    {"stated_walk_px_per_sqrt_s", out.model.track_walk}};
-  json["timing"] = {{"vio_ms_median", out.timing.vio_ms_median}, {"vio_ms_p95", out.timing.vio_ms_p95},
-                    {"score_ms_median", out.timing.score_ms_median}, {"calibrate_ms", out.timing.calibrate_ms}};
-  json["memory"] = {{"state_bytes", out.memory.state_bytes}, {"segment_bytes", out.memory.segment_bytes},
+  json["timing"] = {{"vio_ms_median", out.timing.vio_ms_median},
+                    {"vio_ms_p95", out.timing.vio_ms_p95},
+                    {"score_ms_median", out.timing.score_ms_median},
+                    {"calibrate_ms", out.timing.calibrate_ms}};
+  json["memory"] = {{"state_bytes", out.memory.state_bytes},
+                    {"segment_bytes", out.memory.segment_bytes},
                     {"workspace_bytes", out.memory.workspace_bytes}};
   json["result_hash"] = hash_text(out.result_hash);
   json["faults"] = Json::object();
@@ -140,7 +192,8 @@ std::string calibration_lines(const ReplayResult& out, const Provenance& from) {
     line.update(calibrations[i]);
     line["parameters"] = Json::array();
     for (const CoreParameter& p : out.calibrations[i].parameters) {
-      line["parameters"].push_back({{"name", p.name}, {"value", p.value}, {"sigma", p.sigma}, {"unit", p.unit}, {"verdict", p.verdict}});
+      line["parameters"].push_back(
+          {{"name", p.name}, {"value", p.value}, {"sigma", p.sigma}, {"unit", p.unit}, {"verdict", p.verdict}});
     }
     text += line.dump() + "\n";
   }

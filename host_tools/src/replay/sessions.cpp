@@ -12,7 +12,8 @@ std::vector<Recording> sessions_of_log(const std::string& file, int n_cameras) {
   DeviceLog log = read_device_log(file);
   for (const std::string& note : log.notes) std::cerr << "segcal: " << note << std::endl;
   const int has = static_cast<int>(log.calibration.cameras.size());
-  if (has < n_cameras) throw InputError(file + ": expected " + std::to_string(n_cameras) + " cameras, found " + std::to_string(has));
+  if (has < n_cameras)
+    throw InputError(file + ": expected " + std::to_string(n_cameras) + " cameras, found " + std::to_string(has));
   for (Recording& session : log.sessions) check_temperature(&session.imu, false);  // the device's bits are the device's
   return std::move(log.sessions);
 }

@@ -19,16 +19,17 @@ constexpr double kLeastWhite_px = 0.05, kLeastWalk = 0.01;
 /// One corner in one camera and segment.
 struct Track {
   std::vector<double> t_s;
-  Eigen::MatrixXd r, J[2];           ///< px: n x 2; and by the landmark, n x 3 for each axis
-  double depth_information = 0;      ///< m^2, prior on the inverse distance
+  Eigen::MatrixXd r, J[2];       ///< px: n x 2; and by the landmark, n x 3 for each axis
+  double depth_information = 0;  ///< m^2, prior on the inverse distance
 };
 
 struct Weights {
-  Eigen::VectorXd point, step;       ///< 1: as stated; less: off
+  Eigen::VectorXd point, step;  ///< 1: as stated; less: off
 };
 
 /// The landmark's image with its direction and inverse distance moved by d.
-Eigen::Vector2d image(const CameraCalibration& camera, const CoreState& x, const CoreLandmark& l, const Eigen::Vector3d& d) {
+Eigen::Vector2d image(const CameraCalibration& camera, const CoreState& x, const CoreLandmark& l,
+                      const Eigen::Vector3d& d) {
   const Eigen::Vector3d e1 = l.direction.unitOrthogonal(), e2 = l.direction.cross(e1);
   const double rho = l.inverse_distance + d(2);
   const Eigen::Vector3d h_G = l.direction + d(0) * e1 + d(1) * e2 + rho * (l.anchor - x.p_GI);
@@ -37,7 +38,8 @@ Eigen::Vector2d image(const CameraCalibration& camera, const CoreState& x, const
   return distort(camera, h.head<2>() / h.z());
 }
 
-Track track_of(const CoreKept& kept, const std::vector<TrackResidual>& points, const Calibration& calibration, const CoreModel& model) {
+Track track_of(const CoreKept& kept, const std::vector<TrackResidual>& points, const Calibration& calibration,
+               const CoreModel& model) {
   Track out;
   const std::vector<Eigen::Vector2d> r_px = residuals_px(points, model);
   const auto n = static_cast<Eigen::Index>(points.size());
@@ -61,7 +63,8 @@ Track track_of(const CoreKept& kept, const std::vector<TrackResidual>& points, c
   return out;
 }
 
-std::vector<Track> tracks_of(const std::vector<CoreKept>& kept, const Calibration& calibration, const CoreModel& model) {
+std::vector<Track> tracks_of(const std::vector<CoreKept>& kept, const Calibration& calibration,
+                             const CoreModel& model) {
   std::vector<Track> out;
   for (const CoreKept& segment : kept) {
     for (const auto& [key, points] : tracks_of_segment(segment)) {
@@ -127,8 +130,10 @@ TrackNoise most_likely(const std::vector<Track>& tracks, const std::vector<Weigh
   double least = total(at);
   for (double factor = 1.5; factor > 1.01;) {
     TrackNoise best = at;
-    for (const auto& [white, walk] : std::array<std::pair<double, double>, 4>{{{factor, 1}, {1 / factor, 1}, {1, factor}, {1, 1 / factor}}}) {
-      const TrackNoise trial{std::max(kLeastWhite_px, white * at.white_px), std::max(kLeastWalk, walk * at.walk_px_per_sqrt_s), 0};
+    for (const auto& [white, walk] :
+         std::array<std::pair<double, double>, 4>{{{factor, 1}, {1 / factor, 1}, {1, factor}, {1, 1 / factor}}}) {
+      const TrackNoise trial{std::max(kLeastWhite_px, white * at.white_px),
+                             std::max(kLeastWalk, walk * at.walk_px_per_sqrt_s), 0};
       const double cost = total(trial);
       if (!(cost < least)) continue;
       least = cost;
@@ -143,7 +148,8 @@ TrackNoise most_likely(const std::vector<Track>& tracks, const std::vector<Weigh
 
 }  // namespace
 
-TrackNoise estimate_track_noise(const std::vector<CoreKept>& kept, const Calibration& calibration, const CoreModel& model) {
+TrackNoise estimate_track_noise(const std::vector<CoreKept>& kept, const Calibration& calibration,
+                                const CoreModel& model) {
   constexpr std::size_t kFewest = 30;  // tracks: each variance to a tenth or so
   const std::vector<Track> tracks = tracks_of(kept, calibration, model);
   TrackNoise noise{0.3, 0.5, 0};

@@ -1,5 +1,5 @@
-// How noisy a recording's corner tracks are: white noise and a random walk along each track, by maximum likelihood from the
-// residuals of a calibration.
+// How noisy a recording's corner tracks are: white noise and a random walk along each track, by maximum likelihood from
+// the residuals of a calibration.
 #pragma once
 
 #include <vector>
@@ -11,12 +11,13 @@ namespace host {
 /// Per image axis.
 struct TrackNoise {
   double white_px = 0, walk_px_per_sqrt_s = 0;
-  int points = 0;                    ///< image points it was found from; 0: nothing was
+  int points = 0;  ///< image points it was found from; 0: nothing was
 };
 
-/// Restricted maximum likelihood (Patterson and Thompson, Biometrika 1971): each landmark's place is unknown, its residuals
-/// count as far as it does not take them up; poses and `calibration` count as known. Outliers and slips weigh as they do in the
-/// calibration (lib/src/segments/track_noise.h), by the noise that is being found.
-TrackNoise estimate_track_noise(const std::vector<CoreKept>& kept, const Calibration& calibration, const CoreModel& model);
+/// Restricted maximum likelihood (Patterson and Thompson, Biometrika 1971): each landmark's place is unknown, its
+/// residuals count as far as it does not take them up; poses and `calibration` count as known. Outliers and slips weigh
+/// as they do in the calibration (lib/src/segments/track_noise.h), by the noise that is being found.
+TrackNoise estimate_track_noise(const std::vector<CoreKept>& kept, const Calibration& calibration,
+                                const CoreModel& model);
 
 }  // namespace host

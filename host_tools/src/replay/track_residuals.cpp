@@ -10,7 +10,8 @@ std::map<std::pair<int, int>, std::vector<TrackResidual>> tracks_of_segment(cons
   auto residual = kept.points.begin();
   for (const CorePoint& z : kept.measured) {
     if (residual == kept.points.end()) break;
-    const bool same = kept.keyframes[static_cast<std::size_t>(z.keyframe)].t_ns == residual->t_ns && z.camera == residual->camera;
+    const bool same =
+        kept.keyframes[static_cast<std::size_t>(z.keyframe)].t_ns == residual->t_ns && z.camera == residual->camera;
     if (z.rejected || !same) continue;
     tracks[{z.landmark, z.camera}].push_back({&z, &*residual++});
   }
@@ -26,7 +27,8 @@ std::vector<Eigen::Vector2d> residuals_px(const std::vector<TrackResidual>& trac
   for (std::size_t i = 0; i < track.size(); ++i) {
     const double step_s = i > 0 ? 1e-9 * static_cast<double>(track[i].residual->t_ns - track[i - 1].residual->t_ns) : 0;
     const double before = i > 0 ? known + walk * step_s : 0;
-    const Eigen::Vector2d innovation = std::sqrt(before + white) * Eigen::Vector2d(track[i].residual->u_sigma, track[i].residual->v_sigma);
+    const Eigen::Vector2d innovation =
+        std::sqrt(before + white) * Eigen::Vector2d(track[i].residual->u_sigma, track[i].residual->v_sigma);
     out.push_back(walked + innovation);
     walked += before / (before + white) * innovation;
     known = before * white / (before + white);
@@ -38,7 +40,8 @@ std::vector<Eigen::Vector2d> residuals_px(const CoreKept& kept, const CoreModel&
   std::vector<Eigen::Vector2d> out(kept.points.size(), Eigen::Vector2d::Zero());
   for (const auto& [key, track] : tracks_of_segment(kept)) {
     const std::vector<Eigen::Vector2d> r_px = residuals_px(track, model);
-    for (std::size_t i = 0; i < track.size(); ++i) out[static_cast<std::size_t>(track[i].residual - kept.points.data())] = r_px[i];
+    for (std::size_t i = 0; i < track.size(); ++i)
+      out[static_cast<std::size_t>(track[i].residual - kept.points.data())] = r_px[i];
   }
   return out;
 }

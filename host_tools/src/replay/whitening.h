@@ -6,12 +6,14 @@
 
 namespace host {
 
-/// The Cholesky factor of a track's covariance, white noise on a random walk, in time that grows with its length: that factor is the Kalman
-/// filter of the local level model (Durbin and Koopman, Time Series Analysis by State Space Methods, 2nd ed., sections 2.2 to 2.4).
+/// The Cholesky factor of a track's covariance, white noise on a random walk, in time that grows with its length: that
+/// factor is the Kalman filter of the local level model (Durbin and Koopman, Time Series Analysis by State Space
+/// Methods, 2nd ed., sections 2.2 to 2.4).
 class Whitening {
  public:
   /// px^2, of the walk's steps and of the points.
-  Whitening(const Eigen::VectorXd& step, const Eigen::VectorXd& white) : step_(step), S_(step.size()), gain_(step.size()), kept_(step.size()) {
+  Whitening(const Eigen::VectorXd& step, const Eigen::VectorXd& white)
+      : step_(step), S_(step.size()), gain_(step.size()), kept_(step.size()) {
     double P = 0;
     for (Eigen::Index i = 0; i < S_.size(); ++i) {
       P += step(i);

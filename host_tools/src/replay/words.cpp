@@ -12,7 +12,8 @@ std::vector<std::pair<std::string, double>> main_weights(const CoreDirection& di
   for (std::size_t i = 0; i < direction.weight.size() && i < names.size(); ++i) {
     if (std::abs(direction.weight[i]) >= least) out.emplace_back(names[i], direction.weight[i]);
   }
-  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return std::abs(a.second) > std::abs(b.second); });
+  std::stable_sort(out.begin(), out.end(),
+                   [](const auto& a, const auto& b) { return std::abs(a.second) > std::abs(b.second); });
   return out;
 }
 
@@ -31,7 +32,8 @@ std::vector<std::string> parameter_names(const Calibration& calibration) {
   std::vector<std::string> names;
   for (std::size_t c = 0; c < calibration.cameras.size(); ++c) {
     const std::string cam = "cam" + std::to_string(c) + ".";
-    for (const char* n : {"r_CI.x", "r_CI.y", "r_CI.z", "p_CI.x", "p_CI.y", "p_CI.z", "fx", "fy", "cx", "cy"}) names.push_back(cam + n);
+    for (const char* n : {"r_CI.x", "r_CI.y", "r_CI.z", "p_CI.x", "p_CI.y", "p_CI.z", "fx", "fy", "cx", "cy"})
+      names.push_back(cam + n);
     for (const std::string& n : distortion_parameters(calibration.cameras[c].model)) names.push_back(cam + n);
   }
   for (const char* sensor : {"gyro.", "accel."}) {
@@ -52,9 +54,11 @@ std::string change_words(const CoreChange& c, const CoreResult& result) {
   char line[160];
   const std::string before = std::to_string(c.before_session + 1), after = std::to_string(c.after_session + 1);
   std::snprintf(line, sizeof line, ", %.1f s on the IMU's clock", 1e-9 * static_cast<double>(c.t_ns));
-  const std::string when = c.before_session == c.after_session ? "within session " + after + line : "between session " + before + " and " + after;
+  const std::string when = c.before_session == c.after_session ? "within session " + after + line
+                                                               : "between session " + before + " and " + after;
   if (c.open) {
-    return "segments contradict what was known (noticed " + when + "): the device may have changed, and too few have come since to tell. "
+    return "segments contradict what was known (noticed " + when +
+           "): the device may have changed, and too few have come since to tell. "
            "Go on with lively motion, as for a first calibration";
   }
   std::vector<std::size_t> order;
@@ -62,12 +66,14 @@ std::string change_words(const CoreChange& c, const CoreResult& result) {
   const auto sigmas = [&c](std::size_t i) { return c.sigma[i] > 0 ? std::abs(c.step[i]) / c.sigma[i] : 0; };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return sigmas(a) > sigmas(b); });
   constexpr std::size_t kMost = 3;
-  constexpr double kSure = 4;   // sigmas: one of 27 entries reaches that by chance once in 600 changes
+  constexpr double kSure = 4;  // sigmas: one of 27 entries reaches that by chance once in 600 changes
   const bool sure = !order.empty() && sigmas(order[0]) > kSure;
-  std::string words = "the device changed " + when + (sure ? ":" : ": no entry alone is sure, all together are; most of all");
+  std::string words =
+      "the device changed " + when + (sure ? ":" : ": no entry alone is sure, all together are; most of all");
   for (std::size_t k = 0; k < order.size() && k < kMost && (k == 0 || sigmas(order[k]) > kSure); ++k) {
     const CoreParameter& p = result.parameters[order[k]];
-    std::snprintf(line, sizeof line, "%s %s by %.3g +- %.2g", k > 0 ? "," : "", p.name.c_str(), c.step[order[k]], c.sigma[order[k]]);
+    std::snprintf(line, sizeof line, "%s %s by %.3g +- %.2g", k > 0 ? "," : "", p.name.c_str(), c.step[order[k]],
+                  c.sigma[order[k]]);
     words += line + (p.unit == "-" ? std::string() : " " + p.unit);
   }
   return words;

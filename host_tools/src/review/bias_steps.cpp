@@ -15,23 +15,24 @@
 namespace host::review {
 namespace {
 
-/// log10 p of the largest of all trials; of 160 links that is 6.1 sigmas. By Cauchy and Schwarz a step moves no entry by more of its sigmas than it has
-/// itself, so that below hardly any can be 5 off by it alone. Of recordings without a step, real IMUs among them, the largest had 4.7
-/// away from the ends of a chain, where stamps do not scatter.
+/// log10 p of the largest of all trials; of 160 links that is 6.1 sigmas. By Cauchy and Schwarz a step moves no entry
+/// by more of its sigmas than it has itself, so that below hardly any can be 5 off by it alone. Of recordings without a
+/// step, real IMUs among them, the largest had 4.7 away from the ends of a chain, where stamps do not scatter.
 constexpr double kStepLevel = -6;
-/// s from either end of a chain of segments: there the first and last states, which nothing holds from the other side, take up what
-/// the model lacks (7 sigmas at 0.3 s of an IMU in a hand).
+/// s from either end of a chain of segments: there the first and last states, which nothing holds from the other side,
+/// take up what the model lacks (7 sigmas at 0.3 s of an IMU in a hand).
 constexpr double kFromEnds_s = 2;
 /// Links that one test stands for at first: a second apart or less, steps are hardly told from each other.
 constexpr std::size_t kStride = 4;
 
-/// The reference must find the fit that the core found: of recordings with sound stamps its sum of squares is within 1 % of the core's. Its cubics through
-/// stamps that scatter by 1 ms may overshoot (12 and 37 times the core's): there it would find steps of its own.
+/// The reference must find the fit that the core found: of recordings with sound stamps its sum of squares is within 1
+/// % of the core's. Its cubics through stamps that scatter by 1 ms may overshoot (12 and 37 times the core's): there it
+/// would find steps of its own.
 constexpr double kSameFit = 1.1;
 
 struct Found {
   std::size_t link = 0;
-  int axis = 0;                    ///< b_a's x, y, z, then b_g's
+  int axis = 0;  ///< b_a's x, y, z, then b_g's
   StepTest test;
 };
 
@@ -47,11 +48,14 @@ double seconds(std::int64_t from_ns, std::int64_t to_ns) { return 1e-9 * static_
 
 /// Far enough from where its chain begins and ends?
 bool inside(const reference::Problem& problem, const std::pair<int, int>& link) {
-  const auto state = [&problem](int i) -> const reference::State& { return problem.states[static_cast<std::size_t>(i)]; };
+  const auto state = [&problem](int i) -> const reference::State& {
+    return problem.states[static_cast<std::size_t>(i)];
+  };
   const std::vector<int>& starts = problem.chain_starts;
   const auto next = std::upper_bound(starts.begin(), starts.end(), link.first);
   const int last = next == starts.end() ? static_cast<int>(problem.states.size()) - 1 : *next - 1;
-  return seconds(state(*(next - 1)).t_ns, state(link.first).t_ns) >= kFromEnds_s && seconds(state(link.second).t_ns, state(last).t_ns) >= kFromEnds_s;
+  return seconds(state(*(next - 1)).t_ns, state(link.first).t_ns) >= kFromEnds_s &&
+         seconds(state(link.second).t_ns, state(last).t_ns) >= kFromEnds_s;
 }
 
 void take_larger(const WalkRows& rows, std::size_t link, int axis, Found* out) {
@@ -69,7 +73,8 @@ Found largest(const reference::Problem& problem, const WalkRows& rows) {
     for (int axis = 0; axis < 6 && inside(problem, links[i]); ++axis) take_larger(rows, i, axis, &out);
   }
   if (!(out.test.sigma > 0) || out.link >= problem.links.size()) return out;
-  const std::size_t from = out.link - std::min(out.link, kStride - 1), to = std::min(out.link + kStride, problem.links.size());
+  const std::size_t from = out.link - std::min(out.link, kStride - 1),
+                    to = std::min(out.link + kStride, problem.links.size());
   for (std::size_t i = from; i < to; ++i) {
     if (inside(problem, links[i])) take_larger(rows, i, out.axis, &out);
   }
@@ -80,7 +85,8 @@ Found largest(const reference::Problem& problem, const WalkRows& rows) {
 std::string when(const std::vector<Recording>& sessions, std::int64_t from_ns, std::int64_t to_ns) {
   std::int64_t zero_ns = 0;
   for (const Recording& r : sessions) {
-    if (!r.imu.samples.empty() && r.imu.samples.front().t_ns <= from_ns) zero_ns = std::max(zero_ns, r.imu.samples.front().t_ns);
+    if (!r.imu.samples.empty() && r.imu.samples.front().t_ns <= from_ns)
+      zero_ns = std::max(zero_ns, r.imu.samples.front().t_ns);
   }
   const double from_s = seconds(zero_ns, from_ns), to_s = seconds(zero_ns, to_ns);
   return to_s - from_s > 1 ? formatted("between %.1f and %.1f s", from_s, to_s) : formatted("at %.1f s", to_s);
@@ -89,7 +95,7 @@ std::string when(const std::vector<Recording>& sessions, std::int64_t from_ns, s
 /// Which released value moves most, of theta's columns that do.
 void find_bias(const Eigen::VectorXd& moves, const ReplayResult& result, Suspect* out) {
   std::vector<CoreParameter> p = result.result.parameters;
-  p.resize(static_cast<std::size_t>(moves.size()));   // without the effects
+  p.resize(static_cast<std::size_t>(moves.size()));  // without the effects
   const Eigen::VectorXd printed = printed_by_columns(p) * moves;
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (p[i].verdict == "fixed") continue;
@@ -100,8 +106,8 @@ void find_bias(const Eigen::VectorXd& moves, const ReplayResult& result, Suspect
   }
 }
 
-/// Effects of the image that the calibration estimated, and the reference does not know, are in the core's residuals: points are moved so that the
-/// reference's are those. False where that cannot be done.
+/// Effects of the image that the calibration estimated, and the reference does not know, are in the core's residuals:
+/// points are moved so that the reference's are those. False where that cannot be done.
 bool take_residuals(const KeptSegments& kept, reference::Problem* problem) {
   std::size_t at = 0;
   for (const CoreKept& k : kept.segments) {
@@ -125,10 +131,12 @@ std::optional<reference::Problem> problem_at(const ReplayResult& result) {
   if (kept.segments.empty()) return {};
   reference::Problem problem = reference::problem_of(kept);
   problem.theta = result.calibration;
-  problem.model.track_walk = 0;    // a track's drift is slow, and its states would be as many as its points
+  problem.model.track_walk = 0;  // a track's drift is slow, and its states would be as many as its points
   if (kept.effects.empty()) return problem;
   const auto of_imu = [](const std::string& name) { return name.rfind("gyro", 0) == 0 || name.rfind("accel", 0) == 0; };
-  if (kept.model.track_walk > 0 || std::any_of(kept.effects.begin(), kept.effects.end(), of_imu) || !take_residuals(kept, &problem)) return {};
+  if (kept.model.track_walk > 0 || std::any_of(kept.effects.begin(), kept.effects.end(), of_imu) ||
+      !take_residuals(kept, &problem))
+    return {};
   return problem;
 }
 
@@ -146,17 +154,21 @@ std::optional<Suspect> bias_step(const std::vector<Recording>& sessions, const R
   const std::vector<std::pair<int, int>> links = links_of(*problem);
   Suspect out;
   out.statistic = std::pow(found.test.z() / noise_scale, 2);
-  out.log10_p = std::min(0.0, diagnosis::log10_upper_tail(out.statistic, 1) + std::log10(6.0 * static_cast<double>(links.size())));
+  out.log10_p = std::min(
+      0.0, diagnosis::log10_upper_tail(out.statistic, 1) + std::log10(6.0 * static_cast<double>(links.size())));
   if (out.log10_p > kStepLevel) return {};
   const bool gyro = found.axis >= 3;
   out.name = gyro ? "bias_step.gyro" : "bias_step.accel";
   find_bias(rows.moves(found.link, found.axis, found.test.size), result, &out);
   const auto t_ns = [&problem](int state) { return problem->states[static_cast<std::size_t>(state)].t_ns; };
   const std::pair<int, int> link = links[found.link];
-  out.words = formatted("the %s's bias steps by %.3g +- %.1g %s (%c) %s, and with that step %s moves by %.1f sigma: calibrate what was before and after it by "
-                        "themselves, and look for what trims or restarts the sensor",
-                        gyro ? "gyroscope" : "accelerometer", found.test.size, found.test.sigma * noise_scale, gyro ? "rad/s" : "m/s^2", "xyz"[found.axis % 3],
-                        when(sessions, t_ns(link.first), t_ns(link.second)).c_str(), out.moves.c_str(), out.bias_sigmas);
+  out.words = formatted(
+      "the %s's bias steps by %.3g +- %.1g %s (%c) %s, and with that step %s moves by %.1f sigma: calibrate what was "
+      "before and after it by "
+      "themselves, and look for what trims or restarts the sensor",
+      gyro ? "gyroscope" : "accelerometer", found.test.size, found.test.sigma * noise_scale, gyro ? "rad/s" : "m/s^2",
+      "xyz"[found.axis % 3], when(sessions, t_ns(link.first), t_ns(link.second)).c_str(), out.moves.c_str(),
+      out.bias_sigmas);
   return out;
 }
 

@@ -33,7 +33,8 @@ Vector3d three(const std::vector<CoreParameter>& p, std::size_t i, double CorePa
   return {p[i].*member, p[i + 1].*member, p[i + 2].*member};
 }
 
-/// J_l^-1(v): the rotation vector of Exp(d) Exp(v) is v + J_l^-1(v) d to first order (Sola et al., "A micro Lie theory", eq. 146).
+/// J_l^-1(v): the rotation vector of Exp(d) Exp(v) is v + J_l^-1(v) d to first order (Sola et al., "A micro Lie
+/// theory", eq. 146).
 Matrix3d left_jacobian_inverse(const Vector3d& v) {
   Matrix3d K;
   K << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
@@ -48,7 +49,9 @@ MatrixXd printed_by_columns(const std::vector<CoreParameter>& p) {
   const auto n = static_cast<Eigen::Index>(p.size());
   MatrixXd out = MatrixXd::Identity(n, n);
   for (std::size_t i = 0; i < p.size(); ++i) {
-    if (begins_rotation(p[i])) out.block<3, 3>(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) = left_jacobian_inverse(three(p, i, &CoreParameter::value));
+    if (begins_rotation(p[i]))
+      out.block<3, 3>(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) =
+          left_jacobian_inverse(three(p, i, &CoreParameter::value));
   }
   return out;
 }
@@ -58,13 +61,15 @@ VectorXd step_from_start(const std::vector<CoreParameter>& p) {
   for (std::size_t i = 0; i < p.size(); ++i) out(static_cast<Eigen::Index>(i)) = p[i].value - p[i].initial;
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (!begins_rotation(p[i])) continue;
-    const Eigen::AngleAxisd turn(rotation_of(three(p, i, &CoreParameter::value)) * rotation_of(three(p, i, &CoreParameter::initial)).transpose());
+    const Eigen::AngleAxisd turn(rotation_of(three(p, i, &CoreParameter::value)) *
+                                 rotation_of(three(p, i, &CoreParameter::initial)).transpose());
     out.segment<3>(static_cast<Eigen::Index>(i)) = turn.angle() * turn.axis();
   }
   return out;
 }
 
-diagnosis::Problem linearised(Core& core, const ReplayResult& result, const std::vector<diagnosis::TermInfo>& candidates) {
+diagnosis::Problem linearised(Core& core, const ReplayResult& result,
+                              const std::vector<diagnosis::TermInfo>& candidates) {
   const std::vector<CoreParameter>& parameters = result.result.parameters;
   std::vector<CoreTerm> terms;
   for (const diagnosis::TermInfo& t : candidates) terms.push_back(t.term);
@@ -79,7 +84,8 @@ diagnosis::Problem linearised(Core& core, const ReplayResult& result, const std:
   for (int i = 0; i < out.n_theta; ++i) out.prior.sigma(i) = parameters[static_cast<std::size_t>(i)].prior_sigma;
   std::vector<const CoreKept*> kept;
   for (const CoreKept& k : result.kept) kept.push_back(&k);
-  std::sort(kept.begin(), kept.end(), [](const CoreKept* a, const CoreKept* b) { return a->segment.start_ns < b->segment.start_ns; });
+  std::sort(kept.begin(), kept.end(),
+            [](const CoreKept* a, const CoreKept* b) { return a->segment.start_ns < b->segment.start_ns; });
   if (kept.size() < 2) return out;
   std::vector<std::uint32_t> all, half[2];
   const std::int64_t zero_ns = kept.front()->segment.start_ns;
@@ -88,7 +94,8 @@ diagnosis::Problem linearised(Core& core, const ReplayResult& result, const std:
     const bool held_out = (i + 1) / 2 % 2 == 1;  // both halves see the whole time: 0, 3, 4, 7, 8, ... against the rest
     all.push_back(s.serial);
     half[held_out ? 1 : 0].push_back(s.serial);
-    out.pieces.push_back({rows_of({s.serial}), 1e-9 * static_cast<double>(s.start_ns - zero_ns), 1e-9 * static_cast<double>(s.end_ns - zero_ns), held_out});
+    out.pieces.push_back({rows_of({s.serial}), 1e-9 * static_cast<double>(s.start_ns - zero_ns),
+                          1e-9 * static_cast<double>(s.end_ns - zero_ns), held_out});
   }
   out.all = rows_of(all);
   out.train = rows_of(half[0]);

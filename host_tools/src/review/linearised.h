@@ -7,10 +7,11 @@
 
 namespace host::review {
 
-/// Columns [theta with the terms that were estimated | candidates' terms]. Theta's columns count from the released values,
-/// rotations as small rotations from the left. The prior's mean is the start. No pieces, where fewer than two segments are kept.
-/// Throws InputError for candidates that the profile has no room for.
-diagnosis::Problem linearised(Core& core, const ReplayResult& result, const std::vector<diagnosis::TermInfo>& candidates);
+/// Columns [theta with the terms that were estimated | candidates' terms]. Theta's columns count from the released
+/// values, rotations as small rotations from the left. The prior's mean is the start. No pieces, where fewer than two
+/// segments are kept. Throws InputError for candidates that the profile has no room for.
+diagnosis::Problem linearised(Core& core, const ReplayResult& result,
+                              const std::vector<diagnosis::TermInfo>& candidates);
 
 /// Printed values by small rotations: for each parameter, how it moves with theta's columns.
 Eigen::MatrixXd printed_by_columns(const std::vector<CoreParameter>& parameters);

@@ -12,13 +12,14 @@ namespace {
 
 using namespace diagnosis;
 
-constexpr double kLevel = -4;            // log10 p of a false suspicion, corrected
+constexpr double kLevel = -4;  // log10 p of a false suspicion, corrected
 
 /// With the candidate free, the largest movement of a released value, in its stated sigmas.
 void find_bias(const Problem& problem, const Candidate& candidate, const ReplayResult& result, Suspect* out) {
   const std::vector<CoreParameter>& p = result.result.parameters;
   const Solution without = solve(with_prior(with_groups(problem.all, problem.n_theta, {}), problem.prior));
-  const Solution with = solve(with_groups(with_prior(problem.all, problem.prior), problem.n_theta, {candidate.columns}));
+  const Solution with =
+      solve(with_groups(with_prior(problem.all, problem.prior), problem.n_theta, {candidate.columns}));
   const Eigen::VectorXd moved = printed_by_columns(p) * (with.x.head(problem.n_theta) - without.x);
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (p[i].verdict == "fixed") continue;
@@ -32,13 +33,15 @@ void find_bias(const Problem& problem, const Candidate& candidate, const ReplayR
 /// Terms that a calibration estimated are no candidates any more.
 Catalogue not_estimated(Catalogue catalogue, const std::vector<CoreParameter>& parameters) {
   const auto taken = [&parameters](const std::string& name) {
-    return std::any_of(parameters.begin(), parameters.end(), [&name](const CoreParameter& p) { return p.name == name; });
+    return std::any_of(parameters.begin(), parameters.end(),
+                       [&name](const CoreParameter& p) { return p.name == name; });
   };
   Catalogue out;
   for (Candidate c : catalogue.candidates) {
     if (taken(catalogue.terms[static_cast<std::size_t>(c.columns.first)].name)) continue;
     const int first = static_cast<int>(out.terms.size());
-    for (int i = 0; i < c.columns.count; ++i) out.terms.push_back(catalogue.terms[static_cast<std::size_t>(c.columns.first + i)]);
+    for (int i = 0; i < c.columns.count; ++i)
+      out.terms.push_back(catalogue.terms[static_cast<std::size_t>(c.columns.first + i)]);
     c.columns.first = first;
     out.candidates.push_back(c);
   }
@@ -51,11 +54,12 @@ std::string number(const char* format, double value) {
   return text;
 }
 
-void ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c, std::size_t trials, const ReplayResult& result,
-         std::vector<Suspect>* out) {
+void ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c, std::size_t trials,
+         const ReplayResult& result, std::vector<Suspect>* out) {
   const EffectTest test = test_effect(problem, c, {});
   if (test.seen == 0) return;
-  const double log10_p = scatter_over_time(problem, c, {}).log10_p(test.statistic, test.seen) + std::log10(static_cast<double>(trials));
+  const double log10_p =
+      scatter_over_time(problem, c, {}).log10_p(test.statistic, test.seen) + std::log10(static_cast<double>(trials));
   if (log10_p > kLevel) return;
   const HalvesTest halves = test_halves(problem, c, {});
   if (halves.log10_p_disagree < decision::kLog10Disagree || halves.gain < decision::kHelps * test.statistic) return;
@@ -64,9 +68,11 @@ void ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c,
   suspect.words = c.name + " is not in the model and would explain what is left (";
   for (int i = 0; i < c.columns.count && i < 3; ++i) {
     const TermInfo& t = catalogue.terms[static_cast<std::size_t>(c.columns.first + i)];
-    suspect.words += (i > 0 ? ", " : "") + t.name + " " + number("%.3g", test.value(i)) + " +- " + number("%.1g ", test.sigma(i)) + t.unit;
+    suspect.words += (i > 0 ? ", " : "") + t.name + " " + number("%.3g", test.value(i)) + " +- " +
+                     number("%.1g ", test.sigma(i)) + t.unit;
   }
-  suspect.words += "); with it " + suspect.moves + " moves by " + number("%.1f", suspect.bias_sigmas) + " sigma: --enable " + c.name;
+  suspect.words +=
+      "); with it " + suspect.moves + " moves by " + number("%.1f", suspect.bias_sigmas) + " sigma: --enable " + c.name;
   out->push_back(std::move(suspect));
 }
 
@@ -85,7 +91,8 @@ std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, boo
   } catch (const InputError&) {  // no room for all at once
     for (const Candidate& c : catalogue.candidates) {
       Catalogue one{{}, {c}};
-      for (int i = 0; i < c.columns.count; ++i) one.terms.push_back(catalogue.terms[static_cast<std::size_t>(c.columns.first + i)]);
+      for (int i = 0; i < c.columns.count; ++i)
+        one.terms.push_back(catalogue.terms[static_cast<std::size_t>(c.columns.first + i)]);
       one.candidates[0].columns.first = 0;
       try {
         ask_all(one);

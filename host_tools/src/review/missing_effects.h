@@ -1,5 +1,5 @@
-// The score test of the catalogue at a finished calibration: which effect outside the model would explain what it leaves, and
-// how far would theta move with it?
+// The score test of the catalogue at a finished calibration: which effect outside the model would explain what it
+// leaves, and how far would theta move with it?
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace host::review {
 
-/// An effect that the calibration's rows ask for: significant after correction for the number of effects and against the scatter
-/// of its own value over the segments; halves of the recording agree and help each other.
+/// An effect that the calibration's rows ask for: significant after correction for the number of effects and against
+/// the scatter of its own value over the segments; halves of the recording agree and help each other.
 std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature);
 
 /// The most that one of them moves a released value by, in its sigmas.

@@ -5,13 +5,14 @@
 
 namespace host::review {
 
-/// Fills result->health, with notes on what was stated (stated.h), and result->cause. Widens sigmas where segments disagree by more than noise does
-/// (segment_scatter.h), and takes `calibrated` back, with everything as it was, where
+/// Fills result->health, with notes on what was stated (stated.h), and result->cause. Widens sigmas where segments
+/// disagree by more than noise does (segment_scatter.h), and takes `calibrated` back, with everything as it was, where
 ///  - the odometry used less than half of the images that it was offered,
 ///  - the fit leaves more than twice the stated noise,
 ///  - the step from the start is one that the prior does not allow (chi-square, p < 1e-6),
 ///  - an effect that the model lacks would move a released value by more than three of its sigmas (missing_effects.h),
-///  - more than half of the newer half of the last session's segments, and three at least, do not follow their own IMU samples with what the odometry
+///  - more than half of the newer half of the last session's segments, and three at least, do not follow their own IMU
+///  samples with what the odometry
 ///    believed,
 ///  - the segments disagree with each other by more than five times what noise leaves,
 ///  - fewer than half of the parameters are observed with the widened sigmas,

@@ -13,7 +13,8 @@ using diagnosis::Rows;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Eight segments tell a variance to a half: only scatter that chance does not explain once in a thousand parameters is taken.
+/// Eight segments tell a variance to a half: only scatter that chance does not explain once in a thousand parameters is
+/// taken.
 constexpr double kChance = -3;
 
 }  // namespace
@@ -27,8 +28,9 @@ SegmentScatter scatter_of_segments(const diagnosis::Problem& problem, const Matr
   const diagnosis::Solution best = diagnosis::solve(diagnosis::with_prior(only_theta(problem.all), problem.prior));
   const MatrixXd& Sigma = best.covariance;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(Sigma);
-  const MatrixXd root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
-  const MatrixXd by_pull = printed * Sigma;   // a printed value's movement by a pull
+  const MatrixXd root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
+                        eigen.eigenvectors().transpose();
+  const MatrixXd by_pull = printed * Sigma;  // a printed value's movement by a pull
   double found = 0, expected = 0, spread = 0;
   VectorXd value_found = VectorXd::Zero(n), value_expected = VectorXd::Zero(n), value_spread = VectorXd::Zero(n);
   for (const diagnosis::Piece& piece : problem.pieces) {
@@ -57,8 +59,10 @@ SegmentScatter scatter_of_segments(const diagnosis::Problem& problem, const Matr
   for (int i = 0; i < n; ++i) {
     out.variance_factor(i) = common;
     if (!(value_expected(i) > 0)) continue;
-    const double ratio = value_found(i) / value_expected(i), dof = value_expected(i) * value_expected(i) / value_spread(i);
-    if (ratio > common && log10_p(ratio, dof) + std::log10(static_cast<double>(n)) < kChance) out.variance_factor(i) = ratio;
+    const double ratio = value_found(i) / value_expected(i),
+                 dof = value_expected(i) * value_expected(i) / value_spread(i);
+    if (ratio > common && log10_p(ratio, dof) + std::log10(static_cast<double>(n)) < kChance)
+      out.variance_factor(i) = ratio;
   }
   return out;
 }

@@ -9,8 +9,8 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr int kState = reference::kPoseSize + reference::kMotionSize, kFirstBias = reference::kPoseSize + 3;
-/// Of a step's information, what must be left beside the states that follow it: less is the rounding of doubles (the last keyframe's bias is
-/// in no residual but its own walk).
+/// Of a step's information, what must be left beside the states that follow it: less is the rounding of doubles (the
+/// last keyframe's bias is in no residual but its own walk).
 constexpr double kRounding = 1e-8;
 
 }  // namespace
@@ -45,7 +45,8 @@ void WalkRows::linearise(reference::CeresProblem* ceres) {
   ceres::CRSMatrix crs;
   ceres->ceres().Evaluate(options, nullptr, &residuals, nullptr, &crs);
   residual_ = Eigen::Map<VectorXd>(residuals.data(), static_cast<Eigen::Index>(residuals.size()));
-  J_ = Eigen::Map<const Rows>(crs.num_rows, crs.num_cols, static_cast<Eigen::Index>(crs.values.size()), crs.rows.data(), crs.cols.data(), crs.values.data());
+  J_ = Eigen::Map<const Rows>(crs.num_rows, crs.num_cols, static_cast<Eigen::Index>(crs.values.size()), crs.rows.data(),
+                              crs.cols.data(), crs.values.data());
 }
 
 /// A step enters the residuals as the bias that it leads to does, in this link alone.

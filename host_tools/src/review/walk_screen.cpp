@@ -8,11 +8,13 @@
 namespace host::review {
 namespace {
 
-/// Of 30 recordings without a step 27 are below, and 2.0 is the largest; of steps that made an answer wrong by 5 sigmas the smallest had 2.5. The test's
-/// own z is 2 to 20 times as large: images hold attitude and place loosely where corners are few.
+/// Of 30 recordings without a step 27 are below, and 2.0 is the largest; of steps that made an answer wrong by 5 sigmas
+/// the smallest had 2.5. The test's own z is 2 to 20 times as large: images hold attitude and place loosely where
+/// corners are few.
 constexpr double kScreen = 1.8;
 
-/// Of one sensor, per state: the walk's variance since the one before (0: none), and what the link that begins there says of the bias.
+/// Of one sensor, per state: the walk's variance since the one before (0: none), and what the link that begins there
+/// says of the bias.
 struct Smoother {
   std::vector<double> walk, information;
 
@@ -23,7 +25,9 @@ struct Smoother {
   double largest(const Step& step) const {
     const std::size_t n = walk.size();
     std::vector<double> before(n), after(n);
-    const auto carried = [](double known, double variance) { return known > 0 && variance > 0 ? 1 / (1 / known + variance) : 0; };
+    const auto carried = [](double known, double variance) {
+      return known > 0 && variance > 0 ? 1 / (1 / known + variance) : 0;
+    };
     for (std::size_t k = 0; k < n; ++k) before[k] = information[k] + (k > 0 ? carried(before[k - 1], walk[k]) : 0);
     for (std::size_t k = n; k-- > 0;) after[k] = information[k] + (k + 1 < n ? carried(after[k + 1], walk[k + 1]) : 0);
     double out = 0;
@@ -49,7 +53,8 @@ bool may_step(const reference::Problem& problem) {
     const auto from = static_cast<std::size_t>(l.from);
     const std::int64_t t0_ns = states[from].t_ns, t1_ns = states[static_cast<std::size_t>(l.to)].t_ns;
     const double dt_s = 1e-9 * static_cast<double>(t1_ns - t0_ns);
-    const reference::LinkNoise white = reference::link_noise(model, problem.samples[static_cast<std::size_t>(l.samples)], t0_ns, t1_ns);
+    const reference::LinkNoise white =
+        reference::link_noise(model, problem.samples[static_cast<std::size_t>(l.samples)], t0_ns, t1_ns);
     gyro.information[from] = dt_s / (white.gyro * white.gyro);
     accel.information[from] = dt_s / (white.accel * white.accel);
     walks(l.to, dt_s);
@@ -57,8 +62,10 @@ bool may_step(const reference::Problem& problem) {
   for (const reference::BiasWalk& w : problem.walks) walks(w.to, w.gap_s);
   double largest = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    largest = std::max(largest, gyro.largest([&](std::size_t k) { return states[k].b_g(axis) - states[k - 1].b_g(axis); }));
-    largest = std::max(largest, accel.largest([&](std::size_t k) { return states[k].b_a(axis) - states[k - 1].b_a(axis); }));
+    largest =
+        std::max(largest, gyro.largest([&](std::size_t k) { return states[k].b_g(axis) - states[k - 1].b_g(axis); }));
+    largest =
+        std::max(largest, accel.largest([&](std::size_t k) { return states[k].b_a(axis) - states[k - 1].b_a(axis); }));
   }
   return largest > kScreen;
 }

@@ -9,9 +9,9 @@ namespace {
 constexpr double max_tangent = 5.67;         // tan 80 degrees
 constexpr double max_tangent_radtan = 1.73;  // tan 60 degrees
 constexpr double tiny_radius = 1e-9;
-constexpr double max_angle_back = 1.536;         // 88 degrees
+constexpr double max_angle_back = 1.536;             // 88 degrees
 constexpr double max_angle_back_equidistant = 1.66;  // 95 degrees: this model has no pole at 90
-constexpr double max_radius_back_radtan = 3.73;  // tan 75 degrees
+constexpr double max_radius_back_radtan = 3.73;      // tan 75 degrees
 constexpr int newton_steps = 12;
 constexpr double newton_converged = 1e-12;
 
@@ -87,7 +87,8 @@ std::optional<Eigen::Vector3d> bearing_of_radtan(const CameraCalibration& camera
     Eigen::Matrix2d J;
     for (int axis = 0; axis < 2; ++axis) {
       const Eigen::Vector2d step = h * Eigen::Vector2d::Unit(axis);
-      J.col(axis) = (distort_radtan(x + step, camera.distortion) - distort_radtan(x - step, camera.distortion)) / (2 * h);
+      J.col(axis) =
+          (distort_radtan(x + step, camera.distortion) - distort_radtan(x - step, camera.distortion)) / (2 * h);
     }
     x -= J.inverse() * error;
   }

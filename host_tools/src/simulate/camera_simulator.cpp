@@ -113,7 +113,8 @@ std::vector<CameraSimulator::Sighting> CameraSimulator::free_sightings(double t)
   for (std::size_t i = sightings.size(); i > 1; --i)
     std::swap(sightings[i - 1], sightings[static_cast<std::size_t>(choices_.integer(0, static_cast<int>(i) - 1))]);
   if (first_camera_) {
-    std::stable_partition(sightings.begin(), sightings.end(), [this](const Sighting& s) { return matched_track(s.landmark) != nullptr; });
+    std::stable_partition(sightings.begin(), sightings.end(),
+                          [this](const Sighting& s) { return matched_track(s.landmark) != nullptr; });
   }
   return sightings;
 }

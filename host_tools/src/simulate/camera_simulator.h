@@ -14,14 +14,15 @@
 namespace host::sim {
 
 struct TrackOptions {
-  int count = 60;                     ///< tracks alive at a time, as far as the view offers them
-  int shortest = 6, longest = 45;     ///< life span of a track, frames
-  double pixel_noise_px = 0.5;        ///< white, standard deviation per axis
-  double walk_px_per_sqrt_s = 0;      ///< of a random walk along each track, per axis
+  int count = 60;                  ///< tracks alive at a time, as far as the view offers them
+  int shortest = 6, longest = 45;  ///< life span of a track, frames
+  double pixel_noise_px = 0.5;     ///< white, standard deviation per axis
+  double walk_px_per_sqrt_s = 0;   ///< of a random walk along each track, per axis
   DepthRange depth;
 };
 
-/// As the corner tracks of a real camera (euroc_mh01): hardly any white noise, most of it a random walk along the track.
+/// As the corner tracks of a real camera (euroc_mh01): hardly any white noise, most of it a random walk along the
+/// track.
 inline TrackOptions drifting_tracks() {
   TrackOptions out;
   out.pixel_noise_px = 0.1;
@@ -32,12 +33,14 @@ inline TrackOptions drifting_tracks() {
 /// One camera with its true calibration in the scene. Calls of `next_frame` go forward in time at a fixed rate.
 class CameraSimulator {
  public:
-  /// `period` in s between frames; it is used to look ahead, so that no track begins that could not live `shortest` frames.
-  CameraSimulator(const CameraCalibration& camera, std::size_t index, const Trajectory& truth, const std::vector<Eigen::Vector3d>& scene,
-                  const Effects& effects, const TrackOptions& options, double period, std::uint64_t seed);
+  /// `period` in s between frames; it is used to look ahead, so that no track begins that could not live `shortest`
+  /// frames.
+  CameraSimulator(const CameraCalibration& camera, std::size_t index, const Trajectory& truth,
+                  const std::vector<Eigen::Vector3d>& scene, const Effects& effects, const TrackOptions& options,
+                  double period, std::uint64_t seed);
 
-  /// From now on landmarks that `first`, the rig's first camera, follows at the time are preferred, under its ids. `first`
-  /// must outlive this and make each frame before.
+  /// From now on landmarks that `first`, the rig's first camera, follows at the time are preferred, under its ids.
+  /// `first` must outlive this and make each frame before.
   void match_with(const CameraSimulator* first) { first_camera_ = first; }
 
   /// Tracks of the frame at `t`, s since the first frame. New ids are taken from `next_track_id`.
@@ -48,7 +51,7 @@ class CameraSimulator {
     std::uint32_t id;
     std::size_t landmark;
     int frames_left;
-    Eigen::Vector2d pixel;  ///< without noise, so that the noise has no say in which tracks begin
+    Eigen::Vector2d pixel;         ///< without noise, so that the noise has no say in which tracks begin
     Eigen::Vector2d walked{0, 0};  ///< px, drift since the track began
   };
   struct Sighting {
@@ -69,7 +72,7 @@ class CameraSimulator {
   void start_track(const Sighting& sighting, std::uint32_t id, std::vector<TrackPoint>& points);
   TrackPoint measured(const Track& track);
 
-  CameraCalibration camera_;   ///< before any shock
+  CameraCalibration camera_;  ///< before any shock
   std::size_t index_;
   const Trajectory& truth_;
   const std::vector<Eigen::Vector3d>& scene_;
@@ -79,9 +82,9 @@ class CameraSimulator {
   Random choices_, noise_;
   std::vector<Track> tracks_;
   const CameraSimulator* first_camera_ = nullptr;
-  std::unordered_set<std::uint32_t> matched_ids_;                 ///< ids of the first camera used here before
-  std::vector<bool> in_use_;                                      ///< per landmark
-  std::vector<std::pair<double, BodyState>> states_ahead_;        ///< time and state of this frame and the next few
+  std::unordered_set<std::uint32_t> matched_ids_;           ///< ids of the first camera used here before
+  std::vector<bool> in_use_;                                ///< per landmark
+  std::vector<std::pair<double, BodyState>> states_ahead_;  ///< time and state of this frame and the next few
 };
 
 }  // namespace host::sim

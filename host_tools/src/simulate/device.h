@@ -15,8 +15,8 @@ struct DeviceSpread {
   double fov_w = 0.005, distortion_k = 0.005, distortion_p = 0.0005;
   double gyro_scale = 0.004, gyro_misalignment = 0.002;
   double accel_scale = 0.012, accel_misalignment = 0.012;
-  double rotation_rad = 0.012;       ///< per axis, R_CI and R_AI
-  double translation_m = 0.004;      ///< per axis, p_CI
+  double rotation_rad = 0.012;   ///< per axis, R_CI and R_AI
+  double translation_m = 0.004;  ///< per axis, p_CI
 };
 
 /// Nominal device with one or two cameras, each looking along +x of the IMU.

@@ -10,7 +10,9 @@ namespace {
 
 constexpr std::int64_t least_step_ns = 1000;
 
-std::array<double, 3>& values_of(ImuSample& sample, Sensor sensor) { return sensor == Sensor::gyro ? sample.gyro : sample.accel; }
+std::array<double, 3>& values_of(ImuSample& sample, Sensor sensor) {
+  return sensor == Sensor::gyro ? sample.gyro : sample.accel;
+}
 
 void clip_values(std::array<double, 3>& values, double limit) {
   if (!(limit > 0)) return;
@@ -22,7 +24,8 @@ void jitter(std::vector<Stamped>& entries, double sigma_s, sim::Random& random) 
   if (!(sigma_s > 0)) return;
   std::int64_t last_ns = INT64_MIN + least_step_ns;
   for (Stamped& entry : entries) {
-    entry.t_ns = std::max<std::int64_t>(entry.t_ns + std::llround(1e9 * sigma_s * random.normal()), last_ns + least_step_ns);
+    entry.t_ns =
+        std::max<std::int64_t>(entry.t_ns + std::llround(1e9 * sigma_s * random.normal()), last_ns + least_step_ns);
     last_ns = entry.t_ns;
   }
 }

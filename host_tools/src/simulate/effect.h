@@ -20,12 +20,12 @@ struct ImuReading {
 
 /// What an IMU reading can depend on.
 struct ImuMoment {
-  double t;                       ///< s since the first frame
+  double t;  ///< s since the first frame
   const Trajectory& truth;
-  const ImuCalibration& imu;      ///< of this moment
-  const BodyState& state;         ///< truth.at(t)
-  Eigen::Vector3d force_I;        ///< specific force in I, m/s^2
-  double temperature_degC;        ///< 25 where the simulation has no temperature
+  const ImuCalibration& imu;  ///< of this moment
+  const BodyState& state;     ///< truth.at(t)
+  Eigen::Vector3d force_I;    ///< specific force in I, m/s^2
+  double temperature_degC;    ///< 25 where the simulation has no temperature
 };
 
 /// Factors on the standard deviation of the white noise; the files go on stating the noise without them.
@@ -36,7 +36,7 @@ struct NoiseFactors {
 /// What an effect is, for truth/truth.json: parameters named as in result files.
 struct EffectTruth {
   struct Parameter {
-    std::string name;   ///< without the effect's name and its dot
+    std::string name;  ///< without the effect's name and its dot
     double value;
     std::string unit;
   };

@@ -1,9 +1,9 @@
-#include "angles.h"
 #include "effect_names.h"
 
 #include <cmath>
 #include <cstdlib>
 
+#include "angles.h"
 #include "effects_camera.h"
 #include "effects_imu.h"
 #include "effects_log.h"
@@ -20,7 +20,8 @@ using Made = std::shared_ptr<const Effect>;
 double number(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !(std::abs(value) < 1e12)) throw InputError("expected a number, found '" + text + "'");
+  if (text.empty() || *end != '\0' || !(std::abs(value) < 1e12))
+    throw InputError("expected a number, found '" + text + "'");
   return value;
 }
 
@@ -38,8 +39,10 @@ std::vector<double> numbers(const Values& values, std::size_t from = 0) {
 
 void expect(const Values& values, std::size_t least, std::size_t most) {
   if (values.size() >= least && values.size() <= most) return;
-  const std::string range = least == most ? std::to_string(least) : std::to_string(least) + " to " + std::to_string(most);
-  throw InputError("expected " + range + (most == 1 ? " value, found " : " values, found ") + std::to_string(values.size()));
+  const std::string range =
+      least == most ? std::to_string(least) : std::to_string(least) + " to " + std::to_string(most);
+  throw InputError("expected " + range + (most == 1 ? " value, found " : " values, found ") +
+                   std::to_string(values.size()));
 }
 
 Eigen::Vector3d three(const Values& values) {
@@ -61,7 +64,8 @@ Made make_pixel_noise(const Values& v) {
 Made make_g_sensitivity(const Values& v) {
   expect(v, 9, 9);
   Eigen::Matrix3d T_gs;
-  for (std::size_t i = 0; i < 9; ++i) T_gs(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3)) = number(v[i]);
+  for (std::size_t i = 0; i < 9; ++i)
+    T_gs(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3)) = number(v[i]);
   return std::make_shared<GyroGSensitivity>(T_gs);
 }
 
@@ -111,9 +115,11 @@ Made make_frozen(const Values& v) {
   expect(v, 3, 3);
   const disturb::Sensor sensor = sensor_of(v[0]);
   const double t = number(v[1]), seconds = positive(v[2]);
-  return log_fault({"frozen", {{v[0] + ".time", t, "s"}, {v[0] + ".duration", seconds, "s"}}}, [=](Recording& r, std::uint64_t) {
-    if (!r.imu.samples.empty()) disturb::freeze(r, sensor, r.imu.samples.front().t_ns + static_cast<std::int64_t>(t * 1e9), seconds);
-  });
+  return log_fault(
+      {"frozen", {{v[0] + ".time", t, "s"}, {v[0] + ".duration", seconds, "s"}}}, [=](Recording& r, std::uint64_t) {
+        if (!r.imu.samples.empty())
+          disturb::freeze(r, sensor, r.imu.samples.front().t_ns + static_cast<std::int64_t>(t * 1e9), seconds);
+      });
 }
 
 Made make_unit(const Values& v) {
@@ -198,7 +204,8 @@ const std::vector<EffectEntry>& effect_entries() {
       {K::catalogue, "imu_noise", "factor(,factor of the accelerometer) [-] on the stated noise", "3", make_imu_noise},
       {K::catalogue, "pixel_noise", "factor [-] on --pixel-noise", "2", make_pixel_noise},
       {K::catalogue, "calibration_shift",
-       "BLOCK,time [s],step: from then on. cam0.r_CI [rad], cam0.p_CI [m], cam0.f, cam0.c [px], gyro.s, gyro.m, accel.s, "
+       "BLOCK,time [s],step: from then on. cam0.r_CI [rad], cam0.p_CI [m], cam0.f, cam0.c [px], gyro.s, gyro.m, "
+       "accel.s, "
        "accel.m [-], accel.r_AI [rad]",
        "cam0.r_CI,30,0.012,0,0", make_shift},
       {K::catalogue, "saturation", "gyro [rad/s],accel [m/s^2], 0: none", "2,14", make_saturation},
@@ -212,13 +219,17 @@ const std::vector<EffectEntry>& effect_entries() {
       {K::outside, "outside:vibration_rectification", "k [s^2/m] times the variance of the force over 0.5 s", "0.02",
        make_one<VibrationRectification>},
       {K::outside, "outside:attitude_error", "k [m/s^2] times sin 2 roll, sin 2 pitch", "0.1", make_one<AttitudeError>},
-      {K::outside, "outside:heading_error", "k [rad/s] times cos yaw, sin yaw, sin 2 yaw", "0.01", make_one<HeadingError>},
-      {K::outside, "outside:decentred_distortion", "k,cx,cy [-]: k r^6 about (cx, cy)", "0.02,0.2,-0.1", make_decentred},
+      {K::outside, "outside:heading_error", "k [rad/s] times cos yaw, sin yaw, sin 2 yaw", "0.01",
+       make_one<HeadingError>},
+      {K::outside, "outside:decentred_distortion", "k,cx,cy [-]: k r^6 about (cx, cy)", "0.02,0.2,-0.1",
+       make_decentred},
       {K::outside, "outside:focus_hunting", "k [-]: f (1 + k sin(2 pi t / 7 s))", "0.002", make_one<FocusHunting>},
-      {K::outside, "outside:loose_mount", "angle [rad] to either side, drawn every 1.7 s", "0.002", make_one<LooseMount>},
+      {K::outside, "outside:loose_mount", "angle [rad] to either side, drawn every 1.7 s", "0.002",
+       make_one<LooseMount>},
       {K::outside, "outside:wandering_stamps", "k [s] times sin(2 pi t / 11 s)", "0.001", make_one<WanderingStamps>},
       {K::outside, "outside:gyro_hum", "k [rad/s] of a tone at 1.3 Hz", "0.005", make_one<GyroHum>},
-      {K::outside, "outside:two_way_shutter", "k [s/row] from the middle row to both edges", "5e-6", make_one<TwoWayShutter>},
+      {K::outside, "outside:two_way_shutter", "k [s/row] from the middle row to both edges", "5e-6",
+       make_one<TwoWayShutter>},
   };
   return all;
 }

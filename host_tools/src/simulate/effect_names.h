@@ -19,8 +19,8 @@ enum class EffectKind {
 struct EffectEntry {
   EffectKind kind;
   const char* name;
-  const char* values;       ///< names and units of its values, for --help
-  const char* example;      ///< a size that shows in a minute of rich motion
+  const char* values;   ///< names and units of its values, for --help
+  const char* example;  ///< a size that shows in a minute of rich motion
   std::shared_ptr<const Effect> (*make)(const std::vector<std::string>& values);
 };
 

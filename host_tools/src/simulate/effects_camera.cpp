@@ -18,7 +18,8 @@ void RadialResidual::on_pixel(const CameraCalibration& camera, double, Eigen::Ve
 void TangentialResidual::on_pixel(const CameraCalibration& camera, double, Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d d = normalised(camera, pixel);
   const double x = d.x(), y = d.y(), r2 = d.squaredNorm();
-  const Eigen::Vector2d moved(x + 2 * p1_ * x * y + p2_ * (r2 + 2 * x * x), y + p1_ * (r2 + 2 * y * y) + 2 * p2_ * x * y);
+  const Eigen::Vector2d moved(x + 2 * p1_ * x * y + p2_ * (r2 + 2 * x * x),
+                              y + p1_ * (r2 + 2 * y * y) + 2 * p2_ * x * y);
   pixel = in_pixels(camera, moved);
 }
 

@@ -10,8 +10,9 @@ namespace host::sim {
 namespace {
 
 /// Gauss and Laguerre with eight points: integral of exp(-x) g(x) from 0 to infinity, exact for g of degree 15.
-constexpr std::array<double, 8> laguerre_x = {0.170279632305101, 0.903701776799380, 2.251086629866131, 4.266700170287659,
-                                              7.045905402393466, 10.75851601018100, 15.74067864127800, 22.86313173688926};
+constexpr std::array<double, 8> laguerre_x = {0.170279632305101, 0.903701776799380, 2.251086629866131,
+                                              4.266700170287659, 7.045905402393466, 10.75851601018100,
+                                              15.74067864127800, 22.86313173688926};
 constexpr std::array<double, 8> laguerre_w = {3.69188589341638e-1, 4.18786780814343e-1, 1.75794986637172e-1,
                                               3.33434922612156e-2, 2.79453623522567e-3, 9.07650877335821e-5,
                                               8.48574671627253e-7, 1.04800117487151e-9};
@@ -76,8 +77,13 @@ void GyroLag::on_imu(const ImuMoment& moment, ImuReading& reading) const {
 }
 
 EffectTruth AccelAxisOffset::truth() const {
-  return {"accel_axis_offset", {{"yx", r_y_.x(), "m"}, {"yy", r_y_.y(), "m"}, {"yz", r_y_.z(), "m"},
-                                {"zx", r_z_.x(), "m"}, {"zy", r_z_.y(), "m"}, {"zz", r_z_.z(), "m"}}};
+  return {"accel_axis_offset",
+          {{"yx", r_y_.x(), "m"},
+           {"yy", r_y_.y(), "m"},
+           {"yz", r_y_.z(), "m"},
+           {"zx", r_z_.x(), "m"},
+           {"zy", r_z_.y(), "m"},
+           {"zz", r_z_.z(), "m"}}};
 }
 
 void AccelAxisOffset::on_imu(const ImuMoment& moment, ImuReading& reading) const {

@@ -14,12 +14,13 @@ class GyroHysteresis : public ImuEffect {
 
  private:
   double width_;
-  mutable double last_t_ = 0;   ///< readings come in order of time; a step back begins another recording
+  mutable double last_t_ = 0;  ///< readings come in order of time; a step back begins another recording
   mutable Eigen::Vector3d held_ = Eigen::Vector3d::Zero();
   mutable bool began_ = false;
 };
 
-/// Each axis of the accelerometer shifts by k times the variance of the specific force along it over the last half second.
+/// Each axis of the accelerometer shifts by k times the variance of the specific force along it over the last half
+/// second.
 class VibrationRectification : public ImuEffect {
  public:
   explicit VibrationRectification(double k) : k_(k) {}

@@ -6,7 +6,7 @@ namespace host::sim {
 namespace {
 
 struct Block {
-  const char* name;   ///< behind "camN." for the camera's
+  const char* name;  ///< behind "camN." for the camera's
   std::size_t values;
   const char* unit;
 };
@@ -24,12 +24,15 @@ std::pair<std::string, const Block*> find_block(const std::string& name) {
   }
   for (const Block& block : imu_blocks)
     if (name == block.name) return {name, &block};
-  throw InputError("calibration_shift: expected a block cam0.r_CI, cam0.p_CI, cam0.f, cam0.c, gyro.s, gyro.m, accel.s, "
-                   "accel.m or accel.r_AI, found '" + name + "'");
+  throw InputError(
+      "calibration_shift: expected a block cam0.r_CI, cam0.p_CI, cam0.f, cam0.c, gyro.s, gyro.m, accel.s, "
+      "accel.m or accel.r_AI, found '" +
+      name + "'");
 }
 
 Eigen::Matrix3d rotation(const Eigen::Vector3d& v) {
-  return v.norm() > 0 ? Eigen::AngleAxisd(v.norm(), v.normalized()).toRotationMatrix() : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  return v.norm() > 0 ? Eigen::AngleAxisd(v.norm(), v.normalized()).toRotationMatrix()
+                      : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
 }
 
 void add_off_diagonal(Eigen::Matrix3d& T, const Eigen::Vector3d& m) {
@@ -60,8 +63,8 @@ void NoiseFactor::on_noise(NoiseFactors& factors) const {
 CalibrationShift::CalibrationShift(const std::string& block, double t, const std::vector<double>& step) : t_(t) {
   const auto [name, found] = find_block(block);
   if (step.size() != found->values)
-    throw InputError("calibration_shift=" + block + ": expected a time, s, and " + std::to_string(found->values) + " values, " +
-                     found->unit + ", found " + std::to_string(step.size()) + " values");
+    throw InputError("calibration_shift=" + block + ": expected a time, s, and " + std::to_string(found->values) +
+                     " values, " + found->unit + ", found " + std::to_string(step.size()) + " values");
   block_ = name;
   unit_ = found->unit;
   for (std::size_t i = 0; i < step.size(); ++i) step_[static_cast<Eigen::Index>(i)] = step[i];

@@ -1,5 +1,5 @@
-// More effects of real devices that the catalogue has no entry for: what moves to and fro with time or along the image. They were chosen
-// when the rules of diagnosis stood, and no rule was made from them.
+// More effects of real devices that the catalogue has no entry for: what moves to and fro with time or along the image.
+// They were chosen when the rules of diagnosis stood, and no rule was made from them.
 #pragma once
 
 #include "effects_imu.h"
@@ -17,7 +17,8 @@ class FocusHunting : public Effect {
   double k_;
 };
 
-/// A camera that is loose in its mount: it falls to one side or the other, +- angle about its y axis, by a draw every 1.7 s.
+/// A camera that is loose in its mount: it falls to one side or the other, +- angle about its y axis, by a draw
+/// every 1.7 s.
 class LooseMount : public Effect {
  public:
   explicit LooseMount(double angle_rad) : angle_(angle_rad) {}
@@ -28,7 +29,8 @@ class LooseMount : public Effect {
   double angle_;
 };
 
-/// Stamps of the camera that wander about the right ones, as those of a driver under a load that changes: k sin(2 pi t / 11 s).
+/// Stamps of the camera that wander about the right ones, as those of a driver under a load that changes: k sin(2 pi t
+/// / 11 s).
 class WanderingStamps : public Effect {
  public:
   explicit WanderingStamps(double k_s) : k_(k_s) {}
@@ -50,7 +52,8 @@ class GyroHum : public ImuEffect {
   double k_;
 };
 
-/// A sensor that is read from the middle to both edges at once; the stamp is the mean over all rows: t = t_stamp + k (|v - h / 2| - h / 4).
+/// A sensor that is read from the middle to both edges at once; the stamp is the mean over all rows: t = t_stamp + k
+/// (|v - h / 2| - h / 4).
 class TwoWayShutter : public Effect {
  public:
   explicit TwoWayShutter(double k) : k_(k) {}

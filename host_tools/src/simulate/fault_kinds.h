@@ -12,17 +12,18 @@ namespace host::sim {
 
 struct FaultKind {
   const char* name;
-  const char* what;                 ///< sizes and places, in words
-  std::vector<std::string> names;   ///< parts of what must be reported, one of them is enough; none: nothing has to be
+  const char* what;                ///< sizes and places, in words
+  std::vector<std::string> names;  ///< parts of what must be reported, one of them is enough; none: nothing has to be
   std::function<void(Recording&, std::uint64_t seed)> spoil;
-  std::string effect = "";          ///< of the simulated device (simulate --effect) instead; empty: none
-  bool keep_clock = false;          ///< replay without looking for the camera clock's offset
+  std::string effect = "";  ///< of the simulated device (simulate --effect) instead; empty: none
+  bool keep_clock = false;  ///< replay without looking for the camera clock's offset
 };
 
 /// The first one is no fault: what a clean recording gives.
 const std::vector<FaultKind>& fault_kinds();
 const FaultKind& fault_kind(const std::string& name);  ///< throws InputError
-/// Of the faults themselves, for a help text, in lines: without the clean recording and other ways to replay the same fault.
+/// Of the faults themselves, for a help text, in lines: without the clean recording and other ways to replay the same
+/// fault.
 std::string fault_kind_names();
 
 }  // namespace host::sim

@@ -1,12 +1,12 @@
-#include "angles.h"
 #include "random.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "angles.h"
+
 namespace host::sim {
 namespace {
-
 
 /// Finaliser of splitmix64: spreads neighbouring seeds over all 64 bits.
 std::uint64_t mixed(std::uint64_t x) {

@@ -24,8 +24,9 @@ std::vector<ImuSample> read_imu_samples(const std::filesystem::path& file, std::
   }
   const bool complete = !samples.empty() && samples.front().t_ns - from_ns < largest_miss_ns &&
                         to_ns - samples.back().t_ns < largest_miss_ns;
-  if (!complete) csv.fail("samples over the whole time of the trajectory, " + std::to_string(from_ns) + " to " +
-                          std::to_string(to_ns) + " ns");
+  if (!complete)
+    csv.fail("samples over the whole time of the trajectory, " + std::to_string(from_ns) + " to " +
+             std::to_string(to_ns) + " ns");
   return samples;
 }
 

@@ -8,12 +8,11 @@
 namespace host::sim {
 namespace {
 
-
 /// Walking speed, heading of the path, and how much the person looks around, over time.
 struct Walk {
-  Envelope speed;     ///< m/s
-  Envelope turning;   ///< rad/s, rate of the heading
-  Envelope looking;   ///< pace of looking around, 1 is normal
+  Envelope speed;    ///< m/s
+  Envelope turning;  ///< rad/s, rate of the heading
+  Envelope looking;  ///< pace of looking around, 1 is normal
 };
 
 /// Straight legs with a quarter turn or less at the end of each, and now and then a stop, some with a look around.

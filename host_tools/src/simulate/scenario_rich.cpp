@@ -9,7 +9,8 @@ namespace {
 /// angular rates and accelerations.
 class TwoBands {
  public:
-  TwoBands(Random& random, double slow_rms, double fast_rms, double slow_high_Hz, double fast_low_Hz, double fast_high_Hz)
+  TwoBands(Random& random, double slow_rms, double fast_rms, double slow_high_Hz, double fast_low_Hz,
+           double fast_high_Hz)
       : slow_(random, slow_rms, 0.06, slow_high_Hz), fast_(random, fast_rms, fast_low_Hz, fast_high_Hz) {}
   double operator()(double t) const { return slow_(t) + fast_(t); }
 

@@ -1,9 +1,9 @@
-#include "angles.h"
 #include "scenarios.h"
 
 #include <cmath>
 
 #include "../recording.h"
+#include "angles.h"
 #include "wander.h"
 
 namespace host::sim {
@@ -66,7 +66,8 @@ std::vector<MotionSample> planar_motion(std::uint64_t seed, double t0, double st
 
 const std::vector<Scenario>& scenarios() {
   static const std::vector<Scenario> all = {
-      {"arvr", "a headset or tablet in one room: bursts of rotation, little and slow translation, stillness", arvr_motion},
+      {"arvr", "a headset or tablet in one room: bursts of rotation, little and slow translation, stillness",
+       arvr_motion},
       {"nav", "walking through several rooms at about 0.55 m/s: turns, stops, looking around", nav_motion},
       {"rich", "shaken by hand on purpose: strong rotation and acceleration about and along all axes", rich_motion},
       {"still", "at rest (degenerate: almost nothing is observable)", still_motion},

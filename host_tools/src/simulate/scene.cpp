@@ -1,10 +1,10 @@
-#include "angles.h"
 #include "scene.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "angles.h"
 #include "random.h"
 
 namespace host::sim {
@@ -13,8 +13,8 @@ namespace {
 using Box = Eigen::AlignedBox3d;
 using Points = std::vector<Eigen::Vector3d>;
 
-constexpr double largest_room = 7;      // m, extent of the motion above which there are several rooms
-constexpr double clearance = 0.75;      // m, furniture keeps this distance from the path
+constexpr double largest_room = 7;  // m, extent of the motion above which there are several rooms
+constexpr double clearance = 0.75;  // m, furniture keeps this distance from the path
 constexpr int wall_points = 1500;
 constexpr int objects = 45;
 constexpr int points_per_object = 25;

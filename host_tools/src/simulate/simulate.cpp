@@ -13,8 +13,8 @@
 namespace host {
 namespace {
 
-constexpr double imu_lead = 0.05;         // s of IMU samples before the first frame and after the last
-constexpr double fit_margin = 0.35;       // s at the ends of a fitted trajectory that are left out
+constexpr double imu_lead = 0.05;    // s of IMU samples before the first frame and after the last
+constexpr double fit_margin = 0.35;  // s at the ends of a fitted trajectory that are left out
 constexpr std::int64_t epoch_ns = 1700000000000000000;
 constexpr std::uint64_t seed_step_per_camera = 1000003;
 
@@ -38,11 +38,13 @@ void check(const SimulationOptions& options) {
   require(options.tracks.count >= 1 && options.tracks.count <= 2000, "--tracks: expected 1 to 2000");
   require(options.tracks.shortest >= 1 && options.tracks.shortest <= options.tracks.longest,
           "track life: expected 1 <= shortest <= longest");
-  require(options.tracks.pixel_noise_px >= 0 && options.tracks.pixel_noise_px <= 20, "--pixel-noise: expected 0 to 20 px");
+  require(options.tracks.pixel_noise_px >= 0 && options.tracks.pixel_noise_px <= 20,
+          "--pixel-noise: expected 0 to 20 px");
   require(options.imu_file.empty() || !options.trajectory_file.empty(),
           "--imu: expected --trajectory too, the motion that these samples belong to");
   for (const auto& effect : options.effects)
-    require(options.imu_file.empty() || !effect->needs_simulated_imu(), "--imu: expected no effect on the IMU, real samples have their own");
+    require(options.imu_file.empty() || !effect->needs_simulated_imu(),
+            "--imu: expected no effect on the IMU, real samples have their own");
 }
 
 SimulatedSession drawn_session(const SimulationOptions& options) {
@@ -101,7 +103,8 @@ TruthPose as_pose(std::int64_t t_ns, const sim::BodyState& state) {
 /// How warm the IMU is, where the recording says it. The time constant is a third of the session unless stated.
 std::optional<sim::WarmUp> temperature_of(const SimulationOptions& options, const SimulatedSession& session) {
   if (options.temperature) return options.temperature;
-  const bool needed = std::any_of(options.effects.begin(), options.effects.end(), [](const auto& e) { return e->needs_temperature(); });
+  const bool needed =
+      std::any_of(options.effects.begin(), options.effects.end(), [](const auto& e) { return e->needs_temperature(); });
   if (!needed) return std::nullopt;
   sim::WarmUp warm_up;
   warm_up.time_constant_s = (session.last_frame - session.first_frame) / 3;
@@ -154,7 +157,8 @@ void simulate_cameras(const SimulationOptions& options, const SimulatedSession& 
   for (std::size_t i = 0; i < result.truth.cameras.size(); ++i)
     simulators.emplace_back(result.truth.cameras[i], i, session.trajectory, scene, options.effects, tracks, period,
                             options.seed + seed_step_per_camera * i);
-  for (std::size_t i = 1; options.stereo_matches && i < simulators.size(); ++i) simulators[i].match_with(&simulators[0]);
+  for (std::size_t i = 1; options.stereo_matches && i < simulators.size(); ++i)
+    simulators[i].match_with(&simulators[0]);
   result.recording.cameras.resize(simulators.size());
   std::uint32_t next_track_id = 1;
   const auto frames = static_cast<int>(std::floor((session.last_frame - session.first_frame) / period + 1e-6)) + 1;

@@ -17,43 +17,43 @@
 namespace host {
 
 struct SimulationOptions {
-  std::string scenario = "rich";              ///< a name of sim::scenarios()
-  double seconds = 60;                        ///< from the first to the last frame; 1 to 36000
-  std::uint64_t seed = 1;                     ///< motion, scene, noise, biases
-  std::optional<std::uint64_t> device_seed;   ///< the specimen; empty: the same as `seed`
-  double device_scale = 1;                    ///< factor on the scatter of devices; 0 simulates the nominal device
+  std::string scenario = "rich";             ///< a name of sim::scenarios()
+  double seconds = 60;                       ///< from the first to the last frame; 1 to 36000
+  std::uint64_t seed = 1;                    ///< motion, scene, noise, biases
+  std::optional<std::uint64_t> device_seed;  ///< the specimen; empty: the same as `seed`
+  double device_scale = 1;                   ///< factor on the scatter of devices; 0 simulates the nominal device
   std::function<void(Calibration&)> change_device;  ///< what happened to the specimen since it was made; empty: nothing
   DistortionModel distortion = DistortionModel::fov;
-  int cameras = 1;                            ///< 1 or 2
-  bool stereo_matches = true;                 ///< corners seen by both cameras have one track id in both; false: never
-  double camera_rate_hz = 10;                 ///< Hz
-  ImuNoise imu_noise;                         ///< rate and noise that are written to sensor.yaml and simulated
-  bool with_imu_noise = true;                 ///< false: no white noise and no biases
-  bool images = false;                        ///< frames without tracks, for render::write_images
-  sim::TrackOptions tracks;                   ///< number, life span and pixel noise
-  sim::Effects effects;                       ///< departures from the model, applied in this order
-  std::optional<sim::WarmUp> temperature;     ///< of the IMU; empty: recorded only if an effect needs it
-  std::filesystem::path trajectory_file;      ///< recorded poses to follow instead of `scenario`; empty: none
-  std::filesystem::path imu_file;             ///< real IMU samples instead of simulated ones, needs `trajectory_file`
+  int cameras = 1;                         ///< 1 or 2
+  bool stereo_matches = true;              ///< corners seen by both cameras have one track id in both; false: never
+  double camera_rate_hz = 10;              ///< Hz
+  ImuNoise imu_noise;                      ///< rate and noise that are written to sensor.yaml and simulated
+  bool with_imu_noise = true;              ///< false: no white noise and no biases
+  bool images = false;                     ///< frames without tracks, for render::write_images
+  sim::TrackOptions tracks;                ///< number, life span and pixel noise
+  sim::Effects effects;                    ///< departures from the model, applied in this order
+  std::optional<sim::WarmUp> temperature;  ///< of the IMU; empty: recorded only if an effect needs it
+  std::filesystem::path trajectory_file;   ///< recorded poses to follow instead of `scenario`; empty: none
+  std::filesystem::path imu_file;          ///< real IMU samples instead of simulated ones, needs `trajectory_file`
 };
 
 /// The truth at one moment.
 struct TruthState {
-  sim::BodyState body;   ///< R_GI, p_GI, v_GI, a_GI, w_GI
-  sim::Biases biases;    ///< zero where the IMU samples are real
+  sim::BodyState body;  ///< R_GI, p_GI, v_GI, a_GI, w_GI
+  sim::Biases biases;   ///< zero where the IMU samples are real
 };
 
 struct SimulationResult {
-  Recording recording;             ///< root is empty; `truth` holds the pose at each IMU stamp
-  Calibration nominal;             ///< what an estimator starts from
-  Calibration truth;               ///< the simulated specimen, before any shock
+  Recording recording;  ///< root is empty; `truth` holds the pose at each IMU stamp
+  Calibration nominal;  ///< what an estimator starts from
+  Calibration truth;    ///< the simulated specimen, before any shock
   std::vector<sim::EffectTruth> effects;
-  bool with_images = false;        ///< the frames have stamps only
-  bool imu_is_simulated = true;    ///< false with `imu_file`: the IMU part of `truth` is unknown then
-  sim::Trajectory trajectory;      ///< times in s since `time_zero_ns`
+  bool with_images = false;      ///< the frames have stamps only
+  bool imu_is_simulated = true;  ///< false with `imu_file`: the IMU part of `truth` is unknown then
+  sim::Trajectory trajectory;    ///< times in s since `time_zero_ns`
   sim::BiasHistory biases;
   std::int64_t time_zero_ns = 0;
-  std::uint64_t device_seed = 0;   ///< the specimen
+  std::uint64_t device_seed = 0;    ///< the specimen
   std::vector<double> frame_times;  ///< what each frame's stamp was before faults of the log, s since `time_zero_ns`
 
   /// Truth at a stamp of the IMU's clock, ns; stamps outside the recording are clamped.

@@ -62,7 +62,8 @@ void report(const Command& command, const SimulationResult& result) {
     frames += camera.frames.size();
     for (const Frame& frame : camera.frames) points += frame.points.size();
   }
-  std::cerr << "wrote " << command.out.string() << ": " << result.recording.imu.samples.size() << " IMU samples, " << frames;
+  std::cerr << "wrote " << command.out.string() << ": " << result.recording.imu.samples.size() << " IMU samples, "
+            << frames;
   if (result.with_images)
     std::cerr << " images; next: segcal track " << command.out.string() << '\n';
   else
@@ -74,15 +75,17 @@ void write_images(const Command& command, const SimulationResult& result) {
   render::write_images(result, command.options, command.images, command.out, [&](std::size_t done, std::size_t all) {
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - began;
     if (done % 20 == 0 || done == all)
-      std::cerr << "\rrendering " << done << " of " << all << " images, " << static_cast<int>(1e3 * spent.count() / static_cast<double>(done))
-                << " ms each" << (done == all ? "\n" : "") << std::flush;
+      std::cerr << "\rrendering " << done << " of " << all << " images, "
+                << static_cast<int>(1e3 * spent.count() / static_cast<double>(done)) << " ms each"
+                << (done == all ? "\n" : "") << std::flush;
   });
 }
 
 void run(const Command& command) {
   check_output(command);
   expect_output_folder(command.out, "simulate", true);
-  if (command.options.images) render::read_photographs(command.images.photographs);  // complain before anything is written
+  if (command.options.images)
+    render::read_photographs(command.images.photographs);  // complain before anything is written
   SimulationResult result = simulate(command.options, [](double share) {
     std::cerr << "\rsimulating " << static_cast<int>(100 * share) << " %" << std::flush;
   });
@@ -101,10 +104,12 @@ void run(const Command& command) {
 void add_motion_options(CLI::App& app, Command& command) {
   SimulationOptions& options = command.options;
   app.add_option("--scenario", options.scenario, scenario_help())
-      ->check(CLI::IsMember(scenario_names()))->capture_default_str();
+      ->check(CLI::IsMember(scenario_names()))
+      ->capture_default_str();
   app.add_option("--seconds", options.seconds, "length, s")->capture_default_str();
   app.add_option("--seed", options.seed, "motion, scene, biases and noise")->capture_default_str();
-  app.add_option("--trajectory", options.trajectory_file, "follow recorded poses instead of a scenario (groundtruth.csv)");
+  app.add_option("--trajectory", options.trajectory_file,
+                 "follow recorded poses instead of a scenario (groundtruth.csv)");
   app.add_option("--imu", options.imu_file, "take real IMU samples of that trajectory (imu.csv)");
 }
 
@@ -114,11 +119,13 @@ void add_device_options(CLI::App& app, Command& command) {
       "--device-seed", [&options](std::uint64_t seed) { options.device_seed = seed; },
       "seed of the simulated device (default: --seed)");
   app.add_option("--device-scale", options.device_scale, "factor on the scatter of devices, 0 for the nominal one")
-      ->check(CLI::Range(0.0, 100.0))->capture_default_str();
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
   app.add_option("--cameras", options.cameras, "1 or 2")->check(CLI::Range(1, 2))->capture_default_str();
   app.add_flag("!--no-matches", options.stereo_matches, "with two cameras: no corner has the same track id in both");
   app.add_option("--distortion", command.distortion, "lens model")
-      ->check(CLI::IsMember({"fov", "radtan", "equidistant"}))->capture_default_str();
+      ->check(CLI::IsMember({"fov", "radtan", "equidistant"}))
+      ->capture_default_str();
 }
 
 void set_track_noise(const std::string& what, sim::TrackOptions* tracks) {
@@ -134,7 +141,8 @@ void set_track_noise(const std::string& what, sim::TrackOptions* tracks) {
     tracks->pixel_noise_px = result.at("noise").at("track_white_px").get<double>();
     tracks->walk_px_per_sqrt_s = result.at("noise").at("track_walk_px_per_sqrt_s").get<double>();
   } catch (const nlohmann::json::exception&) {
-    throw InputError("--track-noise " + what + ": expected white, drift or a result.json with `noise`, as segcal replay writes it");
+    throw InputError("--track-noise " + what +
+                     ": expected white, drift or a result.json with `noise`, as segcal replay writes it");
   }
 }
 
@@ -143,10 +151,12 @@ void add_sensor_options(CLI::App& app, Command& command) {
   ImuNoise& noise = options.imu_noise;
   const CLI::Range positive(0.0, 1e3);
   app.add_option("--tracks", options.tracks.count, "tracks at a time and camera")->capture_default_str();
-  app.add_option("--pixel-noise", options.tracks.pixel_noise_px, "standard deviation per axis, px")->capture_default_str();
+  app.add_option("--pixel-noise", options.tracks.pixel_noise_px, "standard deviation per axis, px")
+      ->capture_default_str();
   app.add_option_function<std::string>(
       "--track-noise", [&options](const std::string& what) { set_track_noise(what, &options.tracks); },
-      "white: --pixel-noise alone; drift: as the corner tracks of a real camera, most of it a random walk along the track "
+      "white: --pixel-noise alone; drift: as the corner tracks of a real camera, most of it a random walk along the "
+      "track "
       "(0.1 px and 0.9 px/sqrt(s)); or the result.json of a replay: what its tracks showed");
   app.add_option("--rate-camera", options.camera_rate_hz, "Hz")->capture_default_str();
   app.add_option("--rate-imu", noise.rate_hz, "Hz")->capture_default_str();
@@ -159,39 +169,58 @@ void add_sensor_options(CLI::App& app, Command& command) {
 void add_image_options(CLI::App& app, Command& command) {
   render::SensorOptions& sensor = command.images.sensor;
   app.add_flag("--images", command.options.images,
-               "images instead of tracks: camN/data.csv and camN/data, as EuRoC has them. A room of textured planes with furniture,\n"
-               "through the lens of --distortion. A stamp is the middle of the exposure, with rolling_shutter that of the middle row");
-  app.add_option("--exposure", sensor.exposure_s, "usual exposure time, s; the exposure control goes from half of it to twice")
-      ->check(CLI::Range(0.0, 0.1))->capture_default_str();
-  app.add_option("--grey-noise", sensor.noise_grey, "noise of the image sensor at a grey value of 128: standard deviation, grey values")
-      ->check(CLI::Range(0.0, 50.0))->capture_default_str();
+               "images instead of tracks: camN/data.csv and camN/data, as EuRoC has them. A room of textured planes "
+               "with furniture,\n"
+               "through the lens of --distortion. A stamp is the middle of the exposure, with rolling_shutter that of "
+               "the middle row");
+  app.add_option("--exposure", sensor.exposure_s,
+                 "usual exposure time, s; the exposure control goes from half of it to twice")
+      ->check(CLI::Range(0.0, 0.1))
+      ->capture_default_str();
+  app.add_option("--grey-noise", sensor.noise_grey,
+                 "noise of the image sensor at a grey value of 128: standard deviation, grey values")
+      ->check(CLI::Range(0.0, 50.0))
+      ->capture_default_str();
   app.add_option("--lens-blur", sensor.lens_blur_px, "standard deviation of the lens' point spread, px")
-      ->check(CLI::Range(0.0, 1.0))->capture_default_str();
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   app.add_flag("!--fixed-exposure", sensor.control_exposure, "no exposure control: bright walls stay bright");
-  app.add_option("--photographs", command.images.photographs, "folder of the photographs on the walls (default: those that host_tools/setup.sh installs)");
+  app.add_option("--photographs", command.images.photographs,
+                 "folder of the photographs on the walls (default: those that host_tools/setup.sh installs)");
 }
 
 void add_effect_options(CLI::App& app, Command& command) {
   app.add_option("--effect", command.effects,
-                 "NAME=v1,v2,...: an effect that the calibrated model has no parameter for; repeatable. Sizes that are visible\n"
-                 "in a minute of rich motion, with names and units of the values:\n" + sim::effect_help(sim::EffectKind::catalogue))
-      ->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option("--model", command.model, "model.yaml of a diagnosis or a replay: its effects, with its values, before those of --effect");
+                 "NAME=v1,v2,...: an effect that the calibrated model has no parameter for; repeatable. Sizes that are "
+                 "visible\n"
+                 "in a minute of rich motion, with names and units of the values:\n" +
+                     sim::effect_help(sim::EffectKind::catalogue))
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--model", command.model,
+                 "model.yaml of a diagnosis or a replay: its effects, with its values, before those of --effect");
   app.add_option("--fault", command.faults,
-                 "NAME=v1,...: a fault of wiring, units or clocks; repeatable:\n" + sim::effect_help(sim::EffectKind::fault) +
+                 "NAME=v1,...: a fault of wiring, units or clocks; repeatable:\n" +
+                     sim::effect_help(sim::EffectKind::fault) +
                      "or one of `segcal experiments faults`, at its size: " + sim::fault_kind_names())
-      ->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option("--temperature", command.temperature,
-                 "BEGIN,END[,TIME CONSTANT]: degC, degC, s: temperature column of an IMU that warms up; without it effects\n"
-                 "that need one take 25,40 and a third of the recording")
-      ->expected(1, 3)->delimiter(',')->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option(
+         "--temperature", command.temperature,
+         "BEGIN,END[,TIME CONSTANT]: degC, degC, s: temperature column of an IMU that warms up; without it effects\n"
+         "that need one take 25,40 and a third of the recording")
+      ->expected(1, 3)
+      ->delimiter(',')
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
 /// A fault without values is one of the study's.
 void take_effect(const std::string& text, bool is_fault, Command* command) {
-  if (!is_fault || text.find('=') != std::string::npos) return command->options.effects.push_back(sim::parse_effect(text));
+  if (!is_fault || text.find('=') != std::string::npos)
+    return command->options.effects.push_back(sim::parse_effect(text));
   const sim::FaultKind& kind = sim::fault_kind(text);
-  if (command->options.images) throw InputError("--fault " + text + ": changes tracks and samples, which --images has none of; leave one away");
+  if (command->options.images)
+    throw InputError("--fault " + text + ": changes tracks and samples, which --images has none of; leave one away");
   if (!kind.effect.empty()) command->options.effects.push_back(sim::parse_effect(kind.effect));
   command->spoil.push_back(&kind);
 }

@@ -27,7 +27,8 @@ std::array<double, 6> uniform_basis(int wanted_degree, double u) {
 
 Spline::Spline(double t0, double step, std::vector<Eigen::Vector3d> control_points)
     : t0_(t0), step_(step), control_points_(std::move(control_points)) {
-  if (control_points_.size() < degree + 1 || !(step > 0)) throw std::invalid_argument("a spline needs six control points");
+  if (control_points_.size() < degree + 1 || !(step > 0))
+    throw std::invalid_argument("a spline needs six control points");
 }
 
 Spline::Place Spline::locate(double t) const {

@@ -10,8 +10,8 @@ namespace host::sim {
 /// Weights of the control points i .. i + degree on the local parameter u in [0, 1). Entries above `degree` are zero.
 std::array<double, 6> uniform_basis(int degree, double u);
 
-/// Control point k belongs to time t0 + k * step. A signal sampled slowly against its own changes passes as it is; what is
-/// faster than half the sampling rate is smoothed away. Constants and straight lines are reproduced exactly.
+/// Control point k belongs to time t0 + k * step. A signal sampled slowly against its own changes passes as it is; what
+/// is faster than half the sampling rate is smoothed away. Constants and straight lines are reproduced exactly.
 class Spline {
  public:
   Spline() = default;

@@ -71,7 +71,9 @@ void lose_imu(Recording& r, double place, double seconds) {
 void lose_bursts(Recording& r, double every_s, double seconds) {
   const std::vector<ImuSample> all = r.imu.samples;
   const std::int64_t first = all.front().t_ns;
-  keep(r.imu.samples, [&](std::size_t i) { return (all[i].t_ns - first) % ns(every_s) >= ns(seconds) || all[i].t_ns - first < ns(every_s); });
+  keep(r.imu.samples, [&](std::size_t i) {
+    return (all[i].t_ns - first) % ns(every_s) >= ns(seconds) || all[i].t_ns - first < ns(every_s);
+  });
 }
 
 void drop_samples(Recording& r, double share, std::uint64_t seed) {
@@ -112,7 +114,8 @@ void flip_bits(Recording& r, double share, std::uint64_t seed) {
   Random random = random_of(seed);
   for (ImuSample& s : r.imu.samples) {
     const bool hit = random.uniform() < share;
-    const auto axis = static_cast<std::size_t>(random.uniform() * 5.999), bit = static_cast<std::size_t>(random.uniform() * 15.999);
+    const auto axis = static_cast<std::size_t>(random.uniform() * 5.999),
+               bit = static_cast<std::size_t>(random.uniform() * 15.999);
     if (!hit) continue;
     double& value = axis < 3 ? s.gyro[axis] : s.accel[axis - 3];
     const double digit = axis < 3 ? gyro_digit : accel_digit;
@@ -137,7 +140,7 @@ void freeze_accel_z(Recording& r) {
 
 void outliers(Recording& r, double share, double drift, std::uint64_t seed) {
   Random random = random_of(seed);
-  std::map<std::uint32_t, std::pair<bool, double>> chosen;         // and the direction it runs off in
+  std::map<std::uint32_t, std::pair<bool, double>> chosen;  // and the direction it runs off in
   std::map<std::uint32_t, std::int64_t> since;
   each_frame(r, [&](Frame& f) {
     for (TrackPoint& p : f.points) {
@@ -161,26 +164,35 @@ void permute_ids(Recording& r, std::size_t every_frame, std::uint64_t seed) {
   each_frame(r, [&](Frame& f) {
     if (++count % every_frame != 0) return;
     for (std::size_t i = f.points.size(); i > 1; --i)
-      std::swap(f.points[i - 1].track_id, f.points[static_cast<std::size_t>(random.uniform() * 0.999999 * static_cast<double>(i))].track_id);
+      std::swap(f.points[i - 1].track_id,
+                f.points[static_cast<std::size_t>(random.uniform() * 0.999999 * static_cast<double>(i))].track_id);
   });
 }
 
 void reuse_ids(Recording& r, std::uint32_t modulus) {
-  each_frame(r, [&](Frame& f) { for (TrackPoint& p : f.points) p.track_id %= modulus; });
+  each_frame(r, [&](Frame& f) {
+    for (TrackPoint& p : f.points) p.track_id %= modulus;
+  });
 }
 
 void renumber_from_middle(Recording& r) {
   const std::int64_t middle = disturb::middle_ns(r);
-  each_frame(r, [&](Frame& f) { for (TrackPoint& p : f.points) p.track_id += f.t_ns >= middle ? 1000000 : 0; });
+  each_frame(r, [&](Frame& f) {
+    for (TrackPoint& p : f.points) p.track_id += f.t_ns >= middle ? 1000000 : 0;
+  });
 }
 
 void cover(Recording& r, double seconds) {
   const std::int64_t middle = disturb::middle_ns(r);
-  each_frame(r, [&](Frame& f) { if (std::abs(f.t_ns - middle) < ns(seconds / 2)) f.points.clear(); });
+  each_frame(r, [&](Frame& f) {
+    if (std::abs(f.t_ns - middle) < ns(seconds / 2)) f.points.clear();
+  });
 }
 
 void scale_pixels(Recording& r, double factor) {
-  each_frame(r, [&](Frame& f) { for (TrackPoint& p : f.points) p.u *= factor, p.v *= factor; });
+  each_frame(r, [&](Frame& f) {
+    for (TrackPoint& p : f.points) p.u *= factor, p.v *= factor;
+  });
 }
 
 void move_pixels(Recording& r, double du, double dv) {

@@ -8,8 +8,8 @@ namespace host::sim {
 /// The effects of temperature are zero here.
 constexpr double reference_temperature_degC = 25;
 
-/// Warm-up after switching on: from `begin_degC` towards `end_degC` with one time constant; a straight line would be one
-/// with the slow drift of a bias, and a step is none that a sensor shows.
+/// Warm-up after switching on: from `begin_degC` towards `end_degC` with one time constant; a straight line would be
+/// one with the slow drift of a bias, and a step is none that a sensor shows.
 struct WarmUp {
   double begin_degC = reference_temperature_degC, end_degC = 40;
   double time_constant_s = 20;

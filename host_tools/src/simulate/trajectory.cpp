@@ -11,12 +11,13 @@ namespace {
 Eigen::Vector3d rate_from_angles(const Eigen::Vector3d& angles, const Eigen::Vector3d& rates) {
   const double sin_roll = std::sin(angles.x()), cos_roll = std::cos(angles.x());
   const double sin_pitch = std::sin(angles.y()), cos_pitch = std::cos(angles.y());
-  return {rates.x() - rates.z() * sin_pitch,                            //
-          rates.y() * cos_roll + rates.z() * cos_pitch * sin_roll,      //
+  return {rates.x() - rates.z() * sin_pitch,                        //
+          rates.y() * cos_roll + rates.z() * cos_pitch * sin_roll,  //
           -rates.y() * sin_roll + rates.z() * cos_pitch * cos_roll};
 }
 
-Spline spline_of(double t0, double step, const std::vector<MotionSample>& samples, Eigen::Vector3d MotionSample::*member) {
+Spline spline_of(double t0, double step, const std::vector<MotionSample>& samples,
+                 Eigen::Vector3d MotionSample::*member) {
   std::vector<Eigen::Vector3d> points;
   points.reserve(samples.size());
   for (const MotionSample& sample : samples) points.push_back(sample.*member);

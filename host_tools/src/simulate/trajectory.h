@@ -24,7 +24,8 @@ struct MotionSample {
 };
 
 /// R_GI(t) = Rz(yaw) Ry(pitch) Rx(roll) R_reference. The map from angles to attitude and rate is smooth everywhere, so
-/// large tilts are no trouble; only the way back from attitude to angles would be singular, and a simulation goes forward.
+/// large tilts are no trouble; only the way back from attitude to angles would be singular, and a simulation goes
+/// forward.
 class Trajectory {
  public:
   Trajectory() = default;

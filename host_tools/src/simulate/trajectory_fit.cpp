@@ -1,4 +1,3 @@
-#include "angles.h"
 #include "trajectory_fit.h"
 
 #include <Eigen/Geometry>
@@ -8,14 +7,15 @@
 
 #include "../csv.h"
 #include "../recording.h"
+#include "angles.h"
 
 namespace host::sim {
 namespace {
 
-constexpr double longest_step = 0.1;        // s between poses, above it is a hole
-constexpr double shortest_recording = 3;    // s
-constexpr double steepest_pitch = 1.48;     // rad, 85 degrees
-constexpr double roughness_weight = 1e-3;   // per pose weight of 1; decides in holes only
+constexpr double longest_step = 0.1;       // s between poses, above it is a hole
+constexpr double shortest_recording = 3;   // s
+constexpr double steepest_pitch = 1.48;    // rad, 85 degrees
+constexpr double roughness_weight = 1e-3;  // per pose weight of 1; decides in holes only
 
 struct Poses {
   std::vector<double> t;  ///< s since the first

@@ -17,7 +17,8 @@ std::string truth_json(const SimulationResult& result) {
   json["effects"] = nlohmann::ordered_json::array();
   for (const sim::EffectTruth& effect : result.effects) {
     nlohmann::ordered_json parameters = nlohmann::ordered_json::array();
-    for (const auto& p : effect.parameters) parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}});
+    for (const auto& p : effect.parameters)
+      parameters.push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}});
     json["effects"].push_back({{"name", effect.name}, {"parameters", parameters}});
   }
   return json.dump(1) + "\n";

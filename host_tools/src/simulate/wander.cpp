@@ -1,14 +1,12 @@
-#include "angles.h"
 #include "wander.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "angles.h"
+
 namespace host::sim {
-namespace {
-
-
-}  // namespace
+namespace {}  // namespace
 
 Wander::Wander(Random& random, double rms, double f_low_Hz, double f_high_Hz, int n_sinusoids) {
   // A sinusoid of amplitude a has the root mean square a / sqrt(2).

@@ -9,9 +9,9 @@
 namespace host {
 namespace {
 
-constexpr double half_window_s = 1;    // 30 images: a line that is good to a fifth of one stamp's jitter
-constexpr double envelope_s = 0.15;    // longer than a callback is ever late
-constexpr double lag_s = 0.3;          // six times as long as a late callback holds up others
+constexpr double half_window_s = 1;  // 30 images: a line that is good to a fifth of one stamp's jitter
+constexpr double envelope_s = 0.15;  // longer than a callback is ever late
+constexpr double lag_s = 0.3;        // six times as long as a late callback holds up others
 constexpr std::size_t least_envelope = 5;
 constexpr int reweightings = 6;
 
@@ -56,8 +56,8 @@ class SmoothedStream {
   double missing() const { return n_.back() - static_cast<double>(n_.size() - 1); }
 
  private:
-  /// Median slope over `lag_s`, of the events within half a window. A late callback that holds up those behind it shortens many
-  /// single intervals, but hardly any of these slopes.
+  /// Median slope over `lag_s`, of the events within half a window. A late callback that holds up those behind it
+  /// shortens many single intervals, but hardly any of these slopes.
   double local_period(std::size_t i) const {
     std::size_t begin = i, end = i;
     while (begin > 0 && t_[i] - t_[begin - 1] < half_window_s) --begin;
@@ -69,7 +69,8 @@ class SmoothedStream {
     return slopes.empty() ? 0 : middle_of(std::move(slopes));
   }
 
-  /// Earliest stamp, less its number's share, of events from `first` on for `envelope_s`; numbers as if none was missing.
+  /// Earliest stamp, less its number's share, of events from `first` on for `envelope_s`; numbers as if none was
+  /// missing.
   double phase_after(std::size_t first, double number, double period) const {
     double earliest = std::numeric_limits<double>::infinity();
     for (std::size_t j = first; j < t_.size() && (j < first + least_envelope || t_[j] < t_[first] + envelope_s); ++j) {
@@ -105,7 +106,8 @@ class SmoothedStream {
 
 SmoothedStamps smooth_stamps(const std::vector<std::int64_t>& t_ns) {
   SmoothedStamps out{t_ns, 0, 0, 0, 0};
-  const bool increasing = std::adjacent_find(t_ns.begin(), t_ns.end(), std::greater_equal<std::int64_t>()) == t_ns.end();
+  const bool increasing =
+      std::adjacent_find(t_ns.begin(), t_ns.end(), std::greater_equal<std::int64_t>()) == t_ns.end();
   if (t_ns.size() < 2 * least_envelope || !increasing) return out;
   const SmoothedStream stream(t_ns);
   std::vector<double> intervals;

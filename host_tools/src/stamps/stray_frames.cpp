@@ -8,19 +8,21 @@ namespace host {
 namespace {
 
 // Two neighbours that changed places are one interval apart, and cost one image whichever is left out.
-constexpr double nearest_stray = 1.5;             // of the usual interval, ahead
-constexpr double most_strays = 0.1;               // of the images; more are a clock that was set back, or a log out of order
-constexpr double most_ahead_of_imu = 0.01;        // of the IMU's samples; more are a clock that was set back for all sensors
-constexpr std::int64_t beyond_imu_ns = 2000000000;  // after the IMU's last sample: the core takes no such image (device_stream.h)
+constexpr double nearest_stray = 1.5;       // of the usual interval, ahead
+constexpr double most_strays = 0.1;         // of the images; more are a clock that was set back, or a log out of order
+constexpr double most_ahead_of_imu = 0.01;  // of the IMU's samples; more are a clock that was set back for all sensors
+constexpr std::int64_t beyond_imu_ns =
+    2000000000;  // after the IMU's last sample: the core takes no such image (device_stream.h)
 
 using Stamps = std::vector<std::int64_t>;
 
 /// Places of the longest chain of stamps that do not go back, of those up to `last`.
 std::vector<std::size_t> chain_of(const Stamps& t, std::int64_t last) {
-  std::vector<std::size_t> ends, before(t.size());   // ends[n]: where the chain of n + 1 places ends that ends lowest
+  std::vector<std::size_t> ends, before(t.size());  // ends[n]: where the chain of n + 1 places ends that ends lowest
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (t[i] > last) continue;
-    const auto at = std::upper_bound(ends.begin(), ends.end(), t[i], [&t](std::int64_t value, std::size_t end) { return value < t[end]; });
+    const auto at = std::upper_bound(ends.begin(), ends.end(), t[i],
+                                     [&t](std::int64_t value, std::size_t end) { return value < t[end]; });
     before[i] = at == ends.begin() ? i : *(at - 1);
     if (at == ends.end()) {
       ends.push_back(i);
@@ -39,8 +41,8 @@ double usual_interval(const Stamps& t, const std::vector<std::size_t>& chain) {
   return dt.size() < 3 ? 0 : quantile(std::move(dt), 0.5);
 }
 
-/// Places that the chain leaves out, between two of it, ahead of both by `apart`; those after `last` wherever the chain goes
-/// on, or behind a jump.
+/// Places that the chain leaves out, between two of it, ahead of both by `apart`; those after `last` wherever the chain
+/// goes on, or behind a jump.
 std::vector<std::size_t> places_ahead(const Stamps& t, std::int64_t last) {
   const std::vector<std::size_t> chain = chain_of(t, last);
   const double apart = nearest_stray * usual_interval(t, chain);
@@ -48,8 +50,11 @@ std::vector<std::size_t> places_ahead(const Stamps& t, std::int64_t last) {
   if (!(apart > 0)) return out;
   std::size_t begin = 0;
   for (const std::size_t next : chain) {
-    const auto is_apart = [&](std::size_t from, std::size_t to) { return static_cast<double>(t[to] - t[from]) > apart; };
-    const bool jumps = begin == 0 || (begin < next && is_apart(begin - 1, begin));   // else a clock that was set back after them
+    const auto is_apart = [&](std::size_t from, std::size_t to) {
+      return static_cast<double>(t[to] - t[from]) > apart;
+    };
+    const bool jumps =
+        begin == 0 || (begin < next && is_apart(begin - 1, begin));  // else a clock that was set back after them
     for (std::size_t i = begin; i < next; ++i)
       if (t[i] > last || (jumps && is_apart(next, i))) out.push_back(i);
     begin = next + 1;
@@ -76,7 +81,8 @@ std::vector<std::size_t> strays_of(const Stamps& t, std::int64_t last) {
   std::vector<std::size_t> strays = places_ahead(t, last);
   const auto inside = std::count_if(strays.begin(), strays.end(), [&](std::size_t i) { return t[i] <= last; });
   if (static_cast<double>(inside) > most_strays * static_cast<double>(t.size()))
-    strays.erase(std::remove_if(strays.begin(), strays.end(), [&](std::size_t i) { return t[i] <= last; }), strays.end());
+    strays.erase(std::remove_if(strays.begin(), strays.end(), [&](std::size_t i) { return t[i] <= last; }),
+                 strays.end());
   return strays;
 }
 

@@ -33,8 +33,8 @@ int erase(void* context, std::uint32_t block) {
 }  // namespace
 
 segcal_flash_t FlashImage::port() {
-  return {this, kProgramBytes, kEraseBytes, static_cast<std::uint32_t>(bytes.size() / kEraseBytes), read, program, erase,
-          [](void*) { return 0; }};
+  return {this, kProgramBytes, kEraseBytes, static_cast<std::uint32_t>(bytes.size() / kEraseBytes),
+          read, program,       erase,       [](void*) { return 0; }};
 }
 
 }  // namespace host

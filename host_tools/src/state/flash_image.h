@@ -1,4 +1,5 @@
-// Flash of a device's store (segcal/store.h) in memory, as bytes that a file can hold: blocks of 4 KiB, erased ones 0xFF.
+// Flash of a device's store (segcal/store.h) in memory, as bytes that a file can hold: blocks of 4 KiB, erased ones
+// 0xFF.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@ namespace host {
 struct FlashImage {
   static constexpr std::uint32_t kProgramBytes = 256, kEraseBytes = 4096;
 
-  std::string bytes;   ///< a multiple of kEraseBytes; empty: no flash yet
+  std::string bytes;  ///< a multiple of kEraseBytes; empty: no flash yet
 
   void make(std::uint32_t blocks) { bytes.assign(std::size_t(blocks) * kEraseBytes, '\xFF'); }
   /// What segcal_store_open takes. The image must stay where it is.

@@ -9,13 +9,13 @@ namespace host {
 namespace {
 
 constexpr float rim_px = 8;  // closer to the edge than this the patch is mostly outside
-constexpr float max_alignment_px = 1.5F;  // from a step of Lucas-Kanade, which errs by 0.1 to 0.4 px: farther off it is another corner
-constexpr int most_missed = 3;      // images in a row: one or two may be blurred
-constexpr double merged_px = 4;     // closer to each other than this two tracks share most of their patch
+constexpr float max_alignment_px =
+    1.5F;  // from a step of Lucas-Kanade, which errs by 0.1 to 0.4 px: farther off it is another corner
+constexpr int most_missed = 3;   // images in a row: one or two may be blurred
+constexpr double merged_px = 4;  // closer to each other than this two tracks share most of their patch
 
 bool inside(const cv::Point2f& point, const cv::Size& size) {
-  return point.x >= rim_px && point.y >= rim_px && point.x < size.width - rim_px &&
-         point.y < size.height - rim_px;
+  return point.x >= rim_px && point.y >= rim_px && point.x < size.width - rim_px && point.y < size.height - rim_px;
 }
 
 double distance_px(const cv::Point2f& a, const cv::Point2f& b) { return cv::norm(a - b); }
@@ -26,8 +26,9 @@ std::vector<unsigned char> lucas_kanade(const std::vector<cv::Mat>& from, const 
                                         const TrackerOptions& options) {
   const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 40, 0.001);
   std::vector<unsigned char> status;
-  cv::calcOpticalFlowPyrLK(from, to, start, found, status, cv::noArray(), cv::Size(options.window_px, options.window_px),
-                           options.pyramid_levels - 1, stop, cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
+  cv::calcOpticalFlowPyrLK(from, to, start, found, status, cv::noArray(),
+                           cv::Size(options.window_px, options.window_px), options.pyramid_levels - 1, stop,
+                           cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
   return status;
 }
 
@@ -74,7 +75,8 @@ std::vector<TrackPoint> FeatureTracker::points() const {
 
 std::vector<cv::Mat> FeatureTracker::pyramid_of(const cv::Mat& image) const {
   std::vector<cv::Mat> pyramid;
-  cv::buildOpticalFlowPyramid(image, pyramid, cv::Size(options_.window_px, options_.window_px), options_.pyramid_levels - 1);
+  cv::buildOpticalFlowPyramid(image, pyramid, cv::Size(options_.window_px, options_.window_px),
+                              options_.pyramid_levels - 1);
   return pyramid;
 }
 
@@ -98,14 +100,18 @@ void FeatureTracker::follow(const std::vector<cv::Mat>& pyramid, const cv::Mat& 
   drop_merged();
 }
 
-/// Lucas-Kanade has put it near: from there onto what the corner looked like at first. False where it has not looked like that for some
-/// images. The grey values are those of the camera: local contrast changes with the place in the image.
+/// Lucas-Kanade has put it near: from there onto what the corner looked like at first. False where it has not looked
+/// like that for some images. The grey values are those of the camera: local contrast changes with the place in the
+/// image.
 bool FeatureTracker::align(Track& track, const cv::Point2f& before, const cv::Mat& image) const {
   const bool first = !track.anchor;
-  if (first) track.anchor = std::make_shared<AffinePatch>(latest_image_, Eigen::Vector2f(before.x, before.y), options_.window_px);
+  if (first)
+    track.anchor =
+        std::make_shared<AffinePatch>(latest_image_, Eigen::Vector2f(before.x, before.y), options_.window_px);
   const Eigen::Vector2f start(track.point.x, track.point.y);
   PatchPose pose{start, track.shape};
-  if (!track.anchor->align(image, pose) || (pose.point - start).norm() > max_alignment_px) return !first && ++track.missed < most_missed;
+  if (!track.anchor->align(image, pose) || (pose.point - start).norm() > max_alignment_px)
+    return !first && ++track.missed < most_missed;
   track.point = {pose.point.x(), pose.point.y()};
   track.shape = pose.shape;
   track.missed = 0;
@@ -140,7 +146,9 @@ void FeatureTracker::add_corners() {
 }
 
 bool FeatureTracker::adopt(const Track& track, const std::unordered_set<std::uint32_t>& protected_ids) {
-  const auto close = [&](const Track& other) { return distance_px(other.point, track.point) < options_.corners.min_distance_px; };
+  const auto close = [&](const Track& other) {
+    return distance_px(other.point, track.point) < options_.corners.min_distance_px;
+  };
   const auto in_the_way = [&](const Track& other) { return close(other) && protected_ids.count(other.id) != 0; };
   if (std::any_of(tracks_.begin(), tracks_.end(), in_the_way)) return false;
   tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), close), tracks_.end());

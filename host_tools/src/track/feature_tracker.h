@@ -17,16 +17,16 @@ namespace host {
 
 struct TrackerOptions {
   CornerOptions corners;
-  int window_px = 17;                     ///< side of the matched patch; wider ones see several depths at once
-  int pyramid_levels = 4;                 ///< the smallest is 1/8 of the size
-  double max_forward_backward_px = 0.5;   ///< distance after tracking there and back
-  double max_epipolar_px = 1.0;           ///< RANSAC threshold
-  bool equalise = true;                   ///< CLAHE: contrast by region, for dark or unevenly lit scenes
+  int window_px = 17;                    ///< side of the matched patch; wider ones see several depths at once
+  int pyramid_levels = 4;                ///< the smallest is 1/8 of the size
+  double max_forward_backward_px = 0.5;  ///< distance after tracking there and back
+  double max_epipolar_px = 1.0;          ///< RANSAC threshold
+  bool equalise = true;                  ///< CLAHE: contrast by region, for dark or unevenly lit scenes
 };
 
 struct Track {
   std::uint32_t id;
-  cv::Point2f point;  ///< in the latest image, px
+  cv::Point2f point;                                    ///< in the latest image, px
   std::shared_ptr<const AffinePatch> anchor = nullptr;  ///< what it looked like at first; none where it is new
   Eigen::Matrix2f shape = Eigen::Matrix2f::Identity();  ///< from the anchor to the latest image
   int missed = 0;                                       ///< images in a row in which it did not look like that
@@ -38,14 +38,15 @@ std::vector<bool> tracked_there_and_back(const std::vector<cv::Mat>& from, const
                                          const std::vector<cv::Point2f>& start, std::vector<cv::Point2f>& found,
                                          const TrackerOptions& options);
 
-/// Pyramidal Lucas-Kanade from image to image, checked backwards; from there onto the corner's first look by an affine fit; checked by RANSAC.
-/// A track lasts as long as the corner looks like that; lost corners are replaced by new ones.
+/// Pyramidal Lucas-Kanade from image to image, checked backwards; from there onto the corner's first look by an affine
+/// fit; checked by RANSAC. A track lasts as long as the corner looks like that; lost corners are replaced by new ones.
 /// Identifiers rise from 0 over all cameras that share a counter and are never used twice in one camera. Deterministic:
 /// the same images give the same tracks.
 class FeatureTracker {
  public:
   /// `next_id` counts identifiers; the cameras of one rig share it.
-  FeatureTracker(const CameraCalibration& camera, const TrackerOptions& options, std::shared_ptr<std::uint32_t> next_id);
+  FeatureTracker(const CameraCalibration& camera, const TrackerOptions& options,
+                 std::shared_ptr<std::uint32_t> next_id);
 
   /// The corners of the next image: first those that survived, in the order in which they came.
   /// `image` is 8-bit grey and of the calibration's size.

@@ -9,8 +9,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* shared_entries[] = {"mav0/imu0", "mav0/state_groundtruth_estimate0", "mav0/mocap0",
-                                          "camchain-imucam.yaml", "imu.yaml", "dso"};
+constexpr const char* shared_entries[] = {
+    "mav0/imu0", "mav0/state_groundtruth_estimate0", "mav0/mocap0", "camchain-imucam.yaml", "imu.yaml", "dso"};
 constexpr const char* shared_camera_entries[] = {"data.csv", "sensor.yaml", "data"};
 
 }  // namespace
@@ -31,7 +31,8 @@ void RecordingView::create() const {
   try {
     for (const char* const entry : shared_entries) link(entry);
     for (int i = 0; i < n_cameras_; ++i)
-      for (const char* const entry : shared_camera_entries) link(fs::path("mav0") / ("cam" + std::to_string(i)) / entry);
+      for (const char* const entry : shared_camera_entries)
+        link(fs::path("mav0") / ("cam" + std::to_string(i)) / entry);
   } catch (const fs::filesystem_error& error) {
     throw InputError(folder_.string() + ": cannot be written: " + error.code().message());
   }

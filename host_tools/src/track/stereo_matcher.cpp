@@ -14,7 +14,8 @@ constexpr std::size_t fewest_pairs = 12;  // an epipolar geometry has seven unkn
 constexpr double threshold_px = 3;
 
 /// Where a point far away is seen in the second camera; empty where it is not in the image.
-std::optional<cv::Point2f> far_point(const CameraCalibration& first, const CameraCalibration& second, const cv::Point2f& point) {
+std::optional<cv::Point2f> far_point(const CameraCalibration& first, const CameraCalibration& second,
+                                     const cv::Point2f& point) {
   const auto ray = undistort(first, {point.x, point.y});
   if (!ray) return std::nullopt;
   const Eigen::Vector3d seen = second.R_CI * (first.R_CI.transpose() * ray->homogeneous());
@@ -71,7 +72,8 @@ void StereoMatcher::match(const FeatureTracker& first, FeatureTracker& second) c
   const std::size_t known = pairs.first.size();
   add_new_pairs(first, second, pairs);
   if (pairs.first.size() < fewest_pairs) return;
-  const auto agrees = epipolar_inliers(first.camera(), places(pairs.first), second.camera(), places(pairs.second), threshold_px);
+  const auto agrees =
+      epipolar_inliers(first.camera(), places(pairs.first), second.camera(), places(pairs.second), threshold_px);
   std::unordered_set<std::uint32_t> shared;
   for (std::size_t i = 0; i < known; ++i) {
     if (agrees[i]) {

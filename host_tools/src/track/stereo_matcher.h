@@ -5,9 +5,9 @@
 
 namespace host {
 
-/// Looks for the first camera's corners in the second camera's image of the same moment: Lucas-Kanade there and back from
-/// where a far point would be, then RANSAC. What is found is a track of the second camera with the same identifier,
-/// followed there on its own. Pairs that no longer agree with the others' epipolar geometry are parted.
+/// Looks for the first camera's corners in the second camera's image of the same moment: Lucas-Kanade there and back
+/// from where a far point would be, then RANSAC. What is found is a track of the second camera with the same
+/// identifier, followed there on its own. Pairs that no longer agree with the others' epipolar geometry are parted.
 class StereoMatcher {
  public:
   explicit StereoMatcher(const TrackerOptions& options) : options_(options) {}

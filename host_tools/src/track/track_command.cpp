@@ -22,7 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* command_name = "track";
-constexpr const char* description = "Finds corners in the images of a recording and follows them: REC/mav0/camN/tracks.csv";
+constexpr const char* description =
+    "Finds corners in the images of a recording and follows them: REC/mav0/camN/tracks.csv";
 
 constexpr const char* details =
     R"(Where REC is read-only, --out FOLDER makes FOLDER a recording that links to REC and holds the tracks; replay FOLDER then. Changes
@@ -44,8 +45,9 @@ cv::Mat read_image(const fs::path& file, const CameraCalibration& camera) {
   const cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
   if (image.empty()) throw InputError(file.string() + ": expected an image, found something that cannot be decoded");
   if (image.cols != camera.width || image.rows != camera.height)
-    throw InputError(file.string() + ": expected " + std::to_string(camera.width) + " x " + std::to_string(camera.height) +
-                     " px as in the calibration, found " + std::to_string(image.cols) + " x " + std::to_string(image.rows));
+    throw InputError(file.string() + ": expected " + std::to_string(camera.width) + " x " +
+                     std::to_string(camera.height) + " px as in the calibration, found " + std::to_string(image.cols) +
+                     " x " + std::to_string(image.rows));
   return image;
 }
 
@@ -101,7 +103,8 @@ class RigTracker {
 };
 
 /// What a user wants to know of the tracks: how many at a time, and how long they live.
-/// Half of the points belong to tracks of so many images or more: corners of one image, of which there are many, hardly count. `lengths`: sorted.
+/// Half of the points belong to tracks of so many images or more: corners of one image, of which there are many, hardly
+/// count. `lengths`: sorted.
 int length_of_half_the_points(const std::vector<int>& lengths, std::size_t points) {
   std::size_t beyond = 0;
   for (auto length = lengths.rbegin(); length != lengths.rend(); ++length) {
@@ -123,7 +126,8 @@ nlohmann::json statistics(const std::vector<Frame>& frames) {
   std::sort(lengths.begin(), lengths.end());
   return {{"images", frames.size()},
           {"tracks", lengths.size()},
-          {"tracks_per_image_mean", frames.empty() ? 0.0 : static_cast<double>(points) / static_cast<double>(frames.size())},
+          {"tracks_per_image_mean",
+           frames.empty() ? 0.0 : static_cast<double>(points) / static_cast<double>(frames.size())},
           {"track_length_median", lengths.empty() ? 0 : lengths[lengths.size() / 2]},
           {"track_length_of_half_the_points", length_of_half_the_points(lengths, points)}};
 }
@@ -189,12 +193,14 @@ void report(const std::vector<std::vector<Frame>>& tracks, const TrackSettings& 
   for (const nlohmann::json& camera : result)
     std::cout << camera["file"].get<std::string>() << ": " << camera["tracks"] << " tracks in " << camera["images"]
               << " images, " << static_cast<int>(camera["tracks_per_image_mean"].get<double>() + 0.5)
-              << " per image, half of the points in tracks of " << camera["track_length_of_half_the_points"] << " images or more\n";
+              << " per image, half of the points in tracks of " << camera["track_length_of_half_the_points"]
+              << " images or more\n";
 }
 
 void finish(const std::vector<std::vector<Frame>>& tracks, const TrackSettings& settings) {
   OutputRun files(settings.out, command_name, FolderRole::guest);
-  for (std::size_t i = 0; i < tracks.size(); ++i) write_tracks(tracks_file(settings.out, static_cast<int>(i)), tracks[i]);
+  for (std::size_t i = 0; i < tracks.size(); ++i)
+    write_tracks(tracks_file(settings.out, static_cast<int>(i)), tracks[i]);
   files.finish();
   report(tracks, settings);
 }
@@ -203,7 +209,8 @@ void run(TrackSettings settings) {
   cv::setNumThreads(1);  // one image is too small a task to share out, and the result must not depend on the machine
   if (settings.n_cameras == 0) settings.n_cameras = cameras_present(settings);
   const Recording recording = read_recording(settings.recording, settings.n_cameras, false, command_name);
-  const bool in_place = settings.out.empty() || (fs::exists(settings.out) && fs::equivalent(settings.out, recording.root));
+  const bool in_place =
+      settings.out.empty() || (fs::exists(settings.out) && fs::equivalent(settings.out, recording.root));
   if (in_place) {
     settings.out = settings.recording;
     check_writable(recording.root, settings.n_cameras);
@@ -223,18 +230,26 @@ void add_track_command(CLI::App& app, int& exit_code) {
   TrackerOptions& tracker = settings->tracker;
   command->add_option("REC", settings->recording, "recording with images, EuRoC's folder layout")->required();
   command->add_option("--calib", settings->calibration, "calibration in Kalibr's layout (camchain-imucam.yaml)");
-  command->add_option("--out", settings->out, "folder to make a recording with the tracks, instead of writing into REC");
-  command->add_option("--cameras", settings->n_cameras, "number of cameras, cam0 first (default: all that have images and a calibration)")
+  command->add_option("--out", settings->out,
+                      "folder to make a recording with the tracks, instead of writing into REC");
+  command
+      ->add_option("--cameras", settings->n_cameras,
+                   "number of cameras, cam0 first (default: all that have images and a calibration)")
       ->check(CLI::Range(1, 8));
   command->add_option("--max-tracks", tracker.corners.max_tracks, "corners to keep in each image")
-      ->check(CLI::Range(8, 2000))->capture_default_str();
+      ->check(CLI::Range(8, 2000))
+      ->capture_default_str();
   command->add_option("--min-distance", tracker.corners.min_distance_px, "between corners, px")
-      ->check(CLI::Range(3, 200))->capture_default_str();
+      ->check(CLI::Range(3, 200))
+      ->capture_default_str();
   command->add_option("--window", tracker.window_px, "side of the matched patch, px")
-      ->check(CLI::Range(7, 51))->capture_default_str();
+      ->check(CLI::Range(7, 51))
+      ->capture_default_str();
   command->add_option("--max-epipolar", tracker.max_epipolar_px, "outlier threshold, px")
-      ->check(CLI::Range(0.1, 20.0))->capture_default_str();
-  command->add_flag("--no-equalise", settings->no_equalise, "track in the original grey values, without local contrast (CLAHE)");
+      ->check(CLI::Range(0.1, 20.0))
+      ->capture_default_str();
+  command->add_flag("--no-equalise", settings->no_equalise,
+                    "track in the original grey values, without local contrast (CLAHE)");
   command->add_flag("--json", settings->json, "print the statistics as JSON");
   command->footer(details);
   command->callback([settings, &exit_code] {

@@ -75,8 +75,8 @@
 #error "SEGCAL_PROFILE: 1 (mcu), 2 (mobile) or 3 (host)"
 #endif
 
-/* The C++ namespace of this build. It follows the prefix, so that two builds in one program never share a type or a function,
-   whatever their capacities. */
+/* The C++ namespace of this build. It follows the prefix, so that two builds in one program never share a type or a
+   function, whatever their capacities. */
 #ifndef SEGCAL_NS
 #ifdef SEGCAL_RENAME
 #include "segcal/symbol_names.h"
@@ -105,17 +105,18 @@
 #ifndef SEGCAL_MAX_OBSERVATIONS
 #define SEGCAL_MAX_OBSERVATIONS SEGCAL_DEFAULT_OBSERVATIONS
 #endif
-/* Bits of a stored image coordinate: 32 (float), or 16: steps of 1/32 px from -64 to 1983 px; points beyond are left out and
-   counted. */
+/* Bits of a stored image coordinate: 32 (float), or 16: steps of 1/32 px from -64 to 1983 px; points beyond are left
+   out and counted. */
 #ifndef SEGCAL_PIXEL_BITS
 #define SEGCAL_PIXEL_BITS SEGCAL_DEFAULT_PIXEL_BITS
 #endif
-/* 1: the errors of a corner along its track may have a random walk (segcal_config_t.track_walk). 0: leaves that code out, some
-   kB, and stack. */
+/* 1: the errors of a corner along its track may have a random walk (segcal_config_t.track_walk). 0: leaves that code
+   out, some kB, and stack. */
 #ifndef SEGCAL_TRACK_WALK
 #define SEGCAL_TRACK_WALK SEGCAL_DEFAULT_TRACK_WALK
 #endif
-/* IMU samples of a segment; a sensor that is faster is averaged (segment_s). When they run out the segment ends early. */
+/* IMU samples of a segment; a sensor that is faster is averaged (segment_s). When they run out the segment ends early.
+ */
 #ifndef SEGCAL_MAX_IMU_SAMPLES
 #define SEGCAL_MAX_IMU_SAMPLES SEGCAL_DEFAULT_IMU_SAMPLES
 #endif
@@ -127,23 +128,24 @@
 #ifndef SEGCAL_MAX_TRACKS
 #define SEGCAL_MAX_TRACKS SEGCAL_DEFAULT_TRACKS
 #endif
-/* What the features of one frame may cost the filter, in features that the whole window sees. The others wait, as long as they
-   are seen. It bounds the time of a frame. */
+/* What the features of one frame may cost the filter, in features that the whole window sees. The others wait, as long
+   as they are seen. It bounds the time of a frame. */
 #ifndef SEGCAL_FRAME_FEATURES
 #define SEGCAL_FRAME_FEATURES SEGCAL_DEFAULT_FRAME_FEATURES
 #endif
-/* The filter's start in motion is background work, which takes effect this long (ms) after the frames that it was made from, so
-   that it does not matter when it was done. 0: it is done at once, in one long frame. The IMU history must hold those frames
-   and this time. At most 1500: the filter begins anew after 2 s without a feature. */
+/* The filter's start in motion is background work, which takes effect this long (ms) after the frames that it was made
+   from, so that it does not matter when it was done. 0: it is done at once, in one long frame. The IMU history must
+   hold those frames and this time. At most 1500: the filter begins anew after 2 s without a feature. */
 #ifndef SEGCAL_START_DELAY_MS
 #define SEGCAL_START_DELAY_MS SEGCAL_DEFAULT_START_DELAY_MS
 #endif
 #if SEGCAL_START_DELAY_MS > 1500
-#error "SEGCAL_START_DELAY_MS: 0 to 1500; the filter begins anew after 2 s without a feature, and a start that takes effect later never stays"
+#error \
+    "SEGCAL_START_DELAY_MS: 0 to 1500; the filter begins anew after 2 s without a feature, and a start that takes effect later never stays"
 #endif
 
-/* Frames that may wait for the IMU samples of their time, which come late from sensors with a FIFO: a block may last this many
-   times frame_interval_s. */
+/* Frames that may wait for the IMU samples of their time, which come late from sensors with a FIFO: a block may last
+   this many times frame_interval_s. */
 #ifndef SEGCAL_WAITING_FRAMES
 #define SEGCAL_WAITING_FRAMES SEGCAL_DEFAULT_WAITING_FRAMES
 #endif
@@ -153,8 +155,8 @@
 #ifndef SEGCAL_MAX_TIES
 #define SEGCAL_MAX_TIES SEGCAL_DEFAULT_TIES
 #endif
-/* Epochs: triangles that hold what segments said about the calibration once they are kept no longer (segcal_config_t.condense). When
-   there is no room for another, the two oldest become one. 0: leaves that code out. */
+/* Epochs: triangles that hold what segments said about the calibration once they are kept no longer
+   (segcal_config_t.condense). When there is no room for another, the two oldest become one. 0: leaves that code out. */
 #ifndef SEGCAL_MAX_EPOCHS
 #define SEGCAL_MAX_EPOCHS SEGCAL_DEFAULT_EPOCHS
 #endif
@@ -162,8 +164,8 @@
 #error "SEGCAL_MAX_EPOCHS: 0, or at least 2: when there is no place for another epoch, the two oldest become one"
 #endif
 /* Tracks in common from which on two segments of one map are put into one frame. Position and rotation about gravity
-   are four unknowns and three landmarks of known depth fix them; in a short look at a scene about every second track has
-   that, so that eight leave a choice and one or two mistaken ones do not decide. */
+   are four unknowns and three landmarks of known depth fix them; in a short look at a scene about every second track
+   has that, so that eight leave a choice and one or two mistaken ones do not decide. */
 #ifndef SEGCAL_SHARED_LANDMARKS
 #define SEGCAL_SHARED_LANDMARKS 8
 #endif

@@ -5,14 +5,15 @@
  * segcal.h that it stands for:
  *
  *     segcal_log_begin(&log, &config, block, sizeof block, write, context);   segcal_create(&device, &config, ...);
- *     segcal_log_imu(&log, &sample);          segcal_push_imu(device, &sample);             segcal_log_fed(&log, device);
- *     segcal_log_tracks(&log, t_ns, points, n);   segcal_push_tracks(device, t_ns, points, n);  segcal_log_fed(&log, device);
- *     segcal_log_mark(&log, SEGCAL_LOG_CALIBRATE);                            segcal_calibrate(device);
+ *     segcal_log_imu(&log, &sample);          segcal_push_imu(device, &sample);             segcal_log_fed(&log,
+ * device); segcal_log_tracks(&log, t_ns, points, n);   segcal_push_tracks(device, t_ns, points, n);
+ * segcal_log_fed(&log, device); segcal_log_mark(&log, SEGCAL_LOG_CALIBRATE); segcal_calibrate(device);
  *     segcal_log_hash(&log, segcal_result_hash(device));
  *     segcal_log_end(&log);
  *
- * segcal_background needs no mark: it changes when work is done. What was not done when it was due, segcal_log_fed notes after the
- * call that found it so. A flush in slices is marked as one when it begins. Keyframes of the user's own odometry have no place in a log.
+ * segcal_background needs no mark: it changes when work is done. What was not done when it was due, segcal_log_fed
+ * notes after the call that found it so. A flush in slices is marked as one when it begins. Keyframes of the user's own
+ * odometry have no place in a log.
  */
 #ifndef SEGCAL_LOG_H
 #define SEGCAL_LOG_H
@@ -30,7 +31,7 @@ extern "C" {
 
 /* Bytes of the block that hold any configuration and any frame. A larger block means fewer and longer writes. */
 #define SEGCAL_LOG_TRACKS_BYTES (12u + 13u * SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS)
-#define SEGCAL_LOG_BLOCK_BYTES                                                                                         \
+#define SEGCAL_LOG_BLOCK_BYTES \
   (32u + (sizeof(segcal_config_t) > SEGCAL_LOG_TRACKS_BYTES ? sizeof(segcal_config_t) : SEGCAL_LOG_TRACKS_BYTES))
 
 /* Calls that have no data of their own. */
@@ -39,40 +40,40 @@ enum {
   SEGCAL_LOG_FLUSH = 2,
   SEGCAL_LOG_CALIBRATE = 3,
   SEGCAL_LOG_REQUEST_CALIBRATION = 4,
-  SEGCAL_LOG_LATE = 5                /* the call that fed last found work late: segcal_log_fed writes it */
+  SEGCAL_LOG_LATE = 5 /* the call that fed last found work late: segcal_log_fed writes it */
 };
 
 /* Appends bytes to the file; 0 if they are all written. */
-typedef int (*segcal_log_write_t)(void *context, const void *bytes, size_t n);
+typedef int (*segcal_log_write_t)(void* context, const void* bytes, size_t n);
 
 /* The writer. Its fields are its own. */
 typedef struct {
   segcal_log_write_t write;
-  void *context;
-  uint8_t *block;
-  size_t capacity, used;           /* bytes of the block */
-  int64_t t0_ns;                   /* of the first sample in the block */
-  uint32_t samples;                /* in the block */
-  uint32_t sequence;               /* of the next block */
-  uint32_t late;                   /* segcal_progress_t.late that the log has so far */
-  int32_t failed;                  /* 1: the caller's function refused a block; nothing is written any more */
+  void* context;
+  uint8_t* block;
+  size_t capacity, used; /* bytes of the block */
+  int64_t t0_ns;         /* of the first sample in the block */
+  uint32_t samples;      /* in the block */
+  uint32_t sequence;     /* of the next block */
+  uint32_t late;         /* segcal_progress_t.late that the log has so far */
+  int32_t failed;        /* 1: the caller's function refused a block; nothing is written any more */
 } segcal_log_t;
 
 /* Starts a log: header and configuration. SEGCAL_ERROR_SIZE if the block is smaller than SEGCAL_LOG_BLOCK_BYTES.
    All functions return SEGCAL_ERROR_STATE if the caller's function refused, now or earlier. */
-int segcal_log_begin(segcal_log_t *log, const segcal_config_t *config, uint8_t *block, size_t block_bytes,
-                     segcal_log_write_t write, void *context);
-int segcal_log_imu(segcal_log_t *log, const segcal_imu_t *sample);
-int segcal_log_tracks(segcal_log_t *log, int64_t t_ns, const segcal_point_t *points, int32_t n);
-int segcal_log_mark(segcal_log_t *log, int32_t mark);
+int segcal_log_begin(segcal_log_t* log, const segcal_config_t* config, uint8_t* block, size_t block_bytes,
+                     segcal_log_write_t write, void* context);
+int segcal_log_imu(segcal_log_t* log, const segcal_imu_t* sample);
+int segcal_log_tracks(segcal_log_t* log, int64_t t_ns, const segcal_point_t* points, int32_t n);
+int segcal_log_mark(segcal_log_t* log, int32_t mark);
 /* After each call that feeds: whether it found work that was due and not done. Writes nothing if not. */
-int segcal_log_fed(segcal_log_t *log, const segcal_t *device);
+int segcal_log_fed(segcal_log_t* log, const segcal_t* device);
 /* segcal_result_hash() at this place: `segcal replay --verify-hash` computes it again. */
-int segcal_log_hash(segcal_log_t *log, uint64_t hash);
+int segcal_log_hash(segcal_log_t* log, uint64_t hash);
 /* Writes out what still waits in the block. Call it from time to time: a power failure loses what waits. */
-int segcal_log_sync(segcal_log_t *log);
+int segcal_log_sync(segcal_log_t* log);
 /* The log is whole: a reader need not suspect that something is missing. */
-int segcal_log_end(segcal_log_t *log);
+int segcal_log_end(segcal_log_t* log);
 
 #ifdef __cplusplus
 }

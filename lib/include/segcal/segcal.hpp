@@ -1,5 +1,5 @@
-// segcal for C++17 (namespace segcal_cpp, since segcal is the tag of segcal_t): the C API with its own memory, no heap, no exceptions.
-// A thin cover: names, units and rules are those of segcal.h.
+// segcal for C++17 (namespace segcal_cpp, since segcal is the tag of segcal_t): the C API with its own memory, no heap,
+// no exceptions. A thin cover: names, units and rules are those of segcal.h.
 //
 //   static segcal_cpp::Device device(config);          // too large for a stack
 //   if (device.error()) puts(segcal_code_words(device.error()));
@@ -19,7 +19,9 @@ namespace segcal_cpp {
 
 class Device {
  public:
-  explicit Device(const segcal_config_t& config) { error_ = segcal_create(&handle_, &config, storage_, sizeof storage_); }
+  explicit Device(const segcal_config_t& config) {
+    error_ = segcal_create(&handle_, &config, storage_, sizeof storage_);
+  }
   // No copies and no moves: handle_ points at storage_ of this object. (The bytes of a device may move: blocks.h.)
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
@@ -30,7 +32,9 @@ class Device {
   const segcal_t* handle() const { return handle_; }
 
   int push(const segcal_imu_t& sample) { return segcal_push_imu(handle_, &sample); }
-  int push_tracks(int64_t t_ns, const segcal_point_t* points, int32_t n) { return segcal_push_tracks(handle_, t_ns, points, n); }
+  int push_tracks(int64_t t_ns, const segcal_point_t* points, int32_t n) {
+    return segcal_push_tracks(handle_, t_ns, points, n);
+  }
   int push_keyframe(const segcal_state_t& state, const segcal_point_t* points, int32_t n) {
     return segcal_push_keyframe(handle_, &state, points, n);
   }

@@ -1,12 +1,13 @@
-// The one way in for numbers of the C API: converted first, and tested as what the core will compute with. A double can be
-// beyond float's range, or be zero once it is a float.
+// The one way in for numbers of the C API: converted first, and tested as what the core will compute with. A double can
+// be beyond float's range, or be zero once it is a float.
 #pragma once
 
 #include "math/elementary.h"
 
 namespace SEGCAL_NS {
 
-/// The value in the core's type; false, and nothing stored, unless it is in [least, most], which must be numbers of that type.
+/// The value in the core's type; false, and nothing stored, unless it is in [least, most], which must be numbers of
+/// that type.
 template <class S>
 bool accept(double value, double least, double most, S* out) {
   if (!(value >= least && value <= most)) return false;  // not-a-number too

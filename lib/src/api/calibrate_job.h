@@ -1,5 +1,5 @@
-// A calibration from the kept segments, in slices: fit, without outliers, without segments that newer ones contradict; then what
-// of it is released. Nobody sees anything of it before it is published, whole (report.h).
+// A calibration from the kept segments, in slices: fit, without outliers, without segments that newer ones contradict;
+// then what of it is released. Nobody sees anything of it before it is published, whole (report.h).
 #pragma once
 
 #include "api/parts.h"
@@ -76,7 +76,7 @@ class CalibrateJob {
 
   Stage stage_ = Stage::idle;
   Place place_ = 0, inner_ = 0;
-  Calibration<S> theta_;               ///< where it begins
+  Calibration<S> theta_;                    ///< where it begins
   Near<Segment<S>> segment_[kMaxSegments];  ///< that take part, in order of time
   std::int32_t n_ = 0, i_ = 0, epoch_ = 0, round_ = 0;
   bool dropped_ = false, dropped_any_ = false, changed_ = false, compares_epoch_ = false;
@@ -133,13 +133,15 @@ bool CalibrateJob<S>::fit_step(DeviceParts<S>* d) {
   SEGCAL_SLICES_END(inner_);
 }
 
-/// All segments' information at the calibrated theta, each alone: what a segment says must not come from its neighbours.
+/// All segments' information at the calibrated theta, each alone: what a segment says must not come from its
+/// neighbours.
 template <class S>
 bool CalibrateJob<S>::score_alone_step(DeviceParts<S>* d) {
   SegmentEliminator<S>& eliminator = d->work.eliminator();
   SEGCAL_SLICES(inner_) {
     for (i_ = 0; d->calibrator().fit().converged && i_ < n_; ++i_) {
-      SEGCAL_AWAIT(inner_, eliminator.eliminate_step(*segment_[i_], GuestLink<S>{}, d->calibrator().theta(), d->options.model, S(0)));
+      SEGCAL_AWAIT(inner_, eliminator.eliminate_step(*segment_[i_], GuestLink<S>{}, d->calibrator().theta(),
+                                                     d->options.model, S(0)));
       eliminator.extract(&segment_[i_]->information);
       SEGCAL_PAUSE(inner_);
     }
@@ -156,7 +158,8 @@ template <class S>
       SEGCAL_AWAIT(inner_, scatter_.take_step(segment_[i_]->information));
     }
     if constexpr (kEpochs > 0) {
-      for (int i = 0; i < d->epochs.count(); ++i) scatter_.add(d->epochs.epoch(i).pulls.found, d->epochs.epoch(i).pulls.expected);
+      for (int i = 0; i < d->epochs.count(); ++i)
+        scatter_.add(d->epochs.epoch(i).pulls.found, d->epochs.epoch(i).pulls.expected);
     }
   }
   SEGCAL_SLICES_END(inner_);
@@ -170,7 +173,8 @@ bool CalibrateJob<S>::drop_misfits_step(DeviceParts<S>* d) {
     d->calibrator().lend_cost_steps();
     for (i_ = 0; i_ < Database<S>::kSlots; ++i_) {
       if (!d->database().kept(i_)) continue;
-      SEGCAL_AWAIT(inner_, cost.step(d->database().slot(i_), GuestLink<S>{}, d->calibrator().theta(), d->options.model));
+      SEGCAL_AWAIT(inner_,
+                   cost.step(d->database().slot(i_), GuestLink<S>{}, d->calibrator().theta(), d->options.model));
       if (cost.total() <= ReleaseRules<S>{}.most_chi2_per_dof * S(d->database().slot(i_).information.dof)) continue;
       d->database().drop(i_);
       ++d->faults.segments_unsettled;

@@ -1,11 +1,13 @@
-// CalibrateJob: segments and epochs that tell of a calibration the device no longer has, and whether that is a change of the device.
+// CalibrateJob: segments and epochs that tell of a calibration the device no longer has, and whether that is a change
+// of the device.
 #pragma once
 
 #include "api/calibrate_job.h"
 
 namespace SEGCAL_NS {
 
-/// Drops segments and epochs that newer ones contradict (calibration/agreement.h); dropped_ says whether there were any.
+/// Drops segments and epochs that newer ones contradict (calibration/agreement.h); dropped_ says whether there were
+/// any.
 template <class S>
 [[gnu::cold]] bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
   SEGCAL_SLICES(inner_) {
@@ -28,7 +30,8 @@ template <class S>
 /// Place of the newest epoch that says anything: one may have just begun.
 template <class S>
 int CalibrateJob<S>::newest_epoch(DeviceParts<S>* d) {
-  if constexpr (kEpochs > 0) return d->epochs.count() - (d->epochs.count() > 0 && d->epochs.newest().segments == 0 ? 2 : 1);
+  if constexpr (kEpochs > 0)
+    return d->epochs.count() - (d->epochs.count() > 0 && d->epochs.newest().segments == 0 ? 2 : 1);
   return -1;
 }
 
@@ -42,8 +45,8 @@ void CalibrateJob<S>::compare_next(DeviceParts<S>* d) {
   }
 }
 
-/// What is outdated goes. An epoch that agrees tells what its segments disagree by among themselves: one of several may convict the
-/// next older item, though it is one item.
+/// What is outdated goes. An epoch that agrees tells what its segments disagree by among themselves: one of several may
+/// convict the next older item, though it is one item.
 template <class S>
 void CalibrateJob<S>::take_verdict(DeviceParts<S>* d) {
   const bool outdated = agreement_.outdated();
@@ -66,12 +69,12 @@ void CalibrateJob<S>::begin_agreement(DeviceParts<S>* d) {
   const SegmentInformation<S>* information[kMaxSegments];
   for (int i = 0; i < n_; ++i) information[i] = &segment_[i]->information;
   const S comparisons = S(n_ + d->epochs.count() - 1);
-  agreement_ = Agreement<S>(d->prior(), d->calibrator().theta(), d->options.outdated_level / comparisons, noise_of(information, n_),
-                            d->work.new_analysis(), d->work.agreement_scratch());
+  agreement_ = Agreement<S>(d->prior(), d->calibrator().theta(), d->options.outdated_level / comparisons,
+                            noise_of(information, n_), d->work.new_analysis(), d->work.agreement_scratch());
 }
 
-/// Entries may be known too little for any of them to be sure alone: 0.5 deg are four sigmas of a rotation that a short drive
-/// hardly tells from the principal point, and twenty of what it does tell.
+/// Entries may be known too little for any of them to be sure alone: 0.5 deg are four sigmas of a rotation that a short
+/// drive hardly tells from the principal point, and twenty of what it does tell.
 template <class S>
 void CalibrateJob<S>::judge_change(DeviceParts<S>* d) {
   if constexpr (kEpochs > 0) changed_ = changed_ || (d->changes.open() && agreement_.changed(S(kFalseChange)));

@@ -90,8 +90,9 @@ void state_to_c(const State<Real>& state, const double* origin, std::int64_t t_n
 
 bool state_from_c(const segcal_state_t& in, State<Real>* out) {
   double p_GI[3];  // stays double: only its range is asked
-  return accept(in.p_GI, 3, -1e9, 1e9, p_GI) && accept_vector<3>(in.v_GI, -1e4, 1e4, &out->v_GI) && accept_vector<3>(in.b_a, -1e3, 1e3, &out->b_a) &&
-         accept_vector<3>(in.b_g, -1e2, 1e2, &out->b_g) && accept_rotation(in.q_GI, &out->R_GI);
+  return accept(in.p_GI, 3, -1e9, 1e9, p_GI) && accept_vector<3>(in.v_GI, -1e4, 1e4, &out->v_GI) &&
+         accept_vector<3>(in.b_a, -1e3, 1e3, &out->b_a) && accept_vector<3>(in.b_g, -1e2, 1e2, &out->b_g) &&
+         accept_rotation(in.q_GI, &out->R_GI);
 }
 
 }  // namespace SEGCAL_NS

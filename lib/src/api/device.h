@@ -1,7 +1,8 @@
 // A device: the stream of samples through the filter into segments, the database, and calibration (paper, Alg. 1).
-// This is what the C API wraps; all memory is inside. The policy of the stream stands here: what is a fault, when a segment
-// ends, when work takes effect. What it does is in device_session.h (beginnings and ends), device_imu.h, device_stream.h (frames),
-// device_segments.h and device_work.h (jobs); the jobs are in score_job.h and calibrate_job.h.
+// This is what the C API wraps; all memory is inside. The policy of the stream stands here: what is a fault, when a
+// segment ends, when work takes effect. What it does is in device_session.h (beginnings and ends), device_imu.h,
+// device_stream.h (frames), device_segments.h and device_work.h (jobs); the jobs are in score_job.h and
+// calibrate_job.h.
 #pragma once
 
 #include "api/calibrate_job.h"
@@ -23,11 +24,12 @@ enum class Taken : std::int32_t { ok, waiting, skipped, tracking, lost, not_fini
 constexpr int kFewestTracks = 8;
 /// So many segments in a row that do not fit into an epoch are no accident.
 constexpr int kMostMisfits = 3;
-/// Segments scored while a change is open, over those that the database holds, until a calibration decides with fewer than it holds.
+/// Segments scored while a change is open, over those that the database holds, until a calibration decides with fewer
+/// than it holds.
 constexpr int kMostUndecided = 3;
 
 template <class S>
-struct StoredFields;   // store/stored_fields.h
+struct StoredFields;  // store/stored_fields.h
 
 template <class S>
 class Device {
@@ -36,8 +38,8 @@ class Device {
  public:
   [[gnu::cold]] Device() = default;
   [[gnu::cold]] void create(const DeviceOptions<S>& options, ColdParts<S>* cold);
-  /// After its memory was moved as bytes: where the cold parts are now. False, and nothing has changed, if they have moved by another
-  /// distance than the rest while work is pending.
+  /// After its memory was moved as bytes: where the cold parts are now. False, and nothing has changed, if they have
+  /// moved by another distance than the rest while work is pending.
   [[gnu::cold]] bool attach(ColdParts<S>* cold);
   const ColdParts<S>* cold() const { return d_.cold; }
 
@@ -58,14 +60,15 @@ class Device {
   void calibrate();
   /// The same in slices: after the next segment that is scored, or by flush_step().
   void request_calibration() { wanted_ = true; }
-  /// Work that is due is done in the call that feeds, where it was not done before. Else, as from create() on, no call that feeds
-  /// does it: a segment that ends while the one before is scored is dropped, a calibration and a start are waited for.
+  /// Work that is due is done in the call that feeds, where it was not done before. Else, as from create() on, no call
+  /// that feeds does it: a segment that ends while the one before is scored is dropped, a calibration and a start are
+  /// waited for.
   void work_when_due(bool on) {
     at_once_ = on;
     vio_.finish_late_starts(on);
   }
-  /// Rows [theta | candidates | rhs] of the kept slots in `use_slot`, in calibrator().theta_triangle() (Calibrator::rows_of).
-  /// Only while nothing is pending.
+  /// Rows [theta | candidates | rhs] of the kept slots in `use_slot`, in calibrator().theta_triangle()
+  /// (Calibrator::rows_of). Only while nothing is pending.
   [[gnu::cold]] S linearise(const std::uint8_t* use_slot, const CandidateTerms& candidates);
   /// The filter's own calibration at this moment, judged as a result.
   void read_filter(Release<S>* out) { read_filter(out, nullptr); }
@@ -94,8 +97,8 @@ class Device {
   bool pending() const { return score_.active() || calibration_.pending(); }
   /// The kept segments are as a calibration or their builder left them, not half moved.
   bool segments_at_rest() const { return !calibration_.pending(); }
-  /// Over theta, its sigmas and all states so far; and the kept segments once everything that was pending has been finished by
-  /// flush(), new_session() or calibrate() (api/result_hash.h).
+  /// Over theta, its sigmas and all states so far; and the kept segments once everything that was pending has been
+  /// finished by flush(), new_session() or calibrate() (api/result_hash.h).
   [[gnu::cold]] std::uint64_t result_hash() const;
   bool start_pending() const { return vio_.start_pending(); }
   bool scoring() const { return score_.active(); }
@@ -184,13 +187,13 @@ class Device {
   [[gnu::cold]] void read_filter(Release<S>* out, InformationAnalysis<S>* analysis);
   /// A time offset moves the stamps of frames before filter and segments see them, in whole nanoseconds.
   static std::int32_t stamp_shift(const Calibration<S>& theta) {
-    const S limit = S(1e9);   // 1 s: far beyond what the filter could bridge; and inside 32 bits
+    const S limit = S(1e9);  // 1 s: far beyond what the filter could bridge; and inside 32 bits
     const S ns = theta.effects.value_of(kTimeOffsetTerm) * S(1e9);
     return static_cast<std::int32_t>(ns < -limit ? -limit : ns > limit ? limit : ns + (ns < S(0) ? S(-0.5) : S(0.5)));
   }
 
   DeviceParts<S> d_;
-  Calibration<S> theta_;   ///< best known: released, else the start
+  Calibration<S> theta_;  ///< best known: released, else the start
   ScoreJob<S> score_;
   CalibrateJob<S> calibration_;
   ScoreReport<S> scored_;
@@ -204,21 +207,23 @@ class Device {
   Decimation<S> decimation_;
   WaitingFrames<S> frames_;
   StreamCounts last_use_;
-  State<S> state_;         ///< its position counts from origin_
-  double origin_[3];       ///< m, in the odometry's frame: float holds what is near
-  Hash trajectory_;        ///< of all states so far
-  std::int64_t hole_ns_;         ///< where a spike was taken out: the end of the first group of samples after it
+  State<S> state_;        ///< its position counts from origin_
+  double origin_[3];      ///< m, in the odometry's frame: float holds what is near
+  Hash trajectory_;       ///< of all states so far
+  std::int64_t hole_ns_;  ///< where a spike was taken out: the end of the first group of samples after it
   std::int64_t state_time_, last_imu_, last_frame_, last_offered_, next_keyframe_, frame_period_;
-  Near<Segment<S>> spare_;      ///< where the open segment stands while the one before is scored
+  Near<Segment<S>> spare_;  ///< where the open segment stands while the one before is scored
   std::uint32_t session_, serial_, frame_, crowded_out_, imu_spikes_;
-  std::uint32_t used_;           ///< bit k: a frame came after the k-th newest IMU reading and before the next one, and may have used it
-  std::int32_t window_;          ///< > 0: segment ends until a calibration takes effect, if it is done then
-  std::int32_t misfits_;         ///< segments in a row that could not be condensed
-  std::int32_t made_from_;       ///< segments, kept and condensed, that the last calibration was made from
-  std::int32_t open_segments_;   ///< scored while a change was open
-  std::int32_t thinned_;         ///< how often the open segment was
-  std::int32_t stamp_shift_ns_;  ///< from stamps of frames to the IMU's clock, as known: for frames that come from now on
-  bool has_hole_;                ///< no image after hole_ns_ has been processed yet
+  std::uint32_t
+      used_;  ///< bit k: a frame came after the k-th newest IMU reading and before the next one, and may have used it
+  std::int32_t window_;         ///< > 0: segment ends until a calibration takes effect, if it is done then
+  std::int32_t misfits_;        ///< segments in a row that could not be condensed
+  std::int32_t made_from_;      ///< segments, kept and condensed, that the last calibration was made from
+  std::int32_t open_segments_;  ///< scored while a change was open
+  std::int32_t thinned_;        ///< how often the open segment was
+  std::int32_t
+      stamp_shift_ns_;  ///< from stamps of frames to the IMU's clock, as known: for frames that come from now on
+  bool has_hole_;       ///< no image after hole_ns_ has been processed yet
   bool has_state_, has_imu_, has_frame_, has_offered_, has_next_keyframe_;
   bool calibrated_, knew_enough_, own_odometry_;
   bool condensing_, new_epoch_;  ///< segments that end go into epochs; the next one begins another

@@ -22,7 +22,7 @@ Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading, 
     case StampVerdict::back: ++d_.faults.imu_stamps_back; return Taken::stamp_refused;
     case StampVerdict::far: ++d_.faults.imu_stamps_far; return Taken::stamp_refused;
     case StampVerdict::anew:
-      if (began && t_ns > last_imu_) break;   // a long gap
+      if (began && t_ns > last_imu_) break;  // a long gap
       ++d_.faults.clock_restarts;
       end_segment(false);
       restart_filter();
@@ -33,7 +33,7 @@ Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading, 
   if (d_.options.has_temperature && absolute(celsius) <= kMostCelsius<S>) imu_.set_warmth(celsius - S(25));
   if (!in_range(reading.gyro, d_.options.gyro_range) || !in_range(reading.accel, d_.options.accel_range)) {
     ++d_.faults.imu_saturated;
-    return Taken::skipped;   // what it measured is not known; its neighbours bridge it, or it is a gap
+    return Taken::skipped;  // what it measured is not known; its neighbours bridge it, or it is a gap
   }
   keep_unbroken(t_ns, reading);
   last_imu_ = t_ns;
@@ -44,9 +44,10 @@ Taken Device<S>::push_imu(std::int64_t t_ns, const InertialReading<S>& reading, 
   return frame_ready() ? process_frame() : Taken::ok;
 }
 
-/// The open segment ends at a gap and at a spike, which is known only now, by what follows it. A spike is taken out of the stream, and its
-/// neighbours bridge it: the filter goes on. If a frame has used it already, the segment is dropped, and a new stretch begins, as at a gap;
-/// so too where the bridge would be long: samples at full scale were left out beside.
+/// The open segment ends at a gap and at a spike, which is known only now, by what follows it. A spike is taken out of
+/// the stream, and its neighbours bridge it: the filter goes on. If a frame has used it already, the segment is
+/// dropped, and a new stretch begins, as at a gap; so too where the bridge would be long: samples at full scale were
+/// left out beside.
 template <class S>
 [[gnu::cold]] void Device<S>::keep_unbroken(std::int64_t t_ns, const InertialReading<S>& reading) {
   const bool gap = has_imu_ && S(t_ns - last_imu_) * S(1e-9) > S(3) / d_.options.imu_rate_hz;
@@ -54,7 +55,7 @@ template <class S>
   const int wrong = spikes_.after(reading);
   if (!gap && wrong == 0) return;
   const bool bridged = wrong > 0 && (used_ & ((1u << wrong) - 1)) == 0 && bridge_is_short(t_ns, wrong);
-  if (wrong > 0 && !bridged) begin_segment(false);   // nothing of the open one is to be trusted
+  if (wrong > 0 && !bridged) begin_segment(false);  // nothing of the open one is to be trusted
   end_segment(false);
   imu_spikes_ += static_cast<std::uint32_t>(wrong);
   if (bridged) {
@@ -69,8 +70,8 @@ template <class S>
   imu_clock_.take(t_ns);
 }
 
-/// From the newest sample that stays when `wrong` go, to `t_ns`: three periods for two, and what stamps scatter by. Of groups of m, from the
-/// middle of the last one: half of it, one that goes, and one or two periods.
+/// From the newest sample that stays when `wrong` go, to `t_ns`: three periods for two, and what stamps scatter by. Of
+/// groups of m, from the middle of the last one: half of it, one that goes, and one or two periods.
 template <class S>
 bool Device<S>::bridge_is_short(std::int64_t t_ns, int wrong) const {
   const std::int32_t m = d_.options.imu_group;

@@ -5,8 +5,8 @@
 
 namespace SEGCAL_NS {
 
-/// Keyframes that are less than this behind their time belong to one segment, whatever its grid: slow cameras, and odometries that
-/// choose their keyframes.
+/// Keyframes that are less than this behind their time belong to one segment, whatever its grid: slow cameras, and
+/// odometries that choose their keyframes.
 constexpr std::int64_t kKeyframeGapNs = 1000000000;
 
 /// theta for triangulation and scoring: the extrinsics are the filter's (paper, Sec. IV-B).
@@ -46,7 +46,7 @@ void Device<S>::take_keyframe(const Frame<S>& frame, const State<S>& state) {
   const std::int64_t base = static_cast<std::int64_t>(d_.options.segment_s * S(1e9)) / kMaxKeyframes;
   const std::int64_t gap = 4 * (base << thinned_);
   const bool late = has_next_keyframe_ && t_ns > next_keyframe_ + (gap > kKeyframeGapNs ? gap : kKeyframeGapNs);
-  const bool behind_hole = has_hole_ && t_ns >= hole_ns_;   // the images before it may have waited until it was known
+  const bool behind_hole = has_hole_ && t_ns >= hole_ns_;  // the images before it may have waited until it was known
   has_hole_ = has_hole_ && !behind_hole;
   if (late || behind_hole) end_segment(false);
   if (!builder().empty() && segment_complete(t_ns, base << thinned_)) end_segment(true);
@@ -73,9 +73,10 @@ void Device<S>::end_segment(bool continues) {
   begin_segment(continues);
 }
 
-/// There is memory for one segment that is scored and one that is built: if the score of the one before is not done, this one is
-/// dropped. While a calibration is under way the database is closed, and when its window is over it takes effect at the first end
-/// at which it is done. Segments too short to be scored are not counted as ends: after a loss of tracking they come at any moment.
+/// There is memory for one segment that is scored and one that is built: if the score of the one before is not done,
+/// this one is dropped. While a calibration is under way the database is closed, and when its window is over it takes
+/// effect at the first end at which it is done. Segments too short to be scored are not counted as ends: after a loss
+/// of tracking they come at any moment.
 template <class S>
 [[gnu::cold]] void Device<S>::hand_over() {
   ++d_.faults.segments_closed;

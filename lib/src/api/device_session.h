@@ -42,10 +42,12 @@ void Device<S>::create(const DeviceOptions<S>& options, ColdParts<S>* cold) {
   restart_filter();
 }
 
-/// While nothing is pending, these are all pointers from one part to the other that are still read: a fit sets those of the calibrator anew.
+/// While nothing is pending, these are all pointers from one part to the other that are still read: a fit sets those of
+/// the calibrator anew.
 template <class S>
 bool Device<S>::attach(ColdParts<S>* cold) {
-  const auto moved = static_cast<std::ptrdiff_t>(reinterpret_cast<std::uintptr_t>(cold) - reinterpret_cast<std::uintptr_t>(d_.cold.get()));
+  const auto moved = static_cast<std::ptrdiff_t>(reinterpret_cast<std::uintptr_t>(cold) -
+                                                 reinterpret_cast<std::uintptr_t>(d_.cold.get()));
   if (moved == 0) return true;
   if (start_pending() || scoring() || calibrating()) return false;
   d_.cold.follow(moved);
@@ -90,7 +92,8 @@ void Device<S>::restart_filter() {
   } else {
     vio_.reset(theta_, vio_options());
   }
-  if (!d_.options.joint_filter && calibrated_ && report_.release.status == Status::calibrated) vio_.set_calibration(theta_);
+  if (!d_.options.joint_filter && calibrated_ && report_.release.status == Status::calibrated)
+    vio_.set_calibration(theta_);
   if (!own_odometry_) ++frame_;
   for (double& o : origin_) o = 0;
   builder().begin(&open_slot(), session_, serial_, false);
@@ -113,7 +116,7 @@ bool Device<S>::flush_step() {
     process_frame();
   } else if (calibration_.pending()) {
     finish_calibration();
-  } else if (has_next_keyframe_) {   // a keyframe has come since the last time
+  } else if (has_next_keyframe_) {  // a keyframe has come since the last time
     end_segment(false);
     has_next_keyframe_ = false;
   } else if (wanted_) {
@@ -131,7 +134,8 @@ void Device<S>::new_session() {
   begin_session();
 }
 
-/// Nothing of the stream's last session is known any more, not even how lively its motion was: the same as after a restart.
+/// Nothing of the stream's last session is known any more, not even how lively its motion was: the same as after a
+/// restart.
 template <class S>
 void Device<S>::begin_session() {
   ++session_;
@@ -144,7 +148,7 @@ void Device<S>::begin_session() {
     d_.changes.close();
     condensing_ = false;
   }
-  new_epoch_ = true;   // between sessions a device may change: what the new one says is held against all before
+  new_epoch_ = true;  // between sessions a device may change: what the new one says is held against all before
   restart_filter();
 }
 

@@ -5,7 +5,8 @@
 
 namespace SEGCAL_NS {
 
-/// Images further than this from the newest IMU sample are not of its clock, ns: a FIFO or a slow driver is late by less.
+/// Images further than this from the newest IMU sample are not of its clock, ns: a FIFO or a slow driver is late by
+/// less.
 constexpr std::int64_t kFarFrameNs = 2000000000;
 /// No camera is faster, ns: nearer stamps say nothing about its period.
 constexpr std::int64_t kShortestPeriodNs = 1000000;
@@ -21,8 +22,9 @@ template <class S>
   ++frame_;
 }
 
-/// Frames missing from an even stream. The camera's period is where the intervals lead, by a sixteenth at most each time, so that a stamp that was
-/// taken late moves it little; and by a 64th where an image seems to be missing, so that half of them may be.
+/// Frames missing from an even stream. The camera's period is where the intervals lead, by a sixteenth at most each
+/// time, so that a stamp that was taken late moves it little; and by a 64th where an image seems to be missing, so that
+/// half of them may be.
 template <class S>
 [[gnu::cold]] void Device<S>::count_missing_frames(std::int64_t t_ns) {
   const std::int64_t interval = t_ns - last_frame_;
@@ -34,7 +36,8 @@ template <class S>
   if (periods > 1) d_.faults.frames_dropped += static_cast<std::uint32_t>(periods - 1);
 }
 
-/// What came before the first sample, when nothing told that its stamp is far ahead: what follows must not wait for that time.
+/// What came before the first sample, when nothing told that its stamp is far ahead: what follows must not wait for
+/// that time.
 template <class S>
 [[gnu::cold]] void Device<S>::forget_frames() {
   frames_.clear();
@@ -133,7 +136,8 @@ Taken Device<S>::track(const Frame<S>& frame) {
   return status == VioStatus::skipped ? Taken::skipped : Taken::waiting;
 }
 
-/// A filter that has come far counts from a nearer place: a whole number of metres, so that no bit of its places is lost.
+/// A filter that has come far counts from a nearer place: a whole number of metres, so that no bit of its places is
+/// lost.
 template <class S>
 void Device<S>::keep_near_origin() {
   const Vec3<S> p = vio_.state().p_GI;
@@ -160,7 +164,8 @@ template <class S>
 template <class Point>
 Taken Device<S>::push_keyframe(std::int64_t t_ns, const State<S>& state, const double* p_GI, int n, Point point) {
   if (!take_frame_stamp(t_ns)) return Taken::stamp_refused;
-  if (!has_imu_ || !let_wait(t_ns, 0, n, point)) return Taken::skipped;   // without a sample nothing tells whether its stamp is one
+  if (!has_imu_ || !let_wait(t_ns, 0, n, point))
+    return Taken::skipped;  // without a sample nothing tells whether its stamp is one
   last_frame_ = t_ns;
   has_frame_ = true;
   Frame<S>& frame = frames_.newest();

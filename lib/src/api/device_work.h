@@ -28,11 +28,12 @@ int Device<S>::background(int slices) {
   return vio_.start_pending() || score_.active() || calibration_.working() ? 1 : 0;
 }
 
-/// The open segment moves to the slot that is free now. A calibration follows if the scored segment was the one that was missing.
+/// The open segment moves to the slot that is free now. A calibration follows if the scored segment was the one that
+/// was missing.
 template <class S>
 void Device<S>::end_score() {
   builder().move_to(&d_.database().building());
-  if (d_.options.joint_filter) return;   // segments of the caller's own odometry are scored, no more
+  if (d_.options.joint_filter) return;  // segments of the caller's own odometry are scored, no more
   if (score_.condenses()) count_misfits();
   open_segments_ = d_.changes.open() ? open_segments_ + 1 : 0;
   const bool enough = worth_a_calibration();
@@ -49,8 +50,8 @@ void Device<S>::begin_calibration(const Calibration<S>& theta) {
   window_ = d_.options.calibration_window;
 }
 
-/// The kept segments tell enough for the first time; or so many were condensed since the last calibration that sigmas should
-/// have halved: three times as many as it was made from.
+/// The kept segments tell enough for the first time; or so many were condensed since the last calibration that sigmas
+/// should have halved: three times as many as it was made from.
 template <class S>
 bool Device<S>::worth_a_calibration() {
   if (waited_enough()) return true;
@@ -65,8 +66,8 @@ void Device<S>::finish_score() {
   while (score_.active()) step();
 }
 
-/// Does what is left of the calibration under way (nobody scores while there is one), and lets it take effect. The open segment
-/// must be empty, or end here: a segment has one shift of stamps for all of its keyframes.
+/// Does what is left of the calibration under way (nobody scores while there is one), and lets it take effect. The open
+/// segment must be empty, or end here: a segment has one shift of stamps for all of its keyframes.
 template <class S>
 void Device<S>::publish_calibration() {
   window_ = 0;
@@ -77,7 +78,7 @@ void Device<S>::publish_calibration() {
     if (calibration_.changed() && report_.release.status == Status::calibrated) {
       d_.changes.decide(theta_, report_.release.theta, report_.release.sigma);
     }
-    d_.changes.close();   // no change: a false alarm; not calibrated: that is what the result says now
+    d_.changes.close();  // no change: a false alarm; not calibrated: that is what the result says now
   }
   ++d_.faults.calibrations_published;
   calibrated_ = true;
@@ -86,8 +87,8 @@ void Device<S>::publish_calibration() {
   set_condensing();
 }
 
-/// From a released theta on, as long as the database holds what it was made from: another segment in it would push one out that
-/// nothing else remembers. Where theta cannot be released, epochs are no help to find out why.
+/// From a released theta on, as long as the database holds what it was made from: another segment in it would push one
+/// out that nothing else remembers. Where theta cannot be released, epochs are no help to find out why.
 template <class S>
 void Device<S>::set_condensing() {
   if (report_.release.status == Status::failed) forget_epochs();
@@ -105,8 +106,8 @@ void Device<S>::forget_epochs() {
   d_.changes.close();
 }
 
-/// Where a segment contradicts what is known, or one after the other fits no longer, theta may be another than epochs were made at:
-/// the database collects anew.
+/// Where a segment contradicts what is known, or one after the other fits no longer, theta may be another than epochs
+/// were made at: the database collects anew.
 template <class S>
 void Device<S>::count_misfits() {
   if constexpr (kEpochs > 0) {
@@ -115,12 +116,13 @@ void Device<S>::count_misfits() {
     if (!score_.emptied()) return;
     misfits_ = 0;
     condensing_ = knew_enough_ = false;
-    d_.changes.open(score_.session_before(), scored_.segment.session, scored_.segment.start_ns, report_.release.sigma, theta_.columns());
+    d_.changes.open(score_.session_before(), scored_.segment.session, scored_.segment.start_ns, report_.release.sigma,
+                    theta_.columns());
   }
 }
 
-/// What came since contradicts what was known, and is not enough to tell which is right: what was released stays, however long that
-/// takes. A calibration that could not convict what is older would confirm it.
+/// What came since contradicts what was known, and is not enough to tell which is right: what was released stays,
+/// however long that takes. A calibration that could not convict what is older would confirm it.
 template <class S>
 bool Device<S>::undecided() {
   return d_.changes.open() && !knows_enough(&d_) && !waited_enough();
@@ -196,7 +198,8 @@ S Device<S>::linearise(const std::uint8_t* use_slot, const CandidateTerms& candi
   const int count = d_.database().in_order(segments);
   const bool known = calibrated_ && report_.release.status != Status::failed && !d_.options.joint_filter;
   d_.work.eliminator().restart();
-  d_.calibrator().continue_with(segments, count, prior(), known ? d_.calibrator().theta() : working_theta(), d_.options.model);
+  d_.calibrator().continue_with(segments, count, prior(), known ? d_.calibrator().theta() : working_theta(),
+                                d_.options.model);
   for (int i = 0; i < count; ++i) use[i] = use_slot[segments[i] - &d_.database().slot(0)] != 0;
   return d_.calibrator().rows_of(use, candidates, &d_.work.eliminator());
 }

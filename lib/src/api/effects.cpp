@@ -96,9 +96,11 @@ extern "C" {
   return n;
 }
 
-[[gnu::cold]] int segcal_linearise(segcal_t* device, const uint8_t* use_slot, const segcal_term_t* candidate, int32_t n_candidates,
-                     double* triangle, int32_t capacity, int32_t* n_theta, int32_t* n_terms, int32_t* dof) {
-  if (!use_slot || !triangle || !n_theta || !n_terms || !dof || (!candidate && n_candidates > 0)) return SEGCAL_ERROR_NULL;
+[[gnu::cold]] int segcal_linearise(segcal_t* device, const uint8_t* use_slot, const segcal_term_t* candidate,
+                                   int32_t n_candidates, double* triangle, int32_t capacity, int32_t* n_theta,
+                                   int32_t* n_terms, int32_t* dof) {
+  if (!use_slot || !triangle || !n_theta || !n_terms || !dof || (!candidate && n_candidates > 0))
+    return SEGCAL_ERROR_NULL;
   CDevice* d = open(device);
   if (!d) return SEGCAL_ERROR_STATE;
   const int n = d->device.theta().columns(), taken = d->device.theta().effects.count();

@@ -24,7 +24,8 @@ void read_epoch(const Epoch<Real>& epoch, Device<Real>& device, segcal_epoch_t* 
   parameter_values(prior.mean, theta, out->value);
   for (int i = 0; i < n; ++i) {
     const PrintedValue<Real> value = printed_value(prior.mean, theta, i);
-    const Real sigma = marginal_sigma(T, n, value.first, value.weight, value.count, work) * device.report().release.noise_scale;
+    const Real sigma =
+        marginal_sigma(T, n, value.first, value.weight, value.count, work) * device.report().release.noise_scale;
     const Real before = sigma_before(value, prior.sigma);
     out->sigma[i] = static_cast<double>(sigma < before ? sigma : before);
   }

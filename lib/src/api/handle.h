@@ -4,7 +4,8 @@
 #include "api/convert.h"
 
 #if defined(__FAST_MATH__)
-#error "segcal must not be compiled with -ffast-math: it reorders sums and drops checks for NaN, and no replay gives the same bits"
+#error \
+    "segcal must not be compiled with -ffast-math: it reorders sums and drops checks for NaN, and no replay gives the same bits"
 #elif defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
 #error "segcal must not be compiled with -ffinite-math-only: it drops checks for NaN"
 #endif
@@ -13,9 +14,11 @@ namespace SEGCAL_NS {
 
 extern template class Device<Real>;  // device.cpp
 
-/// What both blocks begin with. Bytes of a library with another layout are no device, and two blocks are one only if they were made together.
+/// What both blocks begin with. Bytes of a library with another layout are no device, and two blocks are one only if
+/// they were made together.
 struct MemoryHead {
-  static constexpr std::uint32_t kHot = 0x5E6CA102u ^ sizeof(Device<Real>) ^ (sizeof(ColdParts<Real>) << 8), kCold = ~kHot;
+  static constexpr std::uint32_t kHot = 0x5E6CA102u ^ sizeof(Device<Real>) ^ (sizeof(ColdParts<Real>) << 8),
+                                 kCold = ~kHot;
   std::uint32_t magic;
   std::uint32_t pair;
 };
@@ -43,8 +46,8 @@ inline const Segment<Real>* find_slot(const CDevice& d, std::int32_t index) {
 }
 
 /// What calls that read a kept segment's states begin with: its checks, and the segment if all is well.
-inline int open_slot(const segcal_t* handle, std::int32_t index, const void* out, std::int32_t capacity, const CDevice** d,
-                     const Segment<Real>** segment) {
+inline int open_slot(const segcal_t* handle, std::int32_t index, const void* out, std::int32_t capacity,
+                     const CDevice** d, const Segment<Real>** segment) {
   if (!out) return SEGCAL_ERROR_NULL;
   if (capacity < 0) return SEGCAL_ERROR_SIZE;
   *d = open(handle);

@@ -1,5 +1,5 @@
-// The C API's view of the kept segments as calibration had them: states, landmarks, image points, samples, links. Enough to
-// repeat a calibration with another solver.
+// The C API's view of the kept segments as calibration had them: states, landmarks, image points, samples, links.
+// Enough to repeat a calibration with another solver.
 #include "api/handle.h"
 
 using namespace SEGCAL_NS;
@@ -16,7 +16,8 @@ extern "C" {
   return n;
 }
 
-[[gnu::cold]] int segcal_get_landmarks(const segcal_t* device, int32_t index, segcal_landmark_t* out, int32_t capacity) {
+[[gnu::cold]] int segcal_get_landmarks(const segcal_t* device, int32_t index, segcal_landmark_t* out,
+                                       int32_t capacity) {
   const CDevice* d;
   const Segment<Real>* s;
   const int error = open_slot(device, index, out, capacity, &d, &s);
@@ -40,7 +41,8 @@ extern "C" {
   return n;
 }
 
-[[gnu::cold]] int segcal_get_points(const segcal_t* device, int32_t index, segcal_measured_point_t* out, int32_t capacity) {
+[[gnu::cold]] int segcal_get_points(const segcal_t* device, int32_t index, segcal_measured_point_t* out,
+                                    int32_t capacity) {
   const CDevice* d;
   const Segment<Real>* s;
   const int error = open_slot(device, index, out, capacity, &d, &s);
@@ -92,9 +94,19 @@ extern "C" {
   if (!d) return SEGCAL_ERROR_STATE;
   const MeasurementModel<Real>& m = d->device.options().model;
   const auto number = [](Real value) { return static_cast<double>(value); };
-  *out = {number(m.imu.gyro), number(m.imu.gyro_walk), number(m.imu.accel), number(m.imu.accel_walk), number(-m.g.z()),
-          number(m.pixel_sigma), number(m.huber), number(m.bias_a_sigma), number(m.bias_g_sigma), number(m.velocity_sigma),
-          number(m.inverse_depth_sigma), number(m.turned_inverse_depth_sigma), number(m.track_walk)};
+  *out = {number(m.imu.gyro),
+          number(m.imu.gyro_walk),
+          number(m.imu.accel),
+          number(m.imu.accel_walk),
+          number(-m.g.z()),
+          number(m.pixel_sigma),
+          number(m.huber),
+          number(m.bias_a_sigma),
+          number(m.bias_g_sigma),
+          number(m.velocity_sigma),
+          number(m.inverse_depth_sigma),
+          number(m.turned_inverse_depth_sigma),
+          number(m.track_walk)};
   return SEGCAL_OK;
 }
 

@@ -12,10 +12,12 @@ namespace SEGCAL_NS {
 using Cold = ColdBlock;
 
 /// Of the cold block in the same memory.
-constexpr std::size_t kColdOffset = (sizeof(CDevice) + SEGCAL_STORAGE_ALIGNMENT - 1) / SEGCAL_STORAGE_ALIGNMENT * SEGCAL_STORAGE_ALIGNMENT;
+constexpr std::size_t kColdOffset =
+    (sizeof(CDevice) + SEGCAL_STORAGE_ALIGNMENT - 1) / SEGCAL_STORAGE_ALIGNMENT * SEGCAL_STORAGE_ALIGNMENT;
 constexpr std::size_t kBytes = kColdOffset + sizeof(Cold);
 
-static_assert(sizeof(CDevice) <= SEGCAL_HOT_BYTES && sizeof(Cold) <= SEGCAL_COLD_BYTES && kBytes <= SEGCAL_STORAGE_BYTES,
+static_assert(sizeof(CDevice) <= SEGCAL_HOT_BYTES && sizeof(Cold) <= SEGCAL_COLD_BYTES &&
+                  kBytes <= SEGCAL_STORAGE_BYTES,
               "storage.h has too few bytes for the device");
 static_assert(SEGCAL_STORAGE_BYTES < kBytes + kBytes / 16, "SEGCAL_STORAGE_BYTES wastes memory");
 static_assert(alignof(CDevice) <= SEGCAL_STORAGE_ALIGNMENT && alignof(Cold) <= SEGCAL_STORAGE_ALIGNMENT,
@@ -36,10 +38,13 @@ bool overlap(const void* hot, const void* cold) {
 std::uint32_t pair_number(const void* hot, const void* cold) {
   std::uint32_t before;
   std::memcpy(&before, static_cast<const char*>(hot) + offsetof(MemoryHead, pair), sizeof before);
-  return before + 1u + static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(hot) * 2654435761u + reinterpret_cast<std::uintptr_t>(cold));
+  return before + 1u +
+         static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(hot) * 2654435761u +
+                                    reinterpret_cast<std::uintptr_t>(cold));
 }
 
-[[gnu::cold]] int create(segcal_t** device, const segcal_config_t& config, void* hot, void* cold, bool fits, const std::uint32_t* capacities) {
+[[gnu::cold]] int create(segcal_t** device, const segcal_config_t& config, void* hot, void* cold, bool fits,
+                         const std::uint32_t* capacities) {
   *device = nullptr;
   if (first_difference(capacities) < SEGCAL_N_CAPACITIES) return SEGCAL_ERROR_CAPACITY;
   if (!fits || overlap(hot, cold)) return SEGCAL_ERROR_SIZE;
@@ -75,13 +80,14 @@ void segcal_memory(size_t* state_bytes, size_t* segment_bytes, size_t* workspace
   if (workspace_bytes) *workspace_bytes = Device<Real>::workspace_bytes();
 }
 
-int segcal_create_for(segcal_t** device, const segcal_config_t* config, void* storage, size_t storage_bytes, const uint32_t* capacities) {
+int segcal_create_for(segcal_t** device, const segcal_config_t* config, void* storage, size_t storage_bytes,
+                      const uint32_t* capacities) {
   if (!device || !config || !storage || !capacities) return SEGCAL_ERROR_NULL;
   return create(device, *config, storage, behind(storage), storage_bytes >= kBytes, capacities);
 }
 
-int segcal_create_in_blocks_for(segcal_t** device, const segcal_config_t* config, void* hot, size_t hot_bytes, void* cold, size_t cold_bytes,
-                                const uint32_t* capacities) {
+int segcal_create_in_blocks_for(segcal_t** device, const segcal_config_t* config, void* hot, size_t hot_bytes,
+                                void* cold, size_t cold_bytes, const uint32_t* capacities) {
   if (!device || !config || !hot || !cold || !capacities) return SEGCAL_ERROR_NULL;
   return create(device, *config, hot, cold, hot_bytes >= sizeof(CDevice) && cold_bytes >= sizeof(Cold), capacities);
 }

@@ -21,11 +21,12 @@ bool imu_from_c(const segcal_imu_calibration_t& in, ImuCalibration<Real>* out) {
          accept_rotation(in.q_AI, &out->R_AI);
 }
 
-/// As many samples become one as memory asks for: the history must hold a start of kStartSeconds, a segment all of its samples.
+/// As many samples become one as memory asks for: the history must hold a start of kStartSeconds, a segment all of its
+/// samples.
 std::int32_t group_for(double rate_hz, double segment_s) {
   const double history = SEGCAL_IMU_HISTORY / kStartSeconds;
   const double segment = SEGCAL_MAX_IMU_SAMPLES / (segment_s + 0.1);   // from the keyframe before it to its last one
-  const double most = 1.02 * (history < segment ? history : segment);   // 2 %: what oscillators are off by
+  const double most = 1.02 * (history < segment ? history : segment);  // 2 %: what oscillators are off by
   std::int32_t group = 1;
   while (rate_hz > most * group) ++group;
   return group;
@@ -41,10 +42,13 @@ bool noise_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
     return accept_or_default(value, fallback, kLeastSigma, most, to);
   };
   Real rate;
-  if (!accept_or_default(c.imu_rate_hz, 200, 20, 20000, &rate) || !accept_or_default(c.segment_s, 4, 0.1, 60, &out->segment_s)) return false;
+  if (!accept_or_default(c.imu_rate_hz, 200, 20, 20000, &rate) ||
+      !accept_or_default(c.segment_s, 4, 0.1, 60, &out->segment_s))
+    return false;
   out->imu_group = group_for(c.imu_rate_hz == 0 ? 200 : c.imu_rate_hz, static_cast<double>(out->segment_s));
   out->imu_rate_hz = rate;
-  return density(c.gyro_noise_density, 1.7e-4, 1, &out->model.imu.gyro) && density(c.gyro_random_walk, 2e-5, 1, &out->model.imu.gyro_walk) &&
+  return density(c.gyro_noise_density, 1.7e-4, 1, &out->model.imu.gyro) &&
+         density(c.gyro_random_walk, 2e-5, 1, &out->model.imu.gyro_walk) &&
          density(c.accel_noise_density, 2e-3, 10, &out->model.imu.accel) &&
          density(c.accel_random_walk, 3e-4, 10, &out->model.imu.accel_walk) &&
          accept_or_default(c.gyro_range, 35, 0.01, 1e4, &out->gyro_range) &&
@@ -72,7 +76,8 @@ bool effects_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
     ++wanted.n;
   }
   int columns = wanted.n;
-  for (int e = 0; e < kEffects; ++e) columns += (c.watch_effects & ~c.estimate_effects) >> e & 1 ? effect_entry(e).n : 0;
+  for (int e = 0; e < kEffects; ++e)
+    columns += (c.watch_effects & ~c.estimate_effects) >> e & 1 ? effect_entry(e).n : 0;
   if (columns > SEGCAL_MAX_EFFECT_COLUMNS) return false;
   out->watch_effects = c.watch_effects;
   for (int i = 0; i < wanted.n; ++i) {
@@ -93,7 +98,8 @@ bool sigmas_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
     };
     if (!sigma(c.prior_sigma[i], out->prior.sigma[i], &out->prior.sigma[i])) return false;
     if (!sigma(c.sigma_ref[i], out->prior.sigma[i], &out->sigma_ref[i])) return false;
-    const double relative = (out->calibrates_itself ? c.trigger_fraction : 0) * static_cast<double>(out->prior.sigma[i]);
+    const double relative =
+        (out->calibrates_itself ? c.trigger_fraction : 0) * static_cast<double>(out->prior.sigma[i]);
     if (!accept_or_default(c.trigger_sigma[i], relative, 0, kMostSigma, &out->target_sigma[i])) return false;
   }
   return true;
@@ -111,7 +117,8 @@ bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   for (int i = 0; i < out->prior.mean.n_cameras; ++i) {
     if (!camera_from_c(c.camera[i], &out->prior.mean.camera[i])) return false;
   }
-  if (!imu_from_c(c.imu, &out->prior.mean.imu) || !noise_from_config(c, out) || !effects_from_config(c, out)) return false;
+  if (!imu_from_c(c.imu, &out->prior.mean.imu) || !noise_from_config(c, out) || !effects_from_config(c, out))
+    return false;
   out->has_temperature = c.has_temperature != 0;
   out->keep_segments = c.keep_segments > 0 ? c.keep_segments : (SEGCAL_MAX_SEGMENTS < 8 ? SEGCAL_MAX_SEGMENTS : 8);
   out->metric = static_cast<Metric>(c.metric);
@@ -124,7 +131,8 @@ bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   out->condense = c.condense == 1;
   if (!(c.least_segment_s >= 0 && c.least_segment_s <= double(out->segment_s))) return false;
   if (c.most_segment_s != 0 && !(c.most_segment_s >= double(out->segment_s) && c.most_segment_s <= 60)) return false;
-  out->most_segment_s = Real(c.most_segment_s == 0 && c.least_segment_s > 0 ? double(out->segment_s) : c.most_segment_s);
+  out->most_segment_s =
+      Real(c.most_segment_s == 0 && c.least_segment_s > 0 ? double(out->segment_s) : c.most_segment_s);
   out->least_segment_s = c.least_segment_s == 0 ? out->segment_s : Real(c.least_segment_s);
   if (c.outdated_level == -1) {
     out->outdated_level = Real(0);
@@ -133,7 +141,8 @@ bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   }
   // Half a nat per parameter: what stands still, or is only shaken by motors, stays well below.
   return accept_or_default(c.filter_share, 1, 1e-6, 1, &out->filter_share) &&
-         accept_or_default(c.least_gain_nats, 0.5 * out->prior.mean.columns(), 1e-9, 1e6, &out->least_gain) && sigmas_from_config(c, out);
+         accept_or_default(c.least_gain_nats, 0.5 * out->prior.mean.columns(), 1e-9, 1e6, &out->least_gain) &&
+         sigmas_from_config(c, out);
 }
 
 }  // namespace SEGCAL_NS

@@ -1,11 +1,12 @@
-// The C API's answer as a Gaussian: mean and covariance of the printed parameters, for whoever fuses results of a device.
+// The C API's answer as a Gaussian: mean and covariance of the printed parameters, for whoever fuses results of a
+// device.
 #include "api/handle.h"
 
 namespace SEGCAL_NS {
 namespace {
 
-/// Row i of L, LL' the covariance of the printed values for the noise as stated. In units of the prior it is V diag(1/(1+s^2)) V'
-/// (information/metrics.h); a component of a rotation vector is a sum of theta's columns.
+/// Row i of L, LL' the covariance of the printed values for the noise as stated. In units of the prior it is V
+/// diag(1/(1+s^2)) V' (information/metrics.h); a component of a rotation vector is a sum of theta's columns.
 void printed_row(const Device<Real>& device, int i, Real* row) {
   const Directions<Real>& a = device.report().directions;
   const PrintedValue<Real> value = printed_value(device.options().prior.mean, device.report().release.theta, i);
@@ -23,7 +24,8 @@ void printed_row(const Device<Real>& device, int i, Real* row) {
 
 using namespace SEGCAL_NS;
 
-extern "C" [[gnu::cold]] int segcal_get_posterior(const segcal_t* device, double* mean, double* covariance, int32_t capacity) {
+extern "C" [[gnu::cold]] int segcal_get_posterior(const segcal_t* device, double* mean, double* covariance,
+                                                  int32_t capacity) {
   if (!mean || !covariance) return SEGCAL_ERROR_NULL;
   const CDevice* d = open(device);
   if (!d || !d->device.has_report()) return SEGCAL_ERROR_STATE;
@@ -31,16 +33,18 @@ extern "C" [[gnu::cold]] int segcal_get_posterior(const segcal_t* device, double
   const int n = d->device.report().directions.n;
   if (capacity < n * n) return SEGCAL_ERROR_SIZE;
   parameter_values(d->device.options().prior.mean, d->device.report().theta, mean);
-  // Correlations times the released sigmas, which are never above the prior's: the diagonal is theirs exactly, and a matrix
-  // of correlations scaled from both sides stays positive definite.
+  // Correlations times the released sigmas, which are never above the prior's: the diagonal is theirs exactly, and a
+  // matrix of correlations scaled from both sides stays positive definite.
   Real row[kMaxTheta], other[kMaxTheta];
   for (int i = 0; i < n; ++i) {
     printed_row(d->device, i, row);
-    const double scale = static_cast<double>(release.printed_sigma[i]) / static_cast<double>(square_root(factor_product(row, row, n)));
+    const double scale =
+        static_cast<double>(release.printed_sigma[i]) / static_cast<double>(square_root(factor_product(row, row, n)));
     for (int j = 0; j <= i; ++j) {
       printed_row(d->device, j, other);
       const double length = static_cast<double>(square_root(factor_product(other, other, n)));
-      const double covariance_ij = static_cast<double>(factor_product(row, other, n)) * scale * static_cast<double>(release.printed_sigma[j]) / length;
+      const double covariance_ij = static_cast<double>(factor_product(row, other, n)) * scale *
+                                   static_cast<double>(release.printed_sigma[j]) / length;
       covariance[i * n + j] = covariance[j * n + i] = covariance_ij;
     }
   }

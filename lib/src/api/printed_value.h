@@ -6,8 +6,9 @@
 
 namespace SEGCAL_NS {
 
-/// A printed value's change as a sum over theta's columns: the column itself, or, for a component of a rotation vector v,
-/// row i of J_l^-1(v): theta's columns are the small rotation Exp(d) R, and the rotation vector of Exp(d) R moves by J_l^-1(v) d.
+/// A printed value's change as a sum over theta's columns: the column itself, or, for a component of a rotation vector
+/// v, row i of J_l^-1(v): theta's columns are the small rotation Exp(d) R, and the rotation vector of Exp(d) R moves by
+/// J_l^-1(v) d.
 template <class S>
 struct PrintedValue {
   int first = 0, count = 1;
@@ -25,8 +26,8 @@ auto rotation_of(Theta* theta, int i, int* first) -> decltype(&theta->imu.R_AI) 
   return i >= *first && i < *first + 3 ? &theta->imu.R_AI : nullptr;
 }
 
-/// A rotation as printed: the rotation vector nearest to the mean's. Cameras of phones are half a turn from the IMU, where the
-/// shortest vector jumps to its opposite, and components of the two must not be compared or mixed.
+/// A rotation as printed: the rotation vector nearest to the mean's. Cameras of phones are half a turn from the IMU,
+/// where the shortest vector jumps to its opposite, and components of the two must not be compared or mixed.
 template <class S>
 Vec3<S> printed_rotation(const Mat3<S>& R_mean, const Mat3<S>& R) {
   return so3_log_near<S>(R, so3_log<S>(R_mean));

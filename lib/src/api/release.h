@@ -1,4 +1,5 @@
-// What of a calibration is released: a verdict per parameter, and the values that go with it (docs/design.md, section 9).
+// What of a calibration is released: a verdict per parameter, and the values that go with it (docs/design.md, section
+// 9).
 //
 // A parameter whose sigma did not fall clearly below the prior's is not guessed: it goes back to where it was, and the
 // others move to their best values given that.
@@ -54,7 +55,8 @@ int least_known(const Release<S>& release, const ThetaPrior<S>& prior, const boo
   S largest = S(0);
   for (int i = 0; i < release.theta.columns(); ++i) {
     if (done[i] || release.verdict[i] != Verdict::fixed) continue;
-    const S relative = release.printed_sigma[i] / sigma_before(printed_value(prior.mean, release.theta, i), prior.sigma);
+    const S relative =
+        release.printed_sigma[i] / sigma_before(printed_value(prior.mean, release.theta, i), prior.sigma);
     if (least >= 0 && !(relative > largest)) continue;
     least = i;
     largest = relative;
@@ -84,10 +86,10 @@ void hold(PackedTriangle<S>* R, int n, const PrintedValue<S>& value, S offset, S
   fold_rows(*R, row, 1, n + 1, value.first, n + 1);
 }
 
-/// Moves theta so that the fixed values stand at the prior's mean and the rest is optimal given that. Values that nothing
-/// tells one by one may be well known together: the least known are held first, and one that then would contradict the data
-/// by more than three sigmas is let go as weak, since holding it would push the others away from where they belong.
-/// `R`: triangle over [theta | rhs] at `theta`, rhs near zero at the optimum; it is changed.
+/// Moves theta so that the fixed values stand at the prior's mean and the rest is optimal given that. Values that
+/// nothing tells one by one may be well known together: the least known are held first, and one that then would
+/// contradict the data by more than three sigmas is let go as weak, since holding it would push the others away from
+/// where they belong. `R`: triangle over [theta | rhs] at `theta`, rhs near zero at the optimum; it is changed.
 template <class S>
 [[gnu::cold]] void hold_fixed(const ThetaPrior<S>& prior, PackedTriangle<S>* R, Release<S>* out) {
   const int n = out->theta.columns();
@@ -131,16 +133,19 @@ int judge_parameters(const PackedTriangle<S>& R, const Calibration<S>& theta, co
     const S after = marginal_sigma(R, n, value.first, value.weight, value.count, work) * out->noise_scale;
     out->printed_sigma[i] = after < before ? after : before;
     const S relative = out->printed_sigma[i] / before;
-    out->verdict[i] = relative < rules.observed ? Verdict::observed : relative < rules.weak ? Verdict::weak : Verdict::fixed;
+    out->verdict[i] = relative < rules.observed ? Verdict::observed
+                      : relative < rules.weak   ? Verdict::weak
+                                                : Verdict::fixed;
     observed += out->verdict[i] == Verdict::observed ? 1 : 0;
   }
   return observed;
 }
 
-/// Verdicts, sigmas and status from the finished fit. `scatter`: variance of what segments say, in units of stated noise; 0 if
-/// not known. Sigmas are for the largest of that, of what residuals show, and of the stated noise.
+/// Verdicts, sigmas and status from the finished fit. `scatter`: variance of what segments say, in units of stated
+/// noise; 0 if not known. Sigmas are for the largest of that, of what residuals show, and of the stated noise.
 template <class S>
-void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseRules<S>& rules, S scatter, Release<S>* out) {
+void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseRules<S>& rules, S scatter,
+           Release<S>* out) {
   PackedTriangle<S> R = calibrator->theta_triangle();
   const CalibrationFit<S>& fit = calibrator->fit();
   const int n = calibrator->theta().columns();
@@ -149,7 +154,8 @@ void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseR
   out->noise_scale = variance > S(1) ? square_root(variance) : S(1);
   const int observed = judge_parameters(R, calibrator->theta(), prior, rules, out);
   const bool plausible = ratio > rules.least_chi2_per_dof && ratio < rules.most_chi2_per_dof;
-  const bool fell = fit.cost <= fit.start_cost * S(1.0001) && is_finite(fit.cost);  // a fit that begins at its minimum may round up
+  const bool fell =
+      fit.cost <= fit.start_cost * S(1.0001) && is_finite(fit.cost);  // a fit that begins at its minimum may round up
   out->theta = calibrator->theta();
   if (fit.image_points == 0) {
     out->status = Status::insufficient;
@@ -166,11 +172,11 @@ void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseR
   }
 }
 
-/// The same of the filter's own calibration: `R` over theta's columns with a right-hand side of zero; it is changed. The
-/// filter has paid for its residuals in its weights, so that nothing is left to scale.
+/// The same of the filter's own calibration: `R` over theta's columns with a right-hand side of zero; it is changed.
+/// The filter has paid for its residuals in its weights, so that nothing is left to scale.
 template <class S>
-void judge_filter(const Calibration<S>& theta, const ThetaPrior<S>& prior, const ReleaseRules<S>& rules, PackedTriangle<S>* R,
-                  Release<S>* out) {
+void judge_filter(const Calibration<S>& theta, const ThetaPrior<S>& prior, const ReleaseRules<S>& rules,
+                  PackedTriangle<S>* R, Release<S>* out) {
   out->theta = theta;
   out->noise_scale = S(1);
   const int observed = judge_parameters(*R, theta, prior, rules, out);

@@ -39,11 +39,11 @@ struct ReprojectionFigures {
 template <class S>
 struct CalibrationReport {
   Release<S> release;
-  Calibration<S> theta;        ///< where the fit ended; what is released has fixed parameters put back
+  Calibration<S> theta;  ///< where the fit ended; what is released has fixed parameters put back
   CalibrationFit<S> fit;
   std::int32_t segments = 0, partitions = 0;
   ReprojectionFigures<S> reprojection;
-  Directions<S> directions;    ///< over all segments that took part
+  Directions<S> directions;  ///< over all segments that took part
 };
 
 }  // namespace SEGCAL_NS

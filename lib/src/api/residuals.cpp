@@ -34,7 +34,8 @@ using namespace SEGCAL_NS;
 
 extern "C" {
 
-[[gnu::cold]] int segcal_get_point_residuals(const segcal_t* device, int32_t index, segcal_point_residual_t* out, int32_t capacity) {
+[[gnu::cold]] int segcal_get_point_residuals(const segcal_t* device, int32_t index, segcal_point_residual_t* out,
+                                             int32_t capacity) {
   const CDevice* d;
   const Segment<Real>* s;
   const int error = open_slot(device, index, out, capacity, &d, &s);
@@ -42,22 +43,26 @@ extern "C" {
   int n = 0;
   const MeasurementModel<Real>& model = d->device.options().model;
   if constexpr (kTrackWalk) {
-    if (TrackNoise<Real>::walks(model)) return walking_residuals(*s, d->device.calibrator().theta(), model, out, capacity);
+    if (TrackNoise<Real>::walks(model))
+      return walking_residuals(*s, d->device.calibrator().theta(), model, out, capacity);
   }
   const Real sigma = model.pixel_sigma;
   for (int o = 0; o < s->n_observations && n < capacity; ++o) {
     const Observation& z = s->observation[o];
     if (z.rejected) continue;
     Vec2<Real> r;
-    if (!point_residual(*s, z, d->device.calibrator().theta(), d->device.options().model.g, s->states.landmark[z.landmark], &r)) {
+    if (!point_residual(*s, z, d->device.calibrator().theta(), d->device.options().model.g,
+                        s->states.landmark[z.landmark], &r)) {
       continue;
     }
-    out[n++] = {keyframe_time(*s, z.keyframe), z.camera, static_cast<float>(r.x() / sigma), static_cast<float>(r.y() / sigma)};
+    out[n++] = {keyframe_time(*s, z.keyframe), z.camera, static_cast<float>(r.x() / sigma),
+                static_cast<float>(r.y() / sigma)};
   }
   return n;
 }
 
-[[gnu::cold]] int segcal_get_imu_residuals(const segcal_t* device, int32_t index, segcal_imu_residual_t* out, int32_t capacity) {
+[[gnu::cold]] int segcal_get_imu_residuals(const segcal_t* device, int32_t index, segcal_imu_residual_t* out,
+                                           int32_t capacity) {
   const CDevice* d;
   const Segment<Real>* s;
   const int error = open_slot(device, index, out, capacity, &d, &s);

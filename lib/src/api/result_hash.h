@@ -63,7 +63,8 @@ template <class S>
     const Observation& z = s.observation[o];
     hash->add(z.u);
     hash->add(z.v);
-    hash->add(std::uint32_t(z.landmark) << 16 | std::uint32_t(z.keyframe) << 8 | std::uint32_t(z.camera) << 1 | z.rejected);
+    hash->add(std::uint32_t(z.landmark) << 16 | std::uint32_t(z.keyframe) << 8 | std::uint32_t(z.camera) << 1 |
+              z.rejected);
   }
   for (int i = 0; i < s.imu.size(); ++i) {
     const InertialReading<S> reading = s.imu.reading(i);

@@ -1,5 +1,5 @@
-// What a segment that has ended is worth: closed, eliminated, analysed, compared, offered to the database (paper, Alg. 1), in
-// slices. It stays in the slot where it was built; the next one begins in memory that only a calibration needs.
+// What a segment that has ended is worth: closed, eliminated, analysed, compared, offered to the database (paper, Alg.
+// 1), in slices. It stays in the slot where it was built; the next one begins in memory that only a calibration needs.
 #pragma once
 
 #include "api/parts.h"
@@ -12,9 +12,9 @@ namespace SEGCAL_NS {
 /// What becomes of the segment.
 template <class S>
 struct Condensing {
-  bool on = false;            ///< it goes into the newest epoch, not into the database
-  bool last_chance = false;   ///< if it cannot, as those before it, the database is emptied
-  S variance = S(1);          ///< of what is known, over that of stated noise
+  bool on = false;           ///< it goes into the newest epoch, not into the database
+  bool last_chance = false;  ///< if it cannot, as those before it, the database is emptied
+  S variance = S(1);         ///< of what is known, over that of stated noise
 };
 
 template <class S>
@@ -73,10 +73,10 @@ class ScoreJob {
   std::uint32_t session_before_ = 0;
   Calibration<S> theta_;
   LargestEigenvalue<S> largest_;
-  CondenseMemory<S> memory_;   ///< lent by the calibrator
+  CondenseMemory<S> memory_;  ///< lent by the calibrator
   std::conditional_t<(kEpochs > 0), Contradiction<S>, NoCondenser> contradiction_;
   std::conditional_t<(kEpochs > 0), KeptEpoch<S>, NoCondenser> kept_epoch_;
-  Near<Segment<S>> kept_segment_[kEpochs > 0 ? kMaxSegments : 1];   ///< while the database is emptied
+  Near<Segment<S>> kept_segment_[kEpochs > 0 ? kMaxSegments : 1];  ///< while the database is emptied
   std::int32_t n_kept_ = 0;
   Near<Epoch<S>> epoch_of_kept_;
   JointInformation<S> sums_;
@@ -94,7 +94,8 @@ template <class S>
       SEGCAL_PAUSE(place_);
       segment.turned_only = segment.wide_depth_prior = !translation_shows(segment, theta_, model);
       SEGCAL_PAUSE(place_);
-      SEGCAL_AWAIT(place_, d->work.eliminator().eliminate_step(segment, GuestLink<S>{}, theta_, model, S(0), d->monitor.candidates()));
+      SEGCAL_AWAIT(place_, d->work.eliminator().eliminate_step(segment, GuestLink<S>{}, theta_, model, S(0),
+                                                               d->monitor.candidates()));
       SEGCAL_PAUSE(place_);
       d->work.eliminator().extract(&segment.information);
       SEGCAL_PAUSE(place_);
@@ -133,7 +134,8 @@ template <class S>
   SEGCAL_SLICES_END(inner_);
 }
 
-/// Whether the segment may be kept; and what it says about the effects that are watched, while the eliminator still holds it.
+/// Whether the segment may be kept; and what it says about the effects that are watched, while the eliminator still
+/// holds it.
 template <class S>
 void ScoreJob<S>::settle(DeviceParts<S>* d, const Segment<S>& segment) {
   const bool effects = theta_.effects.count() > 0 || d->monitor.active();
@@ -164,11 +166,12 @@ bool ScoreJob<S>::condense_step(DeviceParts<S>* d) {
       contradiction_.begin(condensing_.variance);
       if (condensing_.on && settled_) {
         memory_ = d->calibrator().lend_condense_memory(&d->work.eliminator());
-        SEGCAL_AWAIT(inner_, d->condenser.step(&d->database().building(), d->options.model, memory_, &d->epochs.newest()));
+        SEGCAL_AWAIT(inner_,
+                     d->condenser.step(&d->database().building(), d->options.model, memory_, &d->epochs.newest()));
         SEGCAL_PAUSE(inner_);
         if (d->condenser.condensed()) {
-          SEGCAL_AWAIT(inner_, contradiction_.step(d->database().building().information, d->epochs, d->database(), d->prior(),
-                                                   d->calibrator().theta(), d->work.agreement_scratch()));
+          SEGCAL_AWAIT(inner_, contradiction_.step(d->database().building().information, d->epochs, d->database(),
+                                                   d->prior(), d->calibrator().theta(), d->work.agreement_scratch()));
           SEGCAL_PAUSE(inner_);
         }
         if (d->condenser.condensed() && !contradiction_.found()) {
@@ -208,15 +211,16 @@ void ScoreJob<S>::begin_emptying(DeviceParts<S>* d) {
   epoch_of_kept_ = &d->epochs.insert(d->calibrator().theta(), kept_segment_[0]->session, newest.serial);
 }
 
-/// What the kept segments say becomes an epoch, and the database is free for segments that can be linearised again: the next
-/// calibration compares them with all epochs, and drops what they contradict (agreement.h).
+/// What the kept segments say becomes an epoch, and the database is free for segments that can be linearised again: the
+/// next calibration compares them with all epochs, and drops what they contradict (agreement.h).
 template <class S>
 bool ScoreJob<S>::empty_step(DeviceParts<S>* d) {
   SEGCAL_SLICES(empty_place_) {
     SEGCAL_PAUSE(empty_place_);
     if (n_kept_ > 0) {
       kept_epoch_.restart();
-      SEGCAL_AWAIT(empty_place_, kept_epoch_.step(kept_segment_, n_kept_, d->prior(), epoch_of_kept_, d->work.agreement_scratch()));
+      SEGCAL_AWAIT(empty_place_,
+                   kept_epoch_.step(kept_segment_, n_kept_, d->prior(), epoch_of_kept_, d->work.agreement_scratch()));
       for (int i = 0; i < n_kept_; ++i) d->database().drop(static_cast<int>(kept_segment_[i] - &d->database().slot(0)));
     }
   }

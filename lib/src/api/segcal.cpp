@@ -102,8 +102,16 @@ int segcal_progress(const segcal_t* device, segcal_progress_t* out) {
   const Device<Real>& x = d->device;
   const SliceCounts& n = x.slices();
   const bool scoring = x.scoring(), calibrating = x.calibrating();
-  *out = {x.start_pending() ? SEGCAL_WORK_START : scoring ? SEGCAL_WORK_SCORE : calibrating ? SEGCAL_WORK_CALIBRATION : SEGCAL_WORK_NONE,
-          x.ends_left(), scoring || calibrating ? n.job : 0, scoring ? n.score : calibrating ? n.calibration : 0, n.all,
+  *out = {x.start_pending() ? SEGCAL_WORK_START
+          : scoring         ? SEGCAL_WORK_SCORE
+          : calibrating     ? SEGCAL_WORK_CALIBRATION
+                            : SEGCAL_WORK_NONE,
+          x.ends_left(),
+          scoring || calibrating ? n.job : 0,
+          scoring       ? n.score
+          : calibrating ? n.calibration
+                        : 0,
+          n.all,
           x.faults().slices_late};
   return SEGCAL_OK;
 }

@@ -1,5 +1,5 @@
-// Is a stamp the next one of its stream? A flipped bit in one stamp must not cost more than that sample, and a clock that was
-// set anew must not cost the session.
+// Is a stamp the next one of its stream? A flipped bit in one stamp must not cost more than that sample, and a clock
+// that was set anew must not cost the session.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,14 @@ namespace SEGCAL_NS {
 constexpr std::int64_t kMostStamp = (std::int64_t(1) << 62) - 1;
 
 enum class StampVerdict : std::int32_t {
-  good,   ///< follows the stamp before
-  back,   ///< repeats it or goes back: refused
-  far,    ///< more than kFarStampNs away, either way: refused until the new time persists
-  anew    ///< the new time has persisted: the stream begins again here
+  good,  ///< follows the stamp before
+  back,  ///< repeats it or goes back: refused
+  far,   ///< more than kFarStampNs away, either way: refused until the new time persists
+  anew   ///< the new time has persisted: the stream begins again here
 };
 
-/// A step between two samples that no pause of a sensor's driver explains, ns. What is nearer and goes back is a block that came
-/// twice: it catches up by itself.
+/// A step between two samples that no pause of a sensor's driver explains, ns. What is nearer and goes back is a block
+/// that came twice: it catches up by itself.
 constexpr std::int64_t kFarStampNs = 1000000000;
 
 class StampGuard {

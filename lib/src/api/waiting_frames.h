@@ -1,5 +1,5 @@
-// Frames that wait until IMU samples reach them: sensors with a FIFO deliver blocks, and several images come before the samples
-// of the first.
+// Frames that wait until IMU samples reach them: sensors with a FIFO deliver blocks, and several images come before the
+// samples of the first.
 #pragma once
 
 #include "sensors/inertial_state.h"
@@ -9,16 +9,16 @@ namespace SEGCAL_NS {
 
 constexpr int kMaxFramePoints = SEGCAL_MAX_TRACKS * kMaxCameras;
 
-/// An image's points with its stamp, and what was added to the stamp when it came: a time offset that is released later applies
-/// to the frames that come after it.
+/// An image's points with its stamp, and what was added to the stamp when it came: a time offset that is released later
+/// applies to the frames that come after it.
 template <class S>
 struct Frame {
-  std::int64_t stamp_ns = 0;   ///< camera's clock
-  std::int32_t shift_ns = 0;   ///< from there to the IMU's
+  std::int64_t stamp_ns = 0;  ///< camera's clock
+  std::int32_t shift_ns = 0;  ///< from there to the IMU's
   std::int32_t n = 0;
-  bool own = false;            ///< with a state of the user's odometry
-  State<S> state;              ///< that one, without its place
-  double p_GI[3];              ///< its place, m, in the user's frame
+  bool own = false;  ///< with a state of the user's odometry
+  State<S> state;    ///< that one, without its place
+  double p_GI[3];    ///< its place, m, in the user's frame
   TrackPoint<S> points[kMaxFramePoints];
 
   std::int64_t time_ns() const { return stamp_ns + shift_ns; }
@@ -62,7 +62,8 @@ class WaitingFrames {
 template <class S>
 constexpr S kMostPixels = S(1e6);
 
-/// Copies the points that are numbers and whose track the frame does not hold yet, per camera. Reads point i as `point(i)`.
+/// Copies the points that are numbers and whose track the frame does not hold yet, per camera. Reads point i as
+/// `point(i)`.
 template <class S, class Point>
 LeftOut take_points(int n, Point point, Frame<S>* frame) {
   LeftOut out;

@@ -1,12 +1,14 @@
 // The eliminator, and its memory while it does not eliminate: one owner, who lends it to one job at a time.
 //
 //   block     one landmark's rows or the chain's, while a segment is eliminated
-//             | after it: W and the directions of the analysis under way, and what a calibration releases, until it takes effect
+//             | after it: W and the directions of the analysis under way, and what a calibration releases, until it
+//             takes effect
 //   triangle  of the reduced system, while a segment is eliminated and until its rows are taken
 //             | after it: sums of information, the comparison of segments or their scatter
 //
-// Two jobs cannot hold it together: a device works on one job at a time (Device::step), and a calibration that is done holds it
-// until it takes effect, while the database is closed and nothing is scored. Builds with SEGCAL_ASSERT check that.
+// Two jobs cannot hold it together: a device works on one job at a time (Device::step), and a calibration that is done
+// holds it until it takes effect, while the database is closed and nothing is scored. Builds with SEGCAL_ASSERT check
+// that.
 #pragma once
 
 #include <new>
@@ -76,16 +78,19 @@ class Workspace {
   }
   /// For the comparison of segments.
   S* agreement_scratch() {
-    static_assert(Agreement<S>::kScratch <= ReducedSystem<S>::kScratch, "the triangle is too small to compare segments");
+    static_assert(Agreement<S>::kScratch <= ReducedSystem<S>::kScratch,
+                  "the triangle is too small to compare segments");
     return eliminator_.reduced().scratch();
   }
   /// For their scatter.
   S* scatter_scratch() {
-    static_assert(SegmentScatter<S>::kScratch <= ReducedSystem<S>::kScratch, "the triangle is too small for the scatter of segments");
+    static_assert(SegmentScatter<S>::kScratch <= ReducedSystem<S>::kScratch,
+                  "the triangle is too small for the scatter of segments");
     return eliminator_.reduced().scratch();
   }
   LengthHistogram* histogram() {
-    static_assert(sizeof(LengthHistogram) <= sizeof(S) * ReducedSystem<S>::kScratch, "the triangle is too small for a histogram");
+    static_assert(sizeof(LengthHistogram) <= sizeof(S) * ReducedSystem<S>::kScratch,
+                  "the triangle is too small for a histogram");
     return static_cast<LengthHistogram*>(static_cast<void*>(eliminator_.reduced().scratch()));
   }
 

@@ -1,8 +1,8 @@
 // Levenberg-Marquardt over the kept segments (paper, Sec. V-D; docs/design.md, section 7).
 //
-// Each iteration eliminates every segment to theta, the ties and its separators, solves the small dense triangle of ties
-// and theta, walks the chain back and substitutes each segment's states. Nothing grows with the number of segments but one
-// row block each.
+// Each iteration eliminates every segment to theta, the ties and its separators, solves the small dense triangle of
+// ties and theta, walks the chain back and substitutes each segment's states. Nothing grows with the number of segments
+// but one row block each.
 #pragma once
 
 #include <new>
@@ -20,15 +20,15 @@
 namespace SEGCAL_NS {
 
 template <class S>
-struct StoredFields;   // store/stored_fields.h
+struct StoredFields;  // store/stored_fields.h
 
 template <class S>
 class Calibrator {
   friend struct StoredFields<S>;
 
  public:
-  /// Sets up a problem over `segments` (`Pointer` to Segment<S>, in time order within each session; count <= kMaxSegments). Their
-  /// states are moved by run(). The prior must stay where it is.
+  /// Sets up a problem over `segments` (`Pointer` to Segment<S>, in time order within each session; count <=
+  /// kMaxSegments). Their states are moved by run(). The prior must stay where it is.
   template <class Pointer>
   void begin(const Pointer* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
              const MeasurementModel<S>& model);
@@ -53,7 +53,9 @@ class Calibrator {
   void lend_cost_steps() { new (&work_.cost) CostSteps<S>; }
   CostSteps<S>& cost_steps() { return work_.cost; }
   /// Memory to condense a segment in, while no run is under way; the cost steps end with it.
-  CondenseMemory<S> lend_condense_memory(SegmentEliminator<S>* eliminator) { return {eliminator, new (&work_.chain) Chain<S>, step_}; }
+  CondenseMemory<S> lend_condense_memory(SegmentEliminator<S>* eliminator) {
+    return {eliminator, new (&work_.chain) Chain<S>, step_};
+  }
 
   const Calibration<S>& theta() const { return theta_; }
   const CalibrationFit<S>& fit() const { return fit_; }
@@ -73,21 +75,22 @@ class Calibrator {
   /// Segments and ties that have a frame in common.
   Partitions<S>& grouping() { return partitions_; }
   const Ties<S>& ties() const { return partitions_.ties(); }
-  /// Leaves out image points whose residual is longer than `limit` times the noise that the fit shows; earlier marks are
-  /// taken back. Between runs, so that each run has one smooth cost.
+  /// Leaves out image points whose residual is longer than `limit` times the noise that the fit shows; earlier marks
+  /// are taken back. Between runs, so that each run has one smooth cost.
   bool reject_outliers_step(S limit);
   void reject_outliers(S limit) {
     while (!reject_outliers_step(limit)) {
     }
   }
-  /// The first run of a calibration takes the wide prior everywhere: which segments only turned shows when it has settled.
+  /// The first run of a calibration takes the wide prior everywhere: which segments only turned shows when it has
+  /// settled.
   void accept_all();
   const MeasurementModel<S>& model() const { return model_; }
   /// Eliminates everything at the present estimate without moving it.
   void linearise(SegmentEliminator<S>* eliminator, S damping) { linearise(eliminator, damping, nullptr, true); }
   /// Rows [theta | candidates | rhs] of some of the segments, joined as a calibration would join them, at the present
-  /// estimate and without the prior on theta; all else stays as it was. They stand in theta_triangle() until the next call
-  /// of anything. Returns the degrees of freedom, theta and candidates not counted.
+  /// estimate and without the prior on theta; all else stays as it was. They stand in theta_triangle() until the next
+  /// call of anything. Returns the degrees of freedom, theta and candidates not counted.
   [[gnu::cold]] S rows_of(const bool* use, const CandidateTerms& candidates, SegmentEliminator<S>* eliminator);
   /// Robust, at the present estimate, with all priors.
   S total_cost() {
@@ -108,7 +111,7 @@ class Calibrator {
   }
   template <class Pointer>
   [[gnu::cold]] void set_up(const Pointer* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
-              const MeasurementModel<S>& model);
+                            const MeasurementModel<S>& model);
   [[gnu::cold]] void link_up();
   void form_partitions();
   GuestLink<S> guest(int i);
@@ -116,7 +119,8 @@ class Calibrator {
   S tie_prior_share(int t) const;
   bool total_cost_step();
   [[gnu::cold]] PackedTriangle<S> begin_linearisation(S damping, const CandidateTerms* candidates, bool with_prior);
-  bool linearise_step(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates = nullptr, bool with_prior = true);
+  bool linearise_step(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates = nullptr,
+                      bool with_prior = true);
   bool step_back_step(SegmentEliminator<S>* eliminator, S damping);
   void gather_step(const SegmentEliminator<S>& eliminator, int i);
   bool refine_landmarks_step();
@@ -143,8 +147,8 @@ class Calibrator {
   CalibrationFit<S> fit_;
   Partitions<S> partitions_;
   std::int32_t partition_count_ = 0;
-  /// Of one segment, while a fit is under way: what came from the left until its guest's step is known, then the states that
-  /// its own step moves.
+  /// Of one segment, while a fit is under way: what came from the left until its guest's step is known, then the states
+  /// that its own step moves.
   union Kept {
     Kept() {}
     LeftRows<S> left;
@@ -158,7 +162,7 @@ class Calibrator {
   }
   /// What is only there while a fit is under way.
   struct Memory {
-    SegmentStates<S> first;   ///< nobody is on its left
+    SegmentStates<S> first;  ///< nobody is on its left
     Kept other[others()];
   };
   alignas(Segment<S>) Memory memory_;

@@ -15,8 +15,8 @@ void Calibrator<S>::begin(const Pointer* segments, int count, const ThetaPrior<S
 
 template <class S>
 template <class Pointer>
-void Calibrator<S>::continue_with(const Pointer* segments, int count, const ThetaPrior<S>& prior, const Calibration<S>& theta,
-                                  const MeasurementModel<S>& model) {
+void Calibrator<S>::continue_with(const Pointer* segments, int count, const ThetaPrior<S>& prior,
+                                  const Calibration<S>& theta, const MeasurementModel<S>& model) {
   bool same = count == count_;
   for (int i = 0; i < count && same; ++i) same = segment_[i] == segments[i];
   if (same) return;

@@ -1,11 +1,11 @@
 // Segments that follow each other in time form a chain: each is eliminated to its last keyframe (the separator), the
-// separator of the segment before (its guest) and the global columns (ties and theta), and the chain passes separators on
-// from left to right.
+// separator of the segment before (its guest) and the global columns (ties and theta), and the chain passes separators
+// on from left to right.
 //
-// For each segment a small triangle over [guest 15 | last 15 | ties | theta | rhs] takes what came from the left and what
-// the segment says; its first 15 rows give the guest, the next 15 go on to the right, and what is left of a row after
-// these 30 is global: it goes on at once. For back-substitution only what came from the left is kept: the segment is
-// eliminated a second time then anyway.
+// For each segment a small triangle over [guest 15 | last 15 | ties | theta | rhs] takes what came from the left and
+// what the segment says; its first 15 rows give the guest, the next 15 go on to the right, and what is left of a row
+// after these 30 is global: it goes on at once. For back-substitution only what came from the left is kept: the segment
+// is eliminated a second time then anyway.
 #pragma once
 
 #include "math/resumable.h"
@@ -17,7 +17,8 @@ constexpr int kMaxGlobal = kTieColumns + kMaxWideTheta;
 constexpr int kLinkColumns = 2 * kStateColumns + kMaxGlobal + 1;
 constexpr int kLeftColumns = kStateColumns + kTieColumns + kMaxTheta + 1;
 
-/// What the segments on the left say about the guest: 15 rows over [guest | ties | theta | rhs], row i without its zeros.
+/// What the segments on the left say about the guest: 15 rows over [guest | ties | theta | rhs], row i without its
+/// zeros.
 template <class S>
 struct LeftRows {
   S data[packed_size(kLeftColumns) - packed_size(kLeftColumns - kStateColumns)];
@@ -33,14 +34,16 @@ class Chain {
     clear_from(0);
   }
 
-  /// What is known of the last keyframe of the segment that was taken last; a chain that was begun anew goes on with it.
+  /// What is known of the last keyframe of the segment that was taken last; a chain that was begun anew goes on with
+  /// it.
   void hand_on(LeftRows<S>* rows) { copy_rows(kStateColumns, rows); }
   void go_on(const LeftRows<S>& rows) { take_rows(kStateColumns, rows); }
 
   /// Takes segment i, just eliminated. `passes_on`: a later segment hangs on its last keyframe. `left`: what
   /// solve_guest_step() will need; null: nobody will ask (with candidates it would not fit).
   /// `global` gathers all rows that touch ties and theta only. In slices; true when it is taken.
-  bool add_step(SegmentEliminator<S>* segment, bool has_guest, bool passes_on, LeftRows<S>* left, PackedTriangle<S>* global) {
+  bool add_step(SegmentEliminator<S>* segment, bool has_guest, bool passes_on, LeftRows<S>* left,
+                PackedTriangle<S>* global) {
     SEGCAL_SLICES(place_) {
       // What came from the left stands in the rows of "last" of the segment before: its separator is our guest.
       take_from_left();
@@ -62,10 +65,10 @@ class Chain {
     SEGCAL_SLICES_END(place_);
   }
 
-  /// After add() of all segments: step of the guest of `segment`, just eliminated as it was then, for known steps of its
-  /// last keyframe (zero if it was not passed on) and of ties and theta. In slices; true when it is known.
+  /// After add() of all segments: step of the guest of `segment`, just eliminated as it was then, for known steps of
+  /// its last keyframe (zero if it was not passed on) and of ties and theta. In slices; true when it is known.
   bool solve_guest_step(SegmentEliminator<S>* segment, bool passes_on, const LeftRows<S>& left, const S* last_step,
-                   const S* global_step, S* guest_step) {
+                        const S* global_step, S* guest_step) {
     SEGCAL_SLICES(place_) {
       restore(left);
       for (row_ = 0; passes_on && row_ < kStateColumns; ++row_) {
@@ -115,8 +118,8 @@ class Chain {
     clear_from(kStateColumns);
   }
 
-  /// Folds row i of the 15 of the segment's R that begin at column `from`; they stand at column `to` of the link triangle.
-  /// `global`: takes what is left of it; null: it has that already.
+  /// Folds row i of the 15 of the segment's R that begin at column `from`; they stand at column `to` of the link
+  /// triangle. `global`: takes what is left of it; null: it has that already.
   void fold_segment_row(SegmentEliminator<S>* segment, int i, int from, int to, PackedTriangle<S>* global) {
     PackedTriangle<S> L = link();
     const S* r = segment->reduced().R().row(from + i);

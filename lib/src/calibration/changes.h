@@ -1,7 +1,7 @@
 // When the device became another one: steps between what was known and a release that dropped it.
 //
-// A segment that contradicts what is known (contradiction.h) opens a change and says when. The next calibration closes it: a change if
-// all that it dropped, taken together, contradicts what it kept (agreement.h).
+// A segment that contradicts what is known (contradiction.h) opens a change and says when. The next calibration closes
+// it: a change if all that it dropped, taken together, contradicts what it kept (agreement.h).
 #pragma once
 
 #include "sensors/calibration.h"
@@ -14,15 +14,15 @@ constexpr double kFalseChange = 1e-4;
 
 template <class S>
 struct Change {
-  std::uint32_t before_session = 0, after_session = 0;   ///< of the segments on both sides
-  std::int64_t t_ns = 0;                                 ///< first keyframe of the segment that did not fit
+  std::uint32_t before_session = 0, after_session = 0;  ///< of the segments on both sides
+  std::int64_t t_ns = 0;                                ///< first keyframe of the segment that did not fit
   std::int32_t n = 0;
   /// Of theta's columns; while it is open: no step, and sigmas of what was known.
   S step[kMaxTheta] = {}, sigma[kMaxTheta] = {};
 };
 
 template <class S>
-struct StoredFields;   // store/stored_fields.h
+struct StoredFields;  // store/stored_fields.h
 
 /// The newest ones, newest first.
 template <class S>
@@ -58,7 +58,8 @@ class Changes {
     if (!is_open_) return;
     is_open_ = false;
     difference(before, after, open_.step);
-    for (int i = 0; i < open_.n; ++i) open_.sigma[i] = square_root(open_.sigma[i] * open_.sigma[i] + sigma[i] * sigma[i]);
+    for (int i = 0; i < open_.n; ++i)
+      open_.sigma[i] = square_root(open_.sigma[i] * open_.sigma[i] + sigma[i] * sigma[i]);
     push();
   }
 

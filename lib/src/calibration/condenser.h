@@ -1,10 +1,11 @@
 // Condenses segments, one after the other as they end, into an epoch (epoch.h): theta's rows with states and landmarks
 // eliminated, linked to the segment before as a calibration would link them (chain.h).
 //
-// Of the segment before, 15 rows over [its last keyframe | theta | rhs] are kept and nothing else. With them a segment is settled
-// at theta_0 (Gauss-Newton steps of its states, its landmarks and that keyframe; theta is held), its far corners are left out,
-// and it is eliminated a last time: its rows that touch theta only go to the epoch, and those of its own last keyframe are what
-// the next segment will hang on. Where the chain breaks, those rows are dropped, and with them the keyframe is eliminated.
+// Of the segment before, 15 rows over [its last keyframe | theta | rhs] are kept and nothing else. With them a segment
+// is settled at theta_0 (Gauss-Newton steps of its states, its landmarks and that keyframe; theta is held), its far
+// corners are left out, and it is eliminated a last time: its rows that touch theta only go to the epoch, and those of
+// its own last keyframe are what the next segment will hang on. Where the chain breaks, those rows are dropped, and
+// with them the keyframe is eliminated.
 #pragma once
 
 #include "calibration/chain.h"
@@ -20,15 +21,15 @@ template <class S>
 struct CondenseMemory {
   Near<SegmentEliminator<S>> eliminator;
   Near<Chain<S>> chain;
-  Near<S> step;   ///< kStateColumns (kMaxKeyframes + 1) + kMaxTheta numbers
+  Near<S> step;  ///< kStateColumns (kMaxKeyframes + 1) + kMaxTheta numbers
 };
 
 /// Above this chi2/dof a segment is not condensed: the model does not hold for it.
 constexpr double kMostCondensedMisfit = 4;
 /// Corners farther off than this, in sigmas, are left out, as in a calibration.
 constexpr double kFarCorner = 5;
-/// The sine of half the angle (3 deg) by which the states of odometry and chain may have turned against each other. What is
-/// linearised beyond that would not hold.
+/// The sine of half the angle (3 deg) by which the states of odometry and chain may have turned against each other.
+/// What is linearised beyond that would not hold.
 constexpr double kMostTurned = 0.026;
 
 template <class S>
@@ -65,8 +66,8 @@ class Condenser {
     m.chain->hand_on(&left_);
     end_ = end_of(*segment);
     last_ = segment->states.x[segment->n_keyframes - 1];
-    // Position is gauge: the chain goes on in the odometry's frame, so that the next segment begins near it. A turn is gauge as
-    // well, but the rows on the left would turn with it.
+    // Position is gauge: the chain goes on in the odometry's frame, so that the next segment begins near it. A turn is
+    // gauge as well, but the rows on the left would turn with it.
     for (int i = 0; i < 3; ++i) place_of_last_[i] = odometry_place_[i];
     chained_ = so3_log<S>(odometry_.R_GI.transpose() * last_.R_GI).squaredNorm() < S(4 * kMostTurned * kMostTurned);
   }
@@ -98,7 +99,8 @@ class Condenser {
   }
 
   /// One step of the states, with theta held; then each landmark to its best place.
-  bool settle_step(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model, const CondenseMemory<S>& m) {
+  bool settle_step(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                   const CondenseMemory<S>& m) {
     const int n = theta.columns();
     S* step = m.step;
     SEGCAL_SLICES(inner_) {
@@ -107,10 +109,12 @@ class Condenser {
       if (joined()) {
         m.chain->begin(n);
         SEGCAL_AWAIT(inner_, m.chain->solve_guest_step(m.eliminator, false, left_, step + m.eliminator->last_column(),
-                                                       step + m.eliminator->theta_column(), step + m.eliminator->guest_column()));
+                                                       step + m.eliminator->theta_column(),
+                                                       step + m.eliminator->guest_column()));
       }
-      SEGCAL_AWAIT(inner_, m.eliminator->back_substitute_step(*segment, guest_, theta, model, S(0), step,
-                                                              joined() ? m.eliminator->guest_column() : m.eliminator->theta_column()));
+      SEGCAL_AWAIT(inner_, m.eliminator->back_substitute_step(
+                               *segment, guest_, theta, model, S(0), step,
+                               joined() ? m.eliminator->guest_column() : m.eliminator->theta_column()));
       SEGCAL_AWAIT(inner_, m.eliminator->move_step(segment, theta, model, S(0), step));
       if (joined()) move_guest(step + m.eliminator->guest_column(), n);
       for (j_ = 0; j_ < segment->n_landmarks; ++j_) {
@@ -143,14 +147,14 @@ class Condenser {
 
   Place place_ = 0, inner_ = 0;
   std::int32_t j_ = 0;
-  S dof_ = S(0);                 ///< of the segment, theta not counted
+  S dof_ = S(0);  ///< of the segment, theta not counted
   bool chained_ = false, condensed_ = false;
   GuestLink<S> guest_;
-  State<S> odometry_;            ///< last keyframe as the odometry had it
-  double odometry_place_[3] = {0, 0, 0}, place_of_last_[3] = {0, 0, 0};   ///< m, in the odometry's frame
+  State<S> odometry_;                                                    ///< last keyframe as the odometry had it
+  double odometry_place_[3] = {0, 0, 0}, place_of_last_[3] = {0, 0, 0};  ///< m, in the odometry's frame
   SegmentEnd end_;
-  State<S> last_;                ///< last keyframe of the segment before, settled
-  LeftRows<S> left_;             ///< what is known of it
+  State<S> last_;     ///< last keyframe of the segment before, settled
+  LeftRows<S> left_;  ///< what is known of it
 };
 
 /// Of a build without epochs.

@@ -1,12 +1,15 @@
-// Does a segment that is to be condensed fit what is known of theta? A device that fell does not say so, and what it measures from
-// then on must not go into the epoch of what it was before.
+// Does a segment that is to be condensed fit what is known of theta? A device that fell does not say so, and what it
+// measures from then on must not go into the epoch of what it was before.
 //
-// Known are the prior, the kept segments (each alone) and older epochs, K; the newest epoch, E; and the segment says s; all moved to
-// E's theta_0. Folding rows into a triangle leaves over what they say otherwise than those before (epoch.h):
+// Known are the prior, the kept segments (each alone) and older epochs, K; the newest epoch, E; and the segment says s;
+// all moved to E's theta_0. Folding rows into a triangle leaves over what they say otherwise than those before
+// (epoch.h):
 //   s after K and E     a change at this moment
-//   what E and s leave over after K, less what s leaves over after E: a change when E began, of which no segment is sure alone.
-// Each is chi-square with n degrees of freedom if theta is the same, times what segments that agreed left over: F (agreement.h). That mean
-// counts directions that no segment shows, where all agree, so it is taken to be at least the variance that sigmas are scaled for.
+//   what E and s leave over after K, less what s leaves over after E: a change when E began, of which no segment is
+//   sure alone.
+// Each is chi-square with n degrees of freedom if theta is the same, times what segments that agreed left over: F
+// (agreement.h). That mean counts directions that no segment shows, where all agree, so it is taken to be at least the
+// variance that sigmas are scaled for.
 #pragma once
 
 #include "calibration/epoch.h"
@@ -17,13 +20,15 @@
 
 namespace SEGCAL_NS {
 
-/// Probability of a false alarm in one comparison. It costs the segment and a calibration, which decides what is outdated; what is
-/// not found at once has moved an epoch by a fraction of what the limit allows.
+/// Probability of a false alarm in one comparison. It costs the segment and a calibration, which decides what is
+/// outdated; what is not found at once has moved an epoch by a fraction of what the limit allows.
 constexpr double kFalseAlarm = 1e-4;
 
-/// Folds rows over theta into a triangle, moved from where they are linearised; without what they leave over themselves.
+/// Folds rows over theta into a triangle, moved from where they are linearised; without what they leave over
+/// themselves.
 template <class S>
-void fold_moved(const SegmentInformation<S>& rows, const Calibration<S>& from, const Calibration<S>& to, PackedTriangle<S>* T) {
+void fold_moved(const SegmentInformation<S>& rows, const Calibration<S>& from, const Calibration<S>& to,
+                PackedTriangle<S>* T) {
   const int n = rows.n_theta;
   S offset[kMaxTheta], row[kMaxTheta + 1];
   difference(from, to, offset);
@@ -34,7 +39,8 @@ void fold_moved(const SegmentInformation<S>& rows, const Calibration<S>& from, c
   }
 }
 
-/// What a segment's rows pull at the optimum of `known`, which has them in it and the prior. `scratch`: SegmentScatter's.
+/// What a segment's rows pull at the optimum of `known`, which has them in it and the prior. `scratch`:
+/// SegmentScatter's.
 template <class S>
 Pull<S> pull_on(const SegmentInformation<S>& rows, const PackedTriangle<S>& known, S* scratch) {
   const int n = rows.n_theta;
@@ -58,10 +64,10 @@ class Contradiction {
     place_ = 0;
     found_ = false;
   }
-  /// `rows`: [theta | rhs] of the segment, linearised at the newest epoch's theta_0. `kept_at`: where the kept segments' information
-  /// is. In slices; true when found() tells.
-  bool step(const SegmentInformation<S>& rows, const Epochs<S>& epochs, const Database<S>& database, const ThetaPrior<S>& prior,
-            const Calibration<S>& kept_at, S* scratch) {
+  /// `rows`: [theta | rhs] of the segment, linearised at the newest epoch's theta_0. `kept_at`: where the kept
+  /// segments' information is. In slices; true when found() tells.
+  bool step(const SegmentInformation<S>& rows, const Epochs<S>& epochs, const Database<S>& database,
+            const ThetaPrior<S>& prior, const Calibration<S>& kept_at, S* scratch) {
     const int newest = epochs.count() - 1;
     const Epoch<S>& E = epochs.epoch(newest);
     PackedTriangle<S> known(scratch, E.columns() + 1), own(scratch + packed_size(E.columns() + 1), E.columns() + 1);
@@ -73,7 +79,7 @@ class Contradiction {
       for (i_ = 0; i_ < Database<S>::kSlots; ++i_) {
         if (!database.kept(i_)) continue;
         fold_moved(database.slot(i_).information, kept_at, E.theta, &known);
-        take_left_over(&known, n_kept_++ > 0);   // the first one tells of the start's error
+        take_left_over(&known, n_kept_++ > 0);  // the first one tells of the start's error
         SEGCAL_PAUSE(place_);
       }
       for (i_ = 0; i_ < newest; ++i_) {
@@ -99,14 +105,17 @@ class Contradiction {
     SEGCAL_SLICES_END(place_);
   }
   bool found() const { return found_; }
-  /// It is rather the whole newest epoch than this segment. Of an epoch that agrees with K and is worth as much as the segment, the
-  /// second comparison has less than half of the first beyond noise; of one that does not, or says little, more.
+  /// It is rather the whole newest epoch than this segment. Of an epoch that agrees with K and is worth as much as the
+  /// segment, the second comparison has less than half of the first beyond noise; of one that does not, or says little,
+  /// more.
   bool since_epoch() const { return since_ >= S(0.5) * now_; }
   /// The segment's, on all that is known with it.
   const Pull<S>& pull() const { return pull_; }
 
  private:
-  static S left_over(const PackedTriangle<S>& T) { return T(T.columns() - 1, T.columns() - 1) * T(T.columns() - 1, T.columns() - 1); }
+  static S left_over(const PackedTriangle<S>& T) {
+    return T(T.columns() - 1, T.columns() - 1) * T(T.columns() - 1, T.columns() - 1);
+  }
 
   void take_left_over(PackedTriangle<S>* T, bool counts) {
     const int n = T->columns() - 1;
@@ -118,7 +127,8 @@ class Contradiction {
   }
   void decide(int n) {
     const S limit = spread_degrees_ > 0 ? f_upper_quantile(n, spread_degrees_, S(kFalseAlarm)) : S(0);
-    const S spread = spread_degrees_ > 0 ? spread_ / S(spread_degrees_) : S(1), noise = S(n) * (spread > variance_ ? spread : variance_);
+    const S spread = spread_degrees_ > 0 ? spread_ / S(spread_degrees_) : S(1),
+            noise = S(n) * (spread > variance_ ? spread : variance_);
     const S now = both_ - epoch_, since = both_ - among_;
     found_ = limit > S(0) && (now > since ? now : since) > limit * noise;
     now_ = now - noise;
@@ -128,7 +138,7 @@ class Contradiction {
   Place place_ = 0;
   std::int32_t i_ = 0, n_kept_ = 0, spread_degrees_ = 0;
   S variance_ = S(1), spread_ = S(0), among_ = S(0), epoch_ = S(0), both_ = S(0);
-  S now_ = S(0), since_ = S(0);   ///< the two comparisons, beyond noise
+  S now_ = S(0), since_ = S(0);  ///< the two comparisons, beyond noise
   Pull<S> pull_;
   bool found_ = false;
 };

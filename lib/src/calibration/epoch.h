@@ -1,12 +1,13 @@
 // What segments said about theta that are kept no longer: epochs.
 //
-// A segment whose states and landmarks are eliminated says |R delta - d|^2 + rho^2 about delta = theta [-] theta_0, near the
-// theta_0 where it was linearised. Such rows of many segments fold into one triangle of n (n + 3) / 2 numbers, whatever their
-// number: that is an epoch. It cannot be linearised again. A calibration takes epochs beside the segments that can, as it takes
-// its prior, as long as theta stays near theta_0.
+// A segment whose states and landmarks are eliminated says |R delta - d|^2 + rho^2 about delta = theta [-] theta_0,
+// near the theta_0 where it was linearised. Such rows of many segments fold into one triangle of n (n + 3) / 2 numbers,
+// whatever their number: that is an epoch. It cannot be linearised again. A calibration takes epochs beside the
+// segments that can, as it takes its prior, as long as theta stays near theta_0.
 //
-// By how much its segments disagree about theta is measured as each comes, as scatter.h does of the segments that are kept: from
-// its pull on what was known with it. The sum tells by how much sigmas are to be scaled, and what a comparison with others must exceed.
+// By how much its segments disagree about theta is measured as each comes, as scatter.h does of the segments that are
+// kept: from its pull on what was known with it. The sum tells by how much sigmas are to be scaled, and what a
+// comparison with others must exceed.
 #pragma once
 
 #include "calibration/prior.h"
@@ -16,8 +17,8 @@
 namespace SEGCAL_NS {
 
 constexpr int kEpochs = SEGCAL_MAX_EPOCHS;
-/// Of an epoch's own sigmas that theta may be from theta_0. What the quadratic lacks grows with the square: at 29 of them (the device
-/// fell: 0.5 deg, 5 mm) it moved theta by up to ten, at five it is a third of one.
+/// Of an epoch's own sigmas that theta may be from theta_0. What the quadratic lacks grows with the square: at 29 of
+/// them (the device fell: 0.5 deg, 5 mm) it moved theta by up to ten, at five it is a third of one.
 constexpr double kFarthest = 5;
 
 /// What is left of a segment's pull on theta, and what noise as stated leaves of it (scatter.h).
@@ -30,11 +31,11 @@ template <class S>
 struct Epoch {
   std::int32_t segments = 0, image_points = 0;
   std::uint32_t first_session = 0, last_session = 0;
-  std::uint32_t last_serial = 0;          ///< of its newest segment
-  Pull<S> pulls;                          ///< of its segments, each on what was known when it came
-  S dof = S(0);                           ///< residuals minus states and landmarks, theta not counted
-  Calibration<S> theta;                   ///< theta_0
-  SegmentInformation<S> information;      ///< over [theta | rhs]; its own dof is not used
+  std::uint32_t last_serial = 0;      ///< of its newest segment
+  Pull<S> pulls;                      ///< of its segments, each on what was known when it came
+  S dof = S(0);                       ///< residuals minus states and landmarks, theta not counted
+  Calibration<S> theta;               ///< theta_0
+  SegmentInformation<S> information;  ///< over [theta | rhs]; its own dof is not used
 
   int columns() const { return theta.columns(); }
 
@@ -50,7 +51,8 @@ struct Epoch {
   }
 
   /// Takes the rows of one segment at theta_0: the triangle over [theta | rhs], `residual_dof` for dof.
-  void add(const PackedTriangle<S>& rows, S residual_dof, const Pull<S>& pull, std::uint32_t session, std::uint32_t serial) {
+  void add(const PackedTriangle<S>& rows, S residual_dof, const Pull<S>& pull, std::uint32_t session,
+           std::uint32_t serial) {
     const int n = columns();
     // Beside what is there already: in a large sum float would lose what one segment adds.
     PackedTriangle<S> T = information.triangle();
@@ -109,8 +111,8 @@ struct Epoch {
     }
   }
 
-  /// Whether theta is where the quadratic holds. `scratch`: packed_size(n + 1) numbers. Where segments scatter by s times their
-  /// sigmas, theta is sqrt(s) times as far off for the quadratic to lack the same share of that.
+  /// Whether theta is where the quadratic holds. `scratch`: packed_size(n + 1) numbers. Where segments scatter by s
+  /// times their sigmas, theta is sqrt(s) times as far off for the quadratic to lack the same share of that.
   bool holds_at(const Calibration<S>& at, const ThetaPrior<S>& prior, S* scratch) const {
     const int n = columns();
     S offset[kMaxTheta], row[kMaxTheta + 1];
@@ -155,7 +157,7 @@ struct Epoch {
 };
 
 template <class S>
-struct StoredFields;   // store/stored_fields.h
+struct StoredFields;  // store/stored_fields.h
 
 /// The epochs of a device, oldest first. When there is no place for another, the two oldest become one.
 template <class S>

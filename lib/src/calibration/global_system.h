@@ -1,7 +1,7 @@
 // What all segments have in common: the ties and theta, as one triangle over [ties 3 T | theta | rhs].
 //
-// Ties stand first, so that the triangle's last rows are theta's marginal. Priors are the first rows folded in; what ties
-// have once, whatever the number of segments that see them, is put here and not into the segments' systems.
+// Ties stand first, so that the triangle's last rows are theta's marginal. Priors are the first rows folded in; what
+// ties have once, whatever the number of segments that see them, is put here and not into the segments' systems.
 #pragma once
 
 #include "calibration/chain.h"

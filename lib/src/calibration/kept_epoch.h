@@ -1,4 +1,5 @@
-// The kept segments become an epoch, so that the database is free for others: each with what it says alone, without its links.
+// The kept segments become an epoch, so that the database is free for others: each with what it says alone, without its
+// links.
 #pragma once
 
 #include "calibration/contradiction.h"

@@ -11,16 +11,16 @@ constexpr S kKnownDistance2 = S(100);
 
 /// The residual of an image point and its rows over its landmark; false where it is left out or behind the camera.
 template <class S>
-bool tells_of_landmark(const Segment<S>& segment, const Observation& z, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                       ReprojectionRows<S>* rows) {
-  return !z.rejected &&
-         point_rows<S>(z, theta, exposure_of(segment, z, theta, model.g, false), segment.states.landmark[z.landmark], nullptr, rows);
+bool tells_of_landmark(const Segment<S>& segment, const Observation& z, const Calibration<S>& theta,
+                       const MeasurementModel<S>& model, ReprojectionRows<S>* rows) {
+  return !z.rejected && point_rows<S>(z, theta, exposure_of(segment, z, theta, model.g, false),
+                                      segment.states.landmark[z.landmark], nullptr, rows);
 }
 
 /// fold_landmark() where tracks drift.
 template <class S>
-void fold_walking_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                           PackedTriangle<S>* R) {
+void fold_walking_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta,
+                           const MeasurementModel<S>& model, PackedTriangle<S>* R) {
   constexpr int kPoint = 2 * kLandmarkColumns;
   TrackNoise<S> track;
   S block[kPoint * kMaxKeyframes * kMaxCameras];
@@ -38,7 +38,8 @@ void fold_walking_landmark(const Segment<S>& segment, int j, const Calibration<S
   fold_rows(*R, block, 2 * track.points(), kLandmarkColumns, 0, kLandmarkColumns);
 }
 
-/// Folds what a segment's image points say about landmark j, with everything else known, into a triangle over its columns.
+/// Folds what a segment's image points say about landmark j, with everything else known, into a triangle over its
+/// columns.
 template <class S>
 void fold_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                    PackedTriangle<S>* R) {
@@ -54,15 +55,18 @@ void fold_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta
     const Observation& z = segment.observation[o];
     ReprojectionRows<S> rows;
     if (!tells_of_landmark(segment, z, theta, model, &rows)) continue;
-    const S scale = square_root(robust_term(model, rows.r.squaredNorm() * inverse_sigma * inverse_sigma).weight) * inverse_sigma;
-    for (int i = 0; i < 2 * kLandmarkColumns; ++i) block[i] = scale * rows.J_l(i / kLandmarkColumns, i % kLandmarkColumns);
+    const S scale =
+        square_root(robust_term(model, rows.r.squaredNorm() * inverse_sigma * inverse_sigma).weight) * inverse_sigma;
+    for (int i = 0; i < 2 * kLandmarkColumns; ++i)
+      block[i] = scale * rows.J_l(i / kLandmarkColumns, i % kLandmarkColumns);
     fold_rows(*R, block, 2, kLandmarkColumns, 0, kLandmarkColumns);
   }
 }
 
 /// One over the variance of a landmark's distance in m, from one segment's image points; 0 if it is hardly known.
 template <class S>
-S distance_information(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model) {
+S distance_information(const Segment<S>& segment, int j, const Calibration<S>& theta,
+                       const MeasurementModel<S>& model) {
   S data[packed_size(kLandmarkColumns)];
   PackedTriangle<S> R(data, kLandmarkColumns);
   R.clear();

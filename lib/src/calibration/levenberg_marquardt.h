@@ -10,7 +10,8 @@ bool Calibrator<S>::total_cost_step() {
   SEGCAL_SLICES(inner_place_) {
     total_ = prior_cost(*prior_, theta_);
     if (kEpochs > 0 && epochs_) total_ += epochs_->cost(theta_);
-    for (int t = 0; t < partitions_.ties().count(); ++t) total_ += inverse_depth_cost(tie(t), model_.inverse_depth_sigma);
+    for (int t = 0; t < partitions_.ties().count(); ++t)
+      total_ += inverse_depth_cost(tie(t), model_.inverse_depth_sigma);
     lend_cost_steps();
     for (i_ = 0; i_ < count_; ++i_) {
       SEGCAL_AWAIT(inner_place_, work_.cost.step(*segment_[i_], guest(i_), theta_, model_));
@@ -37,8 +38,9 @@ bool Calibrator<S>::refine_landmarks_step() {
   SEGCAL_SLICES_END(inner_place_);
 }
 
-/// True if this step goes against the last one (by more than 120 deg): undamped steps swing about the minimum along weak
-/// directions, such as place against inverse distance when there is hardly any parallax. Keeps the step for the next time.
+/// True if this step goes against the last one (by more than 120 deg): undamped steps swing about the minimum along
+/// weak directions, such as place against inverse distance when there is hardly any parallax. Keeps the step for the
+/// next time.
 template <class S>
 bool Calibrator<S>::turned_back(const S* theta_step) {
   S along = S(0), now = S(0), before = S(0);
@@ -52,8 +54,8 @@ bool Calibrator<S>::turned_back(const S* theta_step) {
   return along < S(0) && along * along > S(0.25) * now * before;
 }
 
-/// One step: kept if the cost falls, taken back and damped more if not. When it is done, settled_ says whether nothing is
-/// left to gain.
+/// One step: kept if the cost falls, taken back and damped more if not. When it is done, settled_ says whether nothing
+/// is left to gain.
 template <class S>
 bool Calibrator<S>::iterate_step(SegmentEliminator<S>* eliminator, const CalibratorOptions& options) {
   SEGCAL_SLICES(iterate_place_) {

@@ -20,7 +20,8 @@ S Calibrator<S>::tie_prior_share(int t) const {
 }
 
 template <class S>
-bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates, bool with_prior) {
+bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates,
+                                   bool with_prior) {
   PackedTriangle<S> G = global_.triangle();
   SEGCAL_SLICES(inner_place_) {
     G = begin_linearisation(damping, candidates, with_prior);
@@ -32,9 +33,10 @@ bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, 
     for (i_ = 0; i_ < count_; ++i_) {
       segment_[i_]->turned_only = !translation_shows(*segment_[i_], theta_, model_);
       SEGCAL_PAUSE(inner_place_);
-      SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping, candidates));
+      SEGCAL_AWAIT(inner_place_,
+                   eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping, candidates));
       SEGCAL_AWAIT(inner_place_, work_.chain.add_step(eliminator, link_[i_].join != Join::none, link_[i_].passes_on,
-                                                 candidates ? nullptr : left(i_), &G));
+                                                      candidates ? nullptr : left(i_), &G));
       fit_.image_points += eliminator->counts().image_points;
       fit_.dof += S(eliminator->counts().residuals - eliminator->counts().unknowns) + eliminator->prior_share();
     }
@@ -118,13 +120,14 @@ bool Calibrator<S>::step_back_step(SegmentEliminator<S>* eliminator, S damping) 
         SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping));
       }
       if (link_[i_].join != Join::none) {
-        SEGCAL_AWAIT(inner_place_, work_.chain.solve_guest_step(eliminator, link_[i_].passes_on, *left(i_), last_keyframe_step_,
-                                                           global_step_, guest_step_));
+        SEGCAL_AWAIT(inner_place_, work_.chain.solve_guest_step(eliminator, link_[i_].passes_on, *left(i_),
+                                                                last_keyframe_step_, global_step_, guest_step_));
         SEGCAL_PAUSE(inner_place_);
       }
       gather_step(*eliminator, i_);
-      SEGCAL_AWAIT(inner_place_, eliminator->back_substitute_step(*segment_[i_], guest(i_), theta_, model_, damping, step_,
-                                                                  link_[i_].passes_on ? eliminator->last_column() : eliminator->guest_column()));
+      SEGCAL_AWAIT(inner_place_, eliminator->back_substitute_step(
+                                     *segment_[i_], guest(i_), theta_, model_, damping, step_,
+                                     link_[i_].passes_on ? eliminator->last_column() : eliminator->guest_column()));
       save_states(i_);
       SEGCAL_AWAIT(inner_place_, eliminator->move_step(segment_[i_], theta_, model_, damping, step_));
     }
@@ -142,7 +145,8 @@ void Calibrator<S>::gather_step(const SegmentEliminator<S>& eliminator, int i) {
   }
   for (int c = 0; c < theta_.columns(); ++c) step_[eliminator.theta_column() + c] = theta_step_[c];
   for (int c = 0; c < kLandmarkColumns * tied.n; ++c) {
-    step_[eliminator.tie_column() + c] = global_step_[kLandmarkColumns * tied.number[c / kLandmarkColumns] + c % kLandmarkColumns];
+    step_[eliminator.tie_column() + c] =
+        global_step_[kLandmarkColumns * tied.number[c / kLandmarkColumns] + c % kLandmarkColumns];
   }
 }
 

@@ -1,8 +1,8 @@
 // Partitions of a calibration: segments that share one gauge (paper, Sec. V-D, Alg. 2; docs/design.md, section 7).
 //
-// Neighbours in time are joined by the IMU samples between them. Segments of one map, whose states are in the same frame,
-// are joined if they have enough tracks in common, the pair with the most first: a spanning forest, each edge of which that
-// is not an IMU join costs a few ties. The gauge is held on the first segment of each partition only.
+// Neighbours in time are joined by the IMU samples between them. Segments of one map, whose states are in the same
+// frame, are joined if they have enough tracks in common, the pair with the most first: a spanning forest, each edge of
+// which that is not an IMU join costs a few ties. The gauge is held on the first segment of each partition only.
 #pragma once
 
 #include "calibration/ties.h"
@@ -15,7 +15,7 @@ constexpr int kSharedLandmarks = SEGCAL_SHARED_LANDMARKS;
 template <class S>
 struct SegmentLink {
   Join join = Join::none;
-  bool passes_on = false;   ///< the next segment hangs on this one
+  bool passes_on = false;  ///< the next segment hangs on this one
   S gap_s = S(0);
 };
 
@@ -57,8 +57,8 @@ class Partitions {
  public:
   /// Joins what can be joined, at the present states, and gives tied landmarks one value each. Image points that are
   /// marked as rejected tie nothing.
-  [[gnu::cold]] void form(Segment<S>* const* segment, const SegmentLink<S>* link, int count, const Calibration<S>& theta,
-            const MeasurementModel<S>& model) {
+  [[gnu::cold]] void form(Segment<S>* const* segment, const SegmentLink<S>* link, int count,
+                          const Calibration<S>& theta, const MeasurementModel<S>& model) {
     count_ = count;
     sets_.reset(count);
     ties_.clear();
@@ -67,7 +67,8 @@ class Partitions {
     }
     if (kMaxTies < kFewestTies) return;
     for (int b = 1; b < count; ++b) {
-      for (int a = 0; a < b; ++a) shared(a, b) = static_cast<std::uint16_t>(sets_.same(a, b) ? 0 : shared_tracks(*segment[a], *segment[b]));
+      for (int a = 0; a < b; ++a)
+        shared(a, b) = static_cast<std::uint16_t>(sets_.same(a, b) ? 0 : shared_tracks(*segment[a], *segment[b]));
     }
     for (int a, b; next_pair(&a, &b); shared(a, b) = 0) {
       if (ties_.connect(segment, a, b, theta, model, &sets_)) sets_.join(a, b);

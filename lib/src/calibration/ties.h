@@ -1,9 +1,10 @@
-// Ties: landmarks that segments of one partition share, so that all of them stand in one frame (docs/design.md, section 7).
+// Ties: landmarks that segments of one partition share, so that all of them stand in one frame (docs/design.md, section
+// 7).
 //
-// A tie has one set of parameters for all segments that see it. Each keeps a copy of it among its own landmarks: the copies
-// begin equal and move by the same steps, so no other code needs to know. Between two segments a few ties are enough:
-// they fix position and rotation about gravity, and the rest of the shared tracks would add little to theta at the price of
-// three columns each.
+// A tie has one set of parameters for all segments that see it. Each keeps a copy of it among its own landmarks: the
+// copies begin equal and move by the same steps, so no other code needs to know. Between two segments a few ties are
+// enough: they fix position and rotation about gravity, and the rest of the shared tracks would add little to theta at
+// the price of three columns each.
 #pragma once
 
 #include "calibration/disjoint_sets.h"
@@ -11,8 +12,8 @@
 
 namespace SEGCAL_NS {
 
-constexpr int kTiesPerEdge = 4;    ///< one more than needed, so that the loss of one leaves enough
-constexpr int kFewestTies = 3;     ///< two points leave the rotation about the line through them to gravity alone
+constexpr int kTiesPerEdge = 4;  ///< one more than needed, so that the loss of one leaves enough
+constexpr int kFewestTies = 3;   ///< two points leave the rotation about the line through them to gravity alone
 static_assert(kMaxLandmarks < 32768, "landmarks are counted in 16 bits");
 
 /// Index of a track among a segment's landmarks; -1 if it is not there.
@@ -47,28 +48,29 @@ class Ties {
     }
   }
 
-  /// Chooses ties between segments a and b of different sets. False, and nothing is changed, if too few are good enough.
-  [[gnu::cold]] bool connect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta, const MeasurementModel<S>& model,
-               DisjointSets* sets);
+  /// Chooses ties between segments a and b of different sets. False, and nothing is changed, if too few are good
+  /// enough.
+  [[gnu::cold]] bool connect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta,
+                             const MeasurementModel<S>& model, DisjointSets* sets);
   /// When all sets are joined: every segment of a tie's set that sees it takes part, and begins with the same values.
   [[gnu::cold]] void spread(Segment<S>* const* segment, int count, DisjointSets* sets);
 
  private:
   struct Tie {
     std::uint32_t id;
-    std::int32_t home;   ///< the segment that knows it best
+    std::int32_t home;  ///< the segment that knows it best
     std::int16_t landmark[kMaxSegments];
   };
   struct Candidate {
-    Vec3<S> place, in_b; ///< in the frames of the two segments: equal but for drift
-    S information;       ///< about its distance, in the segment that knows less
+    Vec3<S> place, in_b;  ///< in the frames of the two segments: equal but for drift
+    S information;        ///< about its distance, in the segment that knows less
     std::uint32_t id;
     std::int16_t home;
     bool exists, taken;
   };
   bool exists(std::uint32_t id, int a, int b, DisjointSets* sets) const;
-  [[gnu::cold]] int collect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta, const MeasurementModel<S>& model,
-              DisjointSets* sets, Candidate* out) const;
+  [[gnu::cold]] int collect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta,
+                            const MeasurementModel<S>& model, DisjointSets* sets, Candidate* out) const;
   [[gnu::cold]] static int drop_mistaken(Candidate* candidate, int n);
   [[gnu::cold]] static S worth(const Candidate* candidate, int n, int i, const Vec3<S>& up);
   void remove_doubles(DisjointSets* sets);
@@ -87,24 +89,30 @@ bool Ties<S>::exists(std::uint32_t id, int a, int b, DisjointSets* sets) const {
 
 /// Tracks that both segments see and whose distance both know.
 template <class S>
-int Ties<S>::collect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                     DisjointSets* sets, Candidate* out) const {
+int Ties<S>::collect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta,
+                     const MeasurementModel<S>& model, DisjointSets* sets, Candidate* out) const {
   int n = 0;
   for (int i = 0; i < segment[a]->n_landmarks; ++i) {
     const std::uint32_t id = segment[a]->track_id[i];
     const int j = landmark_of_track(*segment[b], id);
     if (j < 0) continue;
-    const S of_a = distance_information(*segment[a], i, theta, model), of_b = distance_information(*segment[b], j, theta, model);
+    const S of_a = distance_information(*segment[a], i, theta, model),
+            of_b = distance_information(*segment[b], j, theta, model);
     if (!(of_a > S(0) && of_b > S(0))) continue;
     const Landmark<S>&in_a = segment[a]->states.landmark[i], &in_b = segment[b]->states.landmark[j];
-    out[n++] = {in_a.o + in_a.m / in_a.rho, in_b.o + in_b.m / in_b.rho, of_a < of_b ? of_a : of_b, id,
-                static_cast<std::int16_t>(of_b > of_a ? b : a), exists(id, a, b, sets), false};
+    out[n++] = {in_a.o + in_a.m / in_a.rho,
+                in_b.o + in_b.m / in_b.rho,
+                of_a < of_b ? of_a : of_b,
+                id,
+                static_cast<std::int16_t>(of_b > of_a ? b : a),
+                exists(id, a, b, sets),
+                false};
   }
   return drop_mistaken(out, n);
 }
 
-/// Landmarks keep their distances from each other, whatever the drift between two segments: a track that is another one in
-/// the second segment fits few of the rest. Those that do not fit half of them go. Returns how many stay.
+/// Landmarks keep their distances from each other, whatever the drift between two segments: a track that is another one
+/// in the second segment fits few of the rest. Those that do not fit half of them go. Returns how many stay.
 template <class S>
 int Ties<S>::drop_mistaken(Candidate* candidate, int n) {
   for (int i = 0; i < n; ++i) {
@@ -112,7 +120,8 @@ int Ties<S>::drop_mistaken(Candidate* candidate, int n) {
     for (int k = 0; k < n; ++k) {
       if (k == i) continue;
       const Candidate &p = candidate[i], &q = candidate[k];
-      const S in_a = square_root((p.place - q.place).squaredNorm()), in_b = square_root((p.in_b - q.in_b).squaredNorm());
+      const S in_a = square_root((p.place - q.place).squaredNorm()),
+              in_b = square_root((p.in_b - q.in_b).squaredNorm());
       // A tenth for what the calibration and the poses are still off, and some three sigmas of either place.
       const S larger = in_a > in_b ? in_a : in_b;
       const S allowed2 = S(0.01) * larger * larger + S(10) / p.information + S(10) / q.information;
@@ -144,8 +153,8 @@ S Ties<S>::worth(const Candidate* candidate, int n, int i, const Vec3<S>& up) {
 }
 
 template <class S>
-bool Ties<S>::connect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                      DisjointSets* sets) {
+bool Ties<S>::connect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta,
+                      const MeasurementModel<S>& model, DisjointSets* sets) {
   int room = kMaxTies - n_, near = 0;
   for (int t = 0; t < n_; ++t) near += sets->same(tie_[t].home, a) || sets->same(tie_[t].home, b) ? 1 : 0;
   if (room + near < kFewestTies) return false;

@@ -27,9 +27,10 @@ Clock* created(segcal_clock_t* clock) {
 const Clock* created(const segcal_clock_t* clock) { return created(const_cast<segcal_clock_t*>(clock)); }
 
 constexpr double kMostStart_s = 1000;
-constexpr float kMostRate = 100;   // rad/s: what turns faster is a reading gone wrong, and is farther in 0.25 s than angles are kept
+constexpr float kMostRate =
+    100;  // rad/s: what turns faster is a reading gone wrong, and is farther in 0.25 s than angles are kept
 
-bool is_rate(float w) { return w >= -kMostRate && w <= kMostRate; }   // no for not-a-number
+bool is_rate(float w) { return w >= -kMostRate && w <= kMostRate; }  // no for not-a-number
 
 /// As segcal_push_tracks asks; and no camera has more than SEGCAL_MAX_TRACKS points.
 int check_points(const segcal_point_t* points, std::int32_t n) {
@@ -50,13 +51,15 @@ using namespace SEGCAL_NS;
 
 extern "C" {
 
-int segcal_clock_create(segcal_clock_t* clock, size_t bytes, const segcal_camera_t* camera, int32_t index, double start_s) {
+int segcal_clock_create(segcal_clock_t* clock, size_t bytes, const segcal_camera_t* camera, int32_t index,
+                        double start_s) {
   if (!clock || !camera) return SEGCAL_ERROR_NULL;
   if (bytes < sizeof(segcal_clock_t)) return SEGCAL_ERROR_SIZE;
   if (reinterpret_cast<std::uintptr_t>(clock) % alignof(Clock) != 0) return SEGCAL_ERROR_ALIGNMENT;
   clock->memory[0] = 0;
   CameraCalibration<ClockReal> checked;
-  if (!camera_from_c(*camera, &checked) || !(start_s >= -kMostStart_s && start_s <= kMostStart_s)) return SEGCAL_ERROR_CONFIG;
+  if (!camera_from_c(*camera, &checked) || !(start_s >= -kMostStart_s && start_s <= kMostStart_s))
+    return SEGCAL_ERROR_CONFIG;
   if (index < 0 || index >= SEGCAL_MAX_CAMERAS) return SEGCAL_ERROR_CAMERA;
   Clock* c = new (clock) Clock{0, {checked, index, static_cast<std::int64_t>(1e9 * start_s)}};
   c->magic = Clock::kMagic;

@@ -1,4 +1,5 @@
-// The search for the offset of two clocks as a device does it: samples and images in, slices of work, an answer at any time.
+// The search for the offset of two clocks as a device does it: samples and images in, slices of work, an answer at any
+// time.
 #pragma once
 
 #include "api/stamp_guard.h"
@@ -12,7 +13,8 @@ namespace SEGCAL_NS {
 template <class S>
 class DeviceClock {
  public:
-  DeviceClock(const CameraCalibration<S>& camera, std::int32_t index, std::int64_t start_ns) : index_(index), start_ns_(start_ns) {
+  DeviceClock(const CameraCalibration<S>& camera, std::int32_t index, std::int64_t start_ns)
+      : index_(index), start_ns_(start_ns) {
     images_.reset(camera);
     nodes_.reset();
     window_.clear();
@@ -40,11 +42,11 @@ class DeviceClock {
     has_image_ = true;
     image_ns_ = t_ns;
     if (images_.too_soon(t_ns)) return SEGCAL_SKIPPED;
-    if (images_.busy()) return left_out(SEGCAL_SKIPPED);   // the background has not come to the one before
+    if (images_.busy()) return left_out(SEGCAL_SKIPPED);  // the background has not come to the one before
     images_.begin(t_ns);
     for (std::int32_t i = 0; i < n; ++i) {
       if (points[i].camera != index_) continue;
-      const auto inside = [](float x) { return x >= -1e6F && x <= 1e6F; };   // no for not-a-number
+      const auto inside = [](float x) { return x >= -1e6F && x <= 1e6F; };  // no for not-a-number
       if (inside(points[i].u) && inside(points[i].v)) images_.add(points[i].track_id, S(points[i].u), S(points[i].v));
     }
     return SEGCAL_WAITING;
@@ -66,7 +68,8 @@ class DeviceClock {
     const bool known = sums_.windows() > 0;
     out->sigma_s = static_cast<double>(square_root(statistical * statistical + common * common));
     out->status = status(peak, out->sigma_s);
-    out->offset_s = 1e-9 * static_cast<double>(start_ns_) + (known ? clock_criteria::kStep_s * static_cast<double>(peak.steps) : 0);
+    out->offset_s =
+        1e-9 * static_cast<double>(start_ns_) + (known ? clock_criteria::kStep_s * static_cast<double>(peak.steps) : 0);
     out->correlation = known ? static_cast<double>(peak.correlation) : 0;
     out->correlation_at_start = known ? static_cast<double>(peak.at_start) : 0;
     out->correlation_elsewhere = known ? static_cast<double>(peak.elsewhere) : 0;
@@ -78,8 +81,9 @@ class DeviceClock {
   }
 
  private:
-  static constexpr int kQueue = 24;   ///< pairs wait for half a second of samples: 40 ms apart or more, and the samples may be late
-  static constexpr std::int64_t kOtherClockNs = 2000000000;   ///< as segcal_push_tracks has it
+  static constexpr int kQueue =
+      24;  ///< pairs wait for half a second of samples: 40 ms apart or more, and the samples may be late
+  static constexpr std::int64_t kOtherClockNs = 2000000000;  ///< as segcal_push_tracks has it
   enum class Ready { waits, yes, never };
   using Place = NodePlace<S>;
 
@@ -112,7 +116,8 @@ class DeviceClock {
 
   Ready ready(const TurnedPair<S>& pair) const {
     const std::int64_t reach = clock_criteria::kStepsEitherWay;
-    const std::int64_t from = Place::of(pair.t1_ns + start_ns_).node - reach, to = Place::of(pair.t2_ns + start_ns_).node + 1 + reach;
+    const std::int64_t from = Place::of(pair.t1_ns + start_ns_).node - reach,
+                       to = Place::of(pair.t2_ns + start_ns_).node + 1 + reach;
     if (nodes_.gone(from)) return Ready::never;
     return nodes_.covers(from, to) ? Ready::yes : Ready::waits;
   }
@@ -122,7 +127,8 @@ class DeviceClock {
     const TurnedPair<S>& pair = queue_[first_];
     if (ready(pair) == Ready::never) return drop_first();
     const std::int64_t in_window = pair.t1_ns - window_ns_;
-    if (window_.pairs > 0 && (in_window < 0 || in_window >= static_cast<std::int64_t>(1e9 * clock_criteria::kWindow_s))) {
+    if (window_.pairs > 0 &&
+        (in_window < 0 || in_window >= static_cast<std::int64_t>(1e9 * clock_criteria::kWindow_s))) {
       full_ = true;
       return;
     }
@@ -160,13 +166,14 @@ class DeviceClock {
       return patient && still_ > sums_.windows() ? SEGCAL_CLOCK_STILL : SEGCAL_CLOCK_SEARCHING;
     }
     if (peak.correlation < S(clock_criteria::kLeastCorrelation) || !peak.inside()) return SEGCAL_CLOCK_NO_AGREEMENT;
-    if (S(1) - peak.correlation > S(clock_criteria::kPeakStandsOut) * (S(1) - peak.elsewhere)) return SEGCAL_CLOCK_REPEATS;
+    if (S(1) - peak.correlation > S(clock_criteria::kPeakStandsOut) * (S(1) - peak.elsewhere))
+      return SEGCAL_CLOCK_REPEATS;
     return sigma_s <= clock_criteria::kMostSigma_s ? SEGCAL_CLOCK_FOUND : SEGCAL_CLOCK_SEARCHING;
   }
 
   std::int32_t index_;
   std::int64_t start_ns_, imu_ns_ = 0, image_ns_ = 0, window_ns_ = 0;
-  std::int64_t heard_ns_ = 0;   ///< of the stream
+  std::int64_t heard_ns_ = 0;  ///< of the stream
   bool has_imu_ = false, has_image_ = false, full_ = false;
   int first_ = 0, waiting_ = 0;
   std::int32_t compared_ = 0, still_ = 0, images_left_out_ = 0, pairs_left_out_ = 0;

@@ -1,7 +1,9 @@
-// How far the gyroscope has turned, at nodes 5 ms apart, for as long as a search over half a second either way looks back.
+// How far the gyroscope has turned, at nodes 5 ms apart, for as long as a search over half a second either way looks
+// back.
 //
-// Offsets are tried in steps of the nodes, so that a moment has the same share of a step at each of them, and a trial reads
-// four nodes. Angles are whole numbers of 2^-24 rad that wrap: differences are exact however long the device has turned.
+// Offsets are tried in steps of the nodes, so that a moment has the same share of a step at each of them, and a trial
+// reads four nodes. Angles are whole numbers of 2^-24 rad that wrap: differences are exact however long the device has
+// turned.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +13,9 @@
 
 namespace SEGCAL_NS {
 
-constexpr std::int64_t kNodeNs = 5000000;   ///< clock_criteria::kStep_s
-static_assert(1e-9 * kNodeNs > 0.999 * clock_criteria::kStep_s && 1e-9 * kNodeNs < 1.001 * clock_criteria::kStep_s, "offsets are tried in steps of the nodes");
+constexpr std::int64_t kNodeNs = 5000000;  ///< clock_criteria::kStep_s
+static_assert(1e-9 * kNodeNs > 0.999 * clock_criteria::kStep_s && 1e-9 * kNodeNs < 1.001 * clock_criteria::kStep_s,
+              "offsets are tried in steps of the nodes");
 
 /// A moment: the node at or before it, and the share of a step beyond.
 template <class S>
@@ -33,7 +36,8 @@ struct NodePlace {
 template <class S>
 class GyroNodes {
  public:
-  /// Half a second either way, the longest pair, and as long again for blocks of samples and for a background that is late: 1.9 s.
+  /// Half a second either way, the longest pair, and as long again for blocks of samples and for a background that is
+  /// late: 1.9 s.
   static constexpr int kNodes = 384;
   /// Samples further apart are no path: what turned between them is not known.
   static constexpr std::int64_t kGapNs = 100000000;
@@ -48,7 +52,7 @@ class GyroNodes {
     if (began_) {
       turn_to(t_ns, w);
     } else {
-      newest_ = NodePlace<S>::of(t_ns).node;   // the first node is behind it
+      newest_ = NodePlace<S>::of(t_ns).node;  // the first node is behind it
       began_ = true;
     }
     t_ns_ = t_ns;
@@ -59,13 +63,14 @@ class GyroNodes {
   bool covers(std::int64_t first, std::int64_t last) const { return began_ && !gone(first) && last <= newest_; }
   bool gone(std::int64_t first) const { return began_ && first <= newest_ - count_; }
 
-  /// Rotation from a to b as the sum of rates, rad; both and their next nodes are covered. Linear between nodes: the same error at
-  /// each offset, and none that prefers a direction of time.
+  /// Rotation from a to b as the sum of rates, rad; both and their next nodes are covered. Linear between nodes: the
+  /// same error at each offset, and none that prefers a direction of time.
   Vec3<S> turned(const NodePlace<S>& a, const NodePlace<S>& b) const {
     const Angle &a0 = at(a.node), &a1 = at(a.node + 1), &b0 = at(b.node), &b1 = at(b.node + 1);
     Vec3<S> out;
     for (int i = 0; i < 3; ++i) {
-      out(i) = kUnit * (difference(b0[i], a0[i]) + b.share * difference(b1[i], b0[i]) - a.share * difference(a1[i], a0[i]));
+      out(i) =
+          kUnit * (difference(b0[i], a0[i]) + b.share * difference(b1[i], b0[i]) - a.share * difference(a1[i], a0[i]));
     }
     return out;
   }
@@ -74,8 +79,12 @@ class GyroNodes {
   using Angle = std::uint32_t[3];
   static constexpr S kUnit = S(1) / S(1 << 24);
 
-  static S difference(std::uint32_t later, std::uint32_t earlier) { return static_cast<S>(static_cast<std::int32_t>(later - earlier)); }
-  static std::uint32_t whole(S angle) { return static_cast<std::uint32_t>(static_cast<std::int32_t>(angle * S(1 << 24))); }
+  static S difference(std::uint32_t later, std::uint32_t earlier) {
+    return static_cast<S>(static_cast<std::int32_t>(later - earlier));
+  }
+  static std::uint32_t whole(S angle) {
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(angle * S(1 << 24)));
+  }
 
   const Angle& at(std::int64_t node) const {
     int slot = head_ - static_cast<int>(newest_ - node);
@@ -83,7 +92,8 @@ class GyroNodes {
     return angle_[slot];
   }
 
-  /// The rate is linear from sample to sample: after a share x of the step h it has turned by h x (w0 + x (w1 - w0) / 2).
+  /// The rate is linear from sample to sample: after a share x of the step h it has turned by h x (w0 + x (w1 - w0) /
+  /// 2).
   void turn_to(std::int64_t t_ns, const Vec3<S>& w) {
     const std::int64_t step_ns = t_ns - t_ns_;
     const S h = static_cast<S>(step_ns) * S(1e-9);
@@ -97,11 +107,11 @@ class GyroNodes {
     for (int i = 0; i < 3; ++i) now_[i] += whole(h * S(0.5) * (w_(i) + w(i)));
   }
 
-  std::int64_t t_ns_ = 0, newest_ = 0;   ///< of the last sample; number of the newest node: stamps over kNodeNs
+  std::int64_t t_ns_ = 0, newest_ = 0;  ///< of the last sample; number of the newest node: stamps over kNodeNs
   Vec3<S> w_ = Vec3<S>::Zero();
-  Angle now_ = {0, 0, 0};                ///< at the last sample
+  Angle now_ = {0, 0, 0};  ///< at the last sample
   Angle angle_[kNodes];
-  int head_ = 0, count_ = 0;             ///< slot of the newest node; how many there are
+  int head_ = 0, count_ = 0;  ///< slot of the newest node; how many there are
   bool began_ = false;
 };
 

@@ -1,4 +1,5 @@
-// Images in, rates of pairs of them out, in slices: rays of the corners, which of them the image before has too, and how it turned.
+// Images in, rates of pairs of them out, in slices: rays of the corners, which of them the image before has too, and
+// how it turned.
 #pragma once
 
 #include <cstdint>
@@ -51,7 +52,7 @@ class ImageTurns {
   void add(std::uint32_t id, S u, S v) {
     Image& next = image_[1 - last_];
     next.id[next.n] = id;
-    next.ray[next.n++] = Vec3<S>(u, v, S(0));   // in pixels until its turn comes
+    next.ray[next.n++] = Vec3<S>(u, v, S(0));  // in pixels until its turn comes
   }
 
   /// A slice; true when it has made *pair.
@@ -75,11 +76,11 @@ class ImageTurns {
 
  private:
   enum class Work : std::int32_t { nothing, rays, turn };
-  static constexpr int kPointsOfSlice = 8;   // an inverse of the lens takes some 2,000 instructions on a microcontroller
+  static constexpr int kPointsOfSlice = 8;  // an inverse of the lens takes some 2,000 instructions on a microcontroller
 
   struct Image {
     std::int64_t t_ns;
-    std::int32_t n;   ///< -1: there is none
+    std::int32_t n;  ///< -1: there is none
     std::uint32_t id[kPoints];
     Vec3<S> ray[kPoints];
   };
@@ -107,7 +108,8 @@ class ImageTurns {
     if (at_ < next.n) return;
     next.n = kept_;
     const bool pair = matches_ >= clock_criteria::kLeastRays && next.t_ns > image_[last_].t_ns &&
-                      seconds_between() >= S(clock_criteria::kShortest_s) && seconds_between() <= S(clock_criteria::kLongest_s);
+                      seconds_between() >= S(clock_criteria::kShortest_s) &&
+                      seconds_between() <= S(clock_criteria::kLongest_s);
     if (!pair) return end_image();
     turn_.begin();
     work_ = Work::turn;
@@ -133,7 +135,7 @@ class ImageTurns {
   CameraCalibration<S> camera_;
   TurnBetween<S> turn_;
   Work work_ = Work::nothing;
-  int last_ = 0, at_ = 0, kept_ = 0, matches_ = 0;   ///< `last_`: which of the two is the image before
+  int last_ = 0, at_ = 0, kept_ = 0, matches_ = 0;  ///< `last_`: which of the two is the image before
   Image image_[2];
   Match match_[kPoints];
 };

@@ -1,15 +1,18 @@
-// What rotation says about the offset of two clocks, in sums over pairs of images, one set for each offset that is tried.
+// What rotation says about the offset of two clocks, in sums over pairs of images, one set for each offset that is
+// tried.
 //
-// With v the rate that a pair of images shows and w(d) the gyroscope's mean rate over the same time moved by d, both in I,
+// With v the rate that a pair of images shows and w(d) the gyroscope's mean rate over the same time moved by d, both in
+// I,
 //   B(d) = sum v.w(d),  T(d) = sum |w(d)|^2,  I = sum |v|^2,  correlation r(d) = B / sqrt(T I),
-// means taken off in each window of some seconds: a bias of the gyroscope is no rotation. At the peak of r, Q = B - c T / 2 with
-// c = B / T has its own: -c Q is half the sum of squares of v - c w(d).
+// means taken off in each window of some seconds: a bias of the gyroscope is no rotation. At the peak of r, Q = B - c T
+// / 2 with c = B / T has its own: -c Q is half the sum of squares of v - c w(d).
 //
-// Sigma. A window k has Q_k of its own, whose slope g_k = dQ_k / dd is zero at the offset that this window alone would choose. The
-// slopes sum to zero at the peak of all; how they scatter tells how far peaks of single windows lie from each other, without looking
-// for any of them:  var d = n / (n - 1) sum g_k^2 / (sum Q_k'')^2.  It holds what changes from window to window: noise, parallax, a lens
-// and axes that are slightly wrong. The sums of g_k(i)^2 and g_k(i) g_k(i + 1) are kept for each offset i, so that no window is.
-// Slopes of few windows may agree by chance: sigma is at least what noise of the size of the residuals does,
+// Sigma. A window k has Q_k of its own, whose slope g_k = dQ_k / dd is zero at the offset that this window alone would
+// choose. The slopes sum to zero at the peak of all; how they scatter tells how far peaks of single windows lie from
+// each other, without looking for any of them:  var d = n / (n - 1) sum g_k^2 / (sum Q_k'')^2.  It holds what changes
+// from window to window: noise, parallax, a lens and axes that are slightly wrong. The sums of g_k(i)^2 and g_k(i)
+// g_k(i + 1) are kept for each offset i, so that no window is. Slopes of few windows may agree by chance: sigma is at
+// least what noise of the size of the residuals does,
 //   var d = s^2 / (-c Q''), s^2 = I (1 - r^2) / degrees of freedom.
 #pragma once
 
@@ -23,9 +26,9 @@ namespace SEGCAL_NS {
 template <class S>
 struct WindowSums {
   static constexpr int kOffsets = clock_criteria::kOffsets;
-  S both[kOffsets], square[kOffsets];   ///< v.w, |w|^2; rad^2/s^2
-  Vec3<S> gyro[kOffsets];               ///< sum of w
-  Vec3<S> image;                        ///< sum of v
+  S both[kOffsets], square[kOffsets];  ///< v.w, |w|^2; rad^2/s^2
+  Vec3<S> gyro[kOffsets];              ///< sum of w
+  Vec3<S> image;                       ///< sum of v
   S image_square;
   std::int32_t pairs;
 
@@ -61,10 +64,10 @@ struct WindowSums {
 
 template <class S>
 struct OffsetPeak {
-  int best = 0;                   ///< the offset that is tried with the largest correlation
-  S steps = S(0);                 ///< the peak, in steps from the middle
+  int best = 0;    ///< the offset that is tried with the largest correlation
+  S steps = S(0);  ///< the peak, in steps from the middle
   S correlation = S(-1), elsewhere = S(-1), at_start = S(0);
-  bool inside() const { return best > 1 && best + 2 < clock_criteria::kOffsets; }   ///< slopes on both sides
+  bool inside() const { return best > 1 && best + 2 < clock_criteria::kOffsets; }  ///< slopes on both sides
 };
 
 template <class S>
@@ -85,7 +88,7 @@ class OffsetSums {
     }
     S before = S(0);
     for (int i = 1; i + 1 < kOffsets; ++i) {
-      const S slope = S(0.5) * (Q[i + 1] - Q[i - 1]);   // per step
+      const S slope = S(0.5) * (Q[i + 1] - Q[i - 1]);  // per step
       slope_square_[i] += slope * slope;
       if (i > 1) slope_product_[i - 1] += before * slope;
       before = slope;
@@ -106,13 +109,15 @@ class OffsetSums {
     }
     constexpr int lobe = static_cast<int>(clock_criteria::kLobe_s / clock_criteria::kStep_s + 0.5);
     for (int i = 0; i < kOffsets; ++i) {
-      if ((i > out.best + lobe || i < out.best - lobe) && correlation(i) > out.elsewhere) out.elsewhere = correlation(i);
+      if ((i > out.best + lobe || i < out.best - lobe) && correlation(i) > out.elsewhere)
+        out.elsewhere = correlation(i);
     }
     out.at_start = correlation(clock_criteria::kStepsEitherWay);
     out.steps = S(out.best - clock_criteria::kStepsEitherWay);
     if (!out.inside()) return out;
     const S l = correlation(out.best - 1), m = correlation(out.best), r = correlation(out.best + 1);
-    if (l - S(2) * m + r < S(0)) out.steps += S(0.5) * (l - r) / (l - S(2) * m + r);   // the top of a parabola through the three
+    if (l - S(2) * m + r < S(0))
+      out.steps += S(0.5) * (l - r) / (l - S(2) * m + r);  // the top of a parabola through the three
     return out;
   }
 
@@ -121,7 +126,8 @@ class OffsetSums {
     if (!peak.inside() || windows_ < 2) return kUnknown;
     const int i = peak.best;
     const S c = scale(i);
-    const S bend = (S(2) * both_[i] - both_[i - 1] - both_[i + 1]) - S(0.5) * c * (S(2) * square_[i] - square_[i - 1] - square_[i + 1]);
+    const S bend = (S(2) * both_[i] - both_[i - 1] - both_[i + 1]) -
+                   S(0.5) * c * (S(2) * square_[i] - square_[i - 1] - square_[i + 1]);
     const int dof = 3 * (pairs_ - windows_) - 2;
     if (!(bend > S(0)) || dof < 1) return kUnknown;
     const S noise = image_square_ * (S(1) - peak.correlation * peak.correlation) / (S(dof) * c * bend);
@@ -151,7 +157,7 @@ class OffsetSums {
   }
 
   S both_[kOffsets] = {}, square_[kOffsets] = {};
-  S slope_square_[kOffsets] = {}, slope_product_[kOffsets] = {};   ///< g(i)^2, g(i) g(i + 1)
+  S slope_square_[kOffsets] = {}, slope_product_[kOffsets] = {};  ///< g(i)^2, g(i) g(i + 1)
   S image_square_ = S(0);
   std::int32_t windows_ = 0, pairs_ = 0;
 };

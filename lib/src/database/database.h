@@ -1,8 +1,8 @@
 // The fixed-size database of segments: a ring of N + 1 slots, one of them being built (paper, Sec. V-C).
-// It keeps the set with the smallest sum of the metric: since the sum is over independent terms, that is the N smallest.
-// `set_d` judges the set as a whole instead: of the N kept segments and a new one, the one leaves without which the others
-// know most together, by log det of the prior's and their information. That is the best of all exchanges of one segment;
-// it may miss an exchange of two.
+// It keeps the set with the smallest sum of the metric: since the sum is over independent terms, that is the N
+// smallest. `set_d` judges the set as a whole instead: of the N kept segments and a new one, the one leaves without
+// which the others know most together, by log det of the prior's and their information. That is the best of all
+// exchanges of one segment; it may miss an exchange of two.
 #pragma once
 
 #include "information/joint_information.h"
@@ -25,7 +25,7 @@ inline std::uint64_t next_random(std::uint64_t* state) {
 }
 
 template <class S>
-struct StoredFields;   // store/stored_fields.h
+struct StoredFields;  // store/stored_fields.h
 
 template <class S>
 class Database {
@@ -35,7 +35,8 @@ class Database {
   static constexpr int kSlots = SEGCAL_MAX_SEGMENTS + 1;
   [[gnu::cold]] Database() = default;
 
-  /// `capacity`: segments to keep, 1..SEGCAL_MAX_SEGMENTS. `least_gain`: nats below which a segment is not worth a slot.
+  /// `capacity`: segments to keep, 1..SEGCAL_MAX_SEGMENTS. `least_gain`: nats below which a segment is not worth a
+  /// slot.
   void reset(int capacity, Metric metric, Strategy strategy, S least_gain, std::uint64_t seed) {
     capacity_ = capacity;
     metric_ = metric;

@@ -1,15 +1,15 @@
 // Score tests on the device: what all segments scored since the last calibration say about the effects that are watched
 // (score_test.h), as one triangle over [theta | watched terms | rhs] with theta's prior.
 //
-// Each segment counts alone, at the theta it was scored with. Its rows speak of a step from there; they are moved to the theta
-// that the triangle began with, which is exact as far as they are linear. The segment's states are the filter's, not fitted:
-// a strong statistic is a suspicion, for the host's diagnosis to confirm.
+// Each segment counts alone, at the theta it was scored with. Its rows speak of a step from there; they are moved to
+// the theta that the triangle began with, which is exact as far as they are linear. The segment's states are the
+// filter's, not fitted: a strong statistic is a suspicion, for the host's diagnosis to confirm.
 #pragma once
 
 #include "calibration/prior.h"
 #include "diagnosis/score_test.h"
-#include "sensors/effect_catalogue.h"
 #include "segments/elimination.h"
+#include "sensors/effect_catalogue.h"
 
 namespace SEGCAL_NS {
 

@@ -1,12 +1,14 @@
 // Score tests: would an effect that the model lacks explain the residuals? (docs/diagnosis.md, section 7)
 //
-// The elimination hands out a triangle over [theta | terms | rhs], linearised where all terms are zero, the prior of theta
-// folded in. Its rows below theta's are what the data say about the terms with theta free: min over theta of the cost is
+// The elimination hands out a triangle over [theta | terms | rhs], linearised where all terms are zero, the prior of
+// theta folded in. Its rows below theta's are what the data say about the terms with theta free: min over theta of the
+// cost is
 //     |R_cc c - d_c|^2 + rho^2.
-// An effect e owns a few of the columns c. With all other candidates held at zero, and those that were accepted before free
-// like theta, the columns [accepted | e | rhs] of R_cc are brought to a triangle once more; in its rows of e stand R_ee, d_e:
-//     statistic   s = |d_e|^2: what the cost falls by if e is let free; chi-square with dim(e) degrees of freedom without e,
-//     estimate    R_ee^-1 d_e,  covariance  (R_ee' R_ee)^-1.
+// An effect e owns a few of the columns c. With all other candidates held at zero, and those that were accepted before
+// free like theta, the columns [accepted | e | rhs] of R_cc are brought to a triangle once more; in its rows of e stand
+// R_ee, d_e:
+//     statistic   s = |d_e|^2: what the cost falls by if e is let free; chi-square with dim(e) degrees of freedom
+//     without e, estimate    R_ee^-1 d_e,  covariance  (R_ee' R_ee)^-1.
 // No refit, and only columns that are there already: a few thousand multiplications per effect.
 #pragma once
 
@@ -23,16 +25,16 @@ struct TermGroup {
 /// An effect has at most this many parameters (gyro_g_sensitivity).
 constexpr int kMaxGroupColumns = 9;
 
-/// A column of which less than this share is left when theta and the accepted effects are taken out of it is one of them
-/// in disguise: its direction is rounding, and says nothing.
+/// A column of which less than this share is left when theta and the accepted effects are taken out of it is one of
+/// them in disguise: its direction is rounding, and says nothing.
 template <class S>
 constexpr S kCollinear = std::is_same_v<S, float> ? S(3e-5) : S(1e-9);
 
 template <class S>
 struct EffectScore {
-  std::int32_t dof = 0;              ///< columns that are no combination of theta and the accepted effects
+  std::int32_t dof = 0;  ///< columns that are no combination of theta and the accepted effects
   S statistic = S(0);
-  S estimate[kMaxGroupColumns] = {};    ///< in the columns' units; 0 for a column without a direction of its own
+  S estimate[kMaxGroupColumns] = {};  ///< in the columns' units; 0 for a column without a direction of its own
   S covariance[kMaxGroupColumns * kMaxGroupColumns] = {};  ///< row-major, count x count; 0 for such a column
 
   S sigma(int i, int count) const { return square_root(covariance[i * count + i]); }
@@ -73,8 +75,8 @@ class ScoreTest {
     for (int i = 0; i < terms_; ++i) scratch_[i * (terms_ + 1) + to] = n_theta_ + i <= c ? R_(n_theta_ + i, c) : S(0);
   }
 
-  /// Brings the block's columns of a group, from column `j` on, to rows of T. A column that is a combination of those before
-  /// keeps a row of zeroes: its reflection would take an arbitrary direction away from the columns after it.
+  /// Brings the block's columns of a group, from column `j` on, to rows of T. A column that is a combination of those
+  /// before keeps a row of zeroes: its reflection would take an arbitrary direction away from the columns after it.
   [[gnu::cold]] int clear_columns(const TermGroup& group, int j, PackedTriangle<S>* T) {
     for (int i = 0; i < group.count; ++i, ++j) {
       const S limit = collinear_ * length(n_theta_ + group.first + i);

@@ -1,5 +1,5 @@
-// What several segments say together: sums of information as triangles, R'R = 1 + sum of W'W with W = R_theta diag(sigma
-// of the prior), so that the prior is the identity whatever the units.
+// What several segments say together: sums of information as triangles, R'R = 1 + sum of W'W with W = R_theta
+// diag(sigma of the prior), so that the prior is the identity whatever the units.
 //
 // Sums are folds, never differences: taking a segment out of a sum cancels where that segment alone knew a direction.
 // Leave-one-out sums come from halving instead: the sum without segment i is the sum without the half that i is in, and
@@ -37,7 +37,7 @@ void fold_triangle(S* block, int rows, int stride, PackedTriangle<S>* T) {
 template <class S>
 class JointInformation {
  public:
-  JointInformation() = default;   ///< to be assigned to before use
+  JointInformation() = default;  ///< to be assigned to before use
   /// `scratch`: kJointScratch numbers, lent. `prior_sigma`: of theta's n entries.
   JointInformation(const S* prior_sigma, int n, S* scratch) : prior_sigma_(prior_sigma), n_(n), scratch_(scratch) {}
 
@@ -48,8 +48,8 @@ class JointInformation {
     return T;
   }
 
-  /// Nats that the prior gains from all segments but the i-th, for each i: half of log det. count <= kMaxCompared. In slices;
-  /// true when gain_without(i) tells.
+  /// Nats that the prior gains from all segments but the i-th, for each i: half of log det. count <= kMaxCompared. In
+  /// slices; true when gain_without(i) tells.
   [[gnu::cold]] bool gains_without_one_step(const SegmentInformation<S>* const* segment, int count) {
     SEGCAL_SLICES(place_) {
       for (int level = 0; level < kSumLevels; ++level) first_[level] = last_[level] = 0;
@@ -94,8 +94,9 @@ class JointInformation {
     return T;
   }
 
-  /// To the half that segment i_ is in: the next level is a copy of the one above, to which the other half, [k_, until_), is
-  /// to be added. False if all that is there already: halves come in order, and the segment before had the same one.
+  /// To the half that segment i_ is in: the next level is a copy of the one above, to which the other half, [k_,
+  /// until_), is to be added. False if all that is there already: halves come in order, and the segment before had the
+  /// same one.
   bool descend() {
     const int a = first_[level_], b = last_[level_], middle = a + (b - a) / 2;
     const bool left = i_ < middle;

@@ -47,7 +47,8 @@ template <class S>
 void sort_directions(S* V, int n, S* s) {
   for (int j = 0; j < n; ++j) {
     int best = j;
-    for (int k = j + 1; k < n; ++k) if (s[k] > s[best]) best = k;
+    for (int k = j + 1; k < n; ++k)
+      if (s[k] > s[best]) best = k;
     if (best == j) continue;
     const S swap = s[j];
     s[j] = s[best];
@@ -99,14 +100,15 @@ class SingularValues {
   bool rotated_ = false;
 };
 
-/// An analysis. Its work W is lent by the owner, kMaxTheta^2 numbers: it is needed until directions and metrics are there.
+/// An analysis. Its work W is lent by the owner, kMaxTheta^2 numbers: it is needed until directions and metrics are
+/// there.
 template <class S>
 struct InformationAnalysis {
   std::int32_t n = 0;
-  S s[kMaxTheta];                   ///< singular values against the prior, largest first
-  S V[kMaxTheta * kMaxTheta];       ///< column i: direction i, in prior units
+  S s[kMaxTheta];              ///< singular values against the prior, largest first
+  S V[kMaxTheta * kMaxTheta];  ///< column i: direction i, in prior units
   Near<S> W;
-  SingularValues<S> values;         ///< under way
+  SingularValues<S> values;  ///< under way
 
   /// Direction i's sigma after the measurement, in units of the prior's.
   S relative_sigma(int i) const { return S(1) / square_root(S(1) + s[i] * s[i]); }
@@ -137,7 +139,8 @@ void analyse(const SegmentInformation<S>& information, const S* prior_sigma, Inf
   }
 }
 
-/// The same from a triangle over [theta | rhs] that already holds the prior's rows: its singular values are sqrt(1 + s^2).
+/// The same from a triangle over [theta | rhs] that already holds the prior's rows: its singular values are sqrt(1 +
+/// s^2).
 template <class S>
 void begin_analysis_with_prior(const PackedTriangle<S>& R, const S* prior_sigma, InformationAnalysis<S>* out) {
   const int n = R.columns() - 1;

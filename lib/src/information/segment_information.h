@@ -11,7 +11,7 @@ namespace SEGCAL_NS {
 template <class S>
 struct SegmentInformation {
   std::int32_t n_theta = 0;
-  std::int32_t dof = 0;   ///< residuals minus states and landmarks, theta not counted
+  std::int32_t dof = 0;  ///< residuals minus states and landmarks, theta not counted
   S data[packed_size(kMaxTheta + 1)];
 
   PackedTriangle<S> triangle() { return PackedTriangle<S>(data, n_theta + 1); }

@@ -1,7 +1,7 @@
 // A configuration in a device log: its fields in the order of segcal_config_t, listed once for writing and reading.
 //
-// New fields are appended to the list. A shorter block, of an older writer, leaves them zero, which means their default;
-// a longer one is refused, since what the device did with it is not known here.
+// New fields are appended to the list. A shorter block, of an older writer, leaves them zero, which means their
+// default; a longer one is refused, since what the device did with it is not known here.
 #pragma once
 
 #include "log/format.h"

@@ -34,13 +34,13 @@ int write_block(segcal_log_t* log, LogBlock type, std::size_t n) {
 int write_header(segcal_log_t* log) {
   if (write(log, kLogMagic, kLogMagicBytes) != SEGCAL_OK) return SEGCAL_ERROR_STATE;
   ByteWriter out = payload_of(*log);
-  const std::uint32_t numbers[] = {SEGCAL_LOG_FORMAT,       SEGCAL_VERSION,          sizeof(SEGCAL_REAL),
-                                   SEGCAL_MAX_CAMERAS,      SEGCAL_MAX_SEGMENTS,     SEGCAL_MAX_KEYFRAMES,
-                                   SEGCAL_MAX_LANDMARKS,    SEGCAL_MAX_OBSERVATIONS, SEGCAL_MAX_IMU_SAMPLES,
-                                   SEGCAL_MAX_CLONES,       SEGCAL_MAX_TRACKS,       SEGCAL_MAX_TIES,
-                                   SEGCAL_SHARED_LANDMARKS, SEGCAL_IMU_HISTORY,      SEGCAL_MAX_EFFECT_ESTIMATES,
-                                   SEGCAL_MAX_EFFECT_COLUMNS, SEGCAL_FRAME_FEATURES, SEGCAL_START_DELAY_MS,
-                                   SEGCAL_PIXEL_BITS,       SEGCAL_WAITING_FRAMES,   SEGCAL_MAX_EPOCHS};
+  const std::uint32_t numbers[] = {SEGCAL_LOG_FORMAT,         SEGCAL_VERSION,          sizeof(SEGCAL_REAL),
+                                   SEGCAL_MAX_CAMERAS,        SEGCAL_MAX_SEGMENTS,     SEGCAL_MAX_KEYFRAMES,
+                                   SEGCAL_MAX_LANDMARKS,      SEGCAL_MAX_OBSERVATIONS, SEGCAL_MAX_IMU_SAMPLES,
+                                   SEGCAL_MAX_CLONES,         SEGCAL_MAX_TRACKS,       SEGCAL_MAX_TIES,
+                                   SEGCAL_SHARED_LANDMARKS,   SEGCAL_IMU_HISTORY,      SEGCAL_MAX_EFFECT_ESTIMATES,
+                                   SEGCAL_MAX_EFFECT_COLUMNS, SEGCAL_FRAME_FEATURES,   SEGCAL_START_DELAY_MS,
+                                   SEGCAL_PIXEL_BITS,         SEGCAL_WAITING_FRAMES,   SEGCAL_MAX_EPOCHS};
   for (std::uint32_t n : numbers) out.integer(n);
   return write_block(log, LogBlock::header, out.size());
 }
@@ -86,7 +86,8 @@ int segcal_log_begin(segcal_log_t* log, const segcal_config_t* config, uint8_t* 
 int segcal_log_imu(segcal_log_t* log, const segcal_imu_t* sample) {
   if (!log || !sample || !log->write) return SEGCAL_ERROR_NULL;
   // The stamp is kept as its distance from the block's first: 2 s either way, else a new block begins.
-  const std::int64_t dt = static_cast<std::int64_t>(static_cast<std::uint64_t>(sample->t_ns) - static_cast<std::uint64_t>(log->t0_ns));
+  const std::int64_t dt =
+      static_cast<std::int64_t>(static_cast<std::uint64_t>(sample->t_ns) - static_cast<std::uint64_t>(log->t0_ns));
   const bool room = kBlockHead + log->used + kImuSample + kBlockTail <= log->capacity;
   if (log->samples > 0 && (!room || dt > INT32_MAX || dt < INT32_MIN)) finish_samples(log);
   if (log->failed) return SEGCAL_ERROR_STATE;

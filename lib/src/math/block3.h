@@ -1,5 +1,5 @@
-// Sums of products of 3 x 3 blocks, in place in larger matrices. Eigen's expressions of them are inlined again at each place
-// and leave their temporaries on the stack; these are calls of one small function.
+// Sums of products of 3 x 3 blocks, in place in larger matrices. Eigen's expressions of them are inlined again at each
+// place and leave their temporaries on the stack; these are calls of one small function.
 #pragma once
 
 #include "math/types.h"

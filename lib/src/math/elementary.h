@@ -38,8 +38,8 @@ constexpr S pi = S(3.14159265358979323846264338327950288L);
 template <class S>
 constexpr S kLargestAngle = S(1e9);
 
-/// sin(x) and cos(x); |x| <= 1e4 keeps the stated accuracy (in ulp of 0.01 where the result is below 0.01: the reduction
-/// by pi/2 has an absolute error). Not-a-number beyond kLargestAngle.
+/// sin(x) and cos(x); |x| <= 1e4 keeps the stated accuracy (in ulp of 0.01 where the result is below 0.01: the
+/// reduction by pi/2 has an absolute error). Not-a-number beyond kLargestAngle.
 template <class S>
 void sin_cos(S x, S* sine, S* cosine) {
   if (!(absolute(x) <= kLargestAngle<S>)) {
@@ -63,18 +63,40 @@ void sin_cos(S x, S* sine, S* cosine) {
   const S halved = S(0.5) * r2, leading = S(1) - halved, lost = (S(1) - leading) - halved;
   if constexpr (std::is_same_v<S, float>) {
     s = r + r * (r2 * (-1.6666654611e-1f + r2 * (8.3321608736e-3f + r2 * -1.9515295891e-4f)));
-    c = leading + (lost + r2 * r2 * (4.166664568298827e-2f + r2 * (-1.388731625493765e-3f + r2 * 2.443315711809948e-5f)));
+    c = leading +
+        (lost + r2 * r2 * (4.166664568298827e-2f + r2 * (-1.388731625493765e-3f + r2 * 2.443315711809948e-5f)));
   } else {
-    s = r + r * r2 * (-1.0 / 6 + r2 * (1.0 / 120 + r2 * (-1.0 / 5040 + r2 * (1.0 / 362880 + r2 * (-1.0 / 39916800 +
-        r2 * (1.0 / 6227020800.0 - r2 * (1.0 / 1307674368000.0)))))));
-    c = leading + (lost + r2 * r2 * (1.0 / 24 + r2 * (-1.0 / 720 + r2 * (1.0 / 40320 + r2 * (-1.0 / 3628800 +
-        r2 * (1.0 / 479001600.0 + r2 * (-1.0 / 87178291200.0 + r2 * (1.0 / 20922789888000.0))))))));
+    s = r + r * r2 *
+                (-1.0 / 6 +
+                 r2 * (1.0 / 120 +
+                       r2 * (-1.0 / 5040 +
+                             r2 * (1.0 / 362880 + r2 * (-1.0 / 39916800 +
+                                                        r2 * (1.0 / 6227020800.0 - r2 * (1.0 / 1307674368000.0)))))));
+    c = leading +
+        (lost + r2 * r2 *
+                    (1.0 / 24 +
+                     r2 * (-1.0 / 720 +
+                           r2 * (1.0 / 40320 + r2 * (-1.0 / 3628800 + r2 * (1.0 / 479001600.0 +
+                                                                            r2 * (-1.0 / 87178291200.0 +
+                                                                                  r2 * (1.0 / 20922789888000.0))))))));
   }
   switch (k & 3) {
-    case 0: *sine = s; *cosine = c; break;
-    case 1: *sine = c; *cosine = -s; break;
-    case 2: *sine = -s; *cosine = -c; break;
-    default: *sine = -c; *cosine = s; break;
+    case 0:
+      *sine = s;
+      *cosine = c;
+      break;
+    case 1:
+      *sine = c;
+      *cosine = -s;
+      break;
+    case 2:
+      *sine = -s;
+      *cosine = -c;
+      break;
+    default:
+      *sine = -c;
+      *cosine = s;
+      break;
   }
 }
 
@@ -131,10 +153,14 @@ S arc_tangent(S x) {
   if constexpr (std::is_same_v<S, float>) {
     rest = -3.33329491539e-1f + a2 * (1.99777106478e-1f + a2 * (-1.38776856032e-1f + a2 * 8.05374449538e-2f));
   } else {
-    const S p = -6.485021904942025371773e1 + a2 * (-1.228866684490136173410e2 + a2 * (-7.500855792314704667340e1 +
-                a2 * (-1.615753718733365076637e1 + a2 * -8.750608600031904122785e-1)));
-    const S q = 1.945506571482613964425e2 + a2 * (4.853903996359136964868e2 + a2 * (4.328810604912902668951e2 +
-                a2 * (1.650270098316988542046e2 + a2 * (2.485846490142306297962e1 + a2))));
+    const S p =
+        -6.485021904942025371773e1 +
+        a2 * (-1.228866684490136173410e2 +
+              a2 * (-7.500855792314704667340e1 + a2 * (-1.615753718733365076637e1 + a2 * -8.750608600031904122785e-1)));
+    const S q = 1.945506571482613964425e2 +
+                a2 * (4.853903996359136964868e2 +
+                      a2 * (4.328810604912902668951e2 +
+                            a2 * (1.650270098316988542046e2 + a2 * (2.485846490142306297962e1 + a2))));
     rest = p / q;
   }
   S result = base.high + (base.low + (a + a * (a2 * rest)));
@@ -158,8 +184,8 @@ S arc_tangent2(S y, S x) {
   return y > S(0) ? pi<S> / S(2) - a : -pi<S> / S(2) - a;
 }
 
-/// Natural logarithm of x > 0. Infinity and not-a-number are returned as they are, so that the loops below end: each halves or
-/// doubles at most as often as the type has exponents.
+/// Natural logarithm of x > 0. Infinity and not-a-number are returned as they are, so that the loops below end: each
+/// halves or doubles at most as often as the type has exponents.
 template <class S>
 S logarithm(S x) {
   if (!is_finite(x)) return x;

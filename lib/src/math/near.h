@@ -1,5 +1,5 @@
-// Pointers inside a block of memory that may be moved as bytes: they hold how far away their object is, not where. They stay right where both
-// move together.
+// Pointers inside a block of memory that may be moved as bytes: they hold how far away their object is, not where. They
+// stay right where both move together.
 #pragma once
 
 #include <cstddef>
@@ -20,15 +20,19 @@ class Near {
     point_to(other);
     return *this;
   }
-  T* get() const { return reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(this) + distance_); }  // NOLINT(performance-no-int-to-ptr)
+  T* get() const {
+    return reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(this) + distance_);
+  }  // NOLINT(performance-no-int-to-ptr)
   operator T*() const { return get(); }
   T* operator->() const { return get(); }
   /// The object has moved by so many bytes, and this has not.
   void follow(std::ptrdiff_t bytes) { distance_ += static_cast<std::uintptr_t>(bytes); }
 
  private:
-  void point_to(T* object) { distance_ = reinterpret_cast<std::uintptr_t>(object) - reinterpret_cast<std::uintptr_t>(this); }
-  std::uintptr_t distance_ = 0;   ///< bytes from here, modulo the address space
+  void point_to(T* object) {
+    distance_ = reinterpret_cast<std::uintptr_t>(object) - reinterpret_cast<std::uintptr_t>(this);
+  }
+  std::uintptr_t distance_ = 0;  ///< bytes from here, modulo the address space
 };
 
 template <class T>
@@ -41,14 +45,18 @@ class NearOrNull {
     return *this;
   }
   operator T*() const {
-    return distance_ == 0 ? nullptr : reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(this) + distance_);  // NOLINT(performance-no-int-to-ptr)
+    return distance_ == 0 ? nullptr
+                          : reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(this) +
+                                                 distance_);  // NOLINT(performance-no-int-to-ptr)
   }
   T* operator->() const { return *this; }
   explicit operator bool() const { return distance_ != 0; }
 
  private:
-  void point_to(T* object) { distance_ = object ? reinterpret_cast<std::uintptr_t>(object) - reinterpret_cast<std::uintptr_t>(this) : 0; }
-  std::uintptr_t distance_;   ///< as Near's; 0: null
+  void point_to(T* object) {
+    distance_ = object ? reinterpret_cast<std::uintptr_t>(object) - reinterpret_cast<std::uintptr_t>(this) : 0;
+  }
+  std::uintptr_t distance_;  ///< as Near's; 0: null
 };
 
 }  // namespace SEGCAL_NS

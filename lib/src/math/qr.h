@@ -2,7 +2,8 @@
 //
 // A triangle R (n columns, the last ones may be right-hand sides) stands for the stacked rows seen so far:
 // R'R = A'A. Folding a block B of m rows replaces [R; B] by Q'[R; B] = [R+; 0]. Each reflection acts on one row of R
-// and on the m rows of B, so the cost is 2 m per entry, and columns left of the block's first non-zero one are not touched.
+// and on the m rows of B, so the cost is 2 m per entry, and columns left of the block's first non-zero one are not
+// touched.
 #pragma once
 
 #include "math/elementary.h"
@@ -41,7 +42,7 @@ inline void reflect_column(S* r, S* block, int m, int stride, int j, int n, Colu
   if (below < smallest_square<S>) return;  // nothing to clear; the inverse below would overflow
   const S norm = square_root(r[j] * r[j] + below);
   const S alpha = r[j] > S(0) ? -norm : norm;
-  const S v0 = r[j] - alpha;             // no cancellation: alpha has the other sign
+  const S v0 = r[j] - alpha;                                                // no cancellation: alpha has the other sign
   const Reflection<S> h{r, block, m, stride, j, v0, S(-1) / (alpha * v0)};  // v'v = -2 alpha v0
   if (gap.last <= j) {
     reflect_range(h, j + 1, n);
@@ -65,8 +66,8 @@ void fold_rows(PackedTriangle<S>& R, S* block, int m, int stride, int first, int
 }
 
 /// Clears the `columns` leading columns of a dense block in place (m rows of width n, row-major). Afterwards rows
-/// [0, columns) hold the triangle of those columns, and rows [columns, m) are free of them (read from column `columns` on).
-/// `gap`: columns that are zero in every row.
+/// [0, columns) hold the triangle of those columns, and rows [columns, m) are free of them (read from column `columns`
+/// on). `gap`: columns that are zero in every row.
 template <class S>
 void reflect_leading_columns(S* block, int m, int stride, int n, int columns, ColumnGap gap = {}) {
   for (int j = 0; j < columns && j < m; ++j) {

@@ -5,7 +5,8 @@
 
 namespace SEGCAL_NS {
 
-/// The z that a standard normal number exceeds with probability p, 0 < p <= 0.5, to 5e-4 (Abramowitz and Stegun, 26.2.23).
+/// The z that a standard normal number exceeds with probability p, 0 < p <= 0.5, to 5e-4 (Abramowitz and
+/// Stegun, 26.2.23).
 template <class S>
 S normal_upper_quantile(S p) {
   const S t = square_root(S(-2) * logarithm(p));
@@ -13,9 +14,9 @@ S normal_upper_quantile(S p) {
                  (S(1) + t * (S(1.432788) + t * (S(0.189269) + t * S(0.001308))));
 }
 
-/// What the ratio of two mean squares with m and n degrees of freedom exceeds with probability p (Paulson: the cube roots of
-/// mean squares are nearly normal, with variance 2/9m and mean 1 - 2/9m). Zero if n is too small for a limit; within 2 %
-/// from ten degrees on.
+/// What the ratio of two mean squares with m and n degrees of freedom exceeds with probability p (Paulson: the cube
+/// roots of mean squares are nearly normal, with variance 2/9m and mean 1 - 2/9m). Zero if n is too small for a limit;
+/// within 2 % from ten degrees on.
 template <class S>
 S f_upper_quantile(int m, int n, S p) {
   const S va = S(2) / (S(9) * S(m)), vb = S(2) / (S(9) * S(n)), a = S(1) - va, b = S(1) - vb;

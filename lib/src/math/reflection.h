@@ -1,22 +1,23 @@
 // A Householder reflection of one row against a block of rows, in strips of columns.
 //
 // Both passes over the rows are "y += a x" along a row. They run in strips of columns whose sums stay in registers, as
-// vectors of 16 or 32 bytes that every target has or splits up (SEGCAL_SCALAR_KERNELS: plain numbers instead). Each column
-// has its own sum, in the order of the rows: every build gives the same bits.
+// vectors of 16 or 32 bytes that every target has or splits up (SEGCAL_SCALAR_KERNELS: plain numbers instead). Each
+// column has its own sum, in the order of the rows: every build gives the same bits.
 #pragma once
 
 #include "math/types.h"
 
 namespace SEGCAL_NS {
 
-// Vector registers, or strips of single numbers. Without such registers the compiler's vector type would live in memory.
+// Vector registers, or strips of single numbers. Without such registers the compiler's vector type would live in
+// memory.
 #if !defined(SEGCAL_SCALAR_KERNELS) && !defined(__SSE2__) && !defined(__ARM_NEON) && \
     !(defined(__ARM_FEATURE_MVE) && (__ARM_FEATURE_MVE & 2))
 #define SEGCAL_SCALAR_KERNELS
 #endif
 
-/// Vectors of 16 bytes, or 32 where the compiler may use AVX: a type of the compiler, so that the strips below are not left to
-/// its guesses.
+/// Vectors of 16 bytes, or 32 where the compiler may use AVX: a type of the compiler, so that the strips below are not
+/// left to its guesses.
 template <class S>
 struct Lanes {
 #ifdef __AVX__

@@ -11,9 +11,9 @@
 //     SEGCAL_SLICES_END(place_);
 //   }
 //
-// The place is a line number inside a switch (protothreads; Dunkels et al. 2006), so there is no second stack. What must live
-// across a pause is a member; a local variable may stand before SEGCAL_SLICES, where each call makes it anew, or in a block
-// without a pause. After the end the place is at the start again. One pause or await per line.
+// The place is a line number inside a switch (protothreads; Dunkels et al. 2006), so there is no second stack. What
+// must live across a pause is a member; a local variable may stand before SEGCAL_SLICES, where each call makes it anew,
+// or in a block without a pause. After the end the place is at the start again. One pause or await per line.
 #pragma once
 
 #include <cstdint>

@@ -78,8 +78,8 @@ void back_substitute(const Mat<S, N, N>& L, S* x) {
   }
 }
 
-/// Lower Cholesky factor of a small symmetric positive matrix, in its place: what is above the diagonal stays as it was.
-/// False if a pivot is not positive.
+/// Lower Cholesky factor of a small symmetric positive matrix, in its place: what is above the diagonal stays as it
+/// was. False if a pivot is not positive.
 template <class S, int N>
 bool cholesky_in_place(Mat<S, N, N>* A) {
   Mat<S, N, N>& L = *A;

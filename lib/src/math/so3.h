@@ -20,7 +20,8 @@ RotationSeries<S> rotation_series(S t2) {
   if (t2 < threshold) {
     // Terms up to t^8: at the threshold the next one is below one ulp.
     const S a = S(1) + t2 * (S(-1) / S(6) + t2 * (S(1) / S(120) + t2 * (S(-1) / S(5040) + t2 * (S(1) / S(362880)))));
-    const S b = S(0.5) + t2 * (S(-1) / S(24) + t2 * (S(1) / S(720) + t2 * (S(-1) / S(40320) + t2 * (S(1) / S(3628800)))));
+    const S b =
+        S(0.5) + t2 * (S(-1) / S(24) + t2 * (S(1) / S(720) + t2 * (S(-1) / S(40320) + t2 * (S(1) / S(3628800)))));
     const S c = S(1) / S(6) +
                 t2 * (S(-1) / S(120) + t2 * (S(1) / S(5040) + t2 * (S(-1) / S(362880) + t2 * (S(1) / S(39916800)))));
     return {a, b, c};
@@ -55,8 +56,11 @@ Mat3<S> so3_right_jacobian_inverse(const Vec3<S>& phi) {
   S e;  // (1 - (t/2) cot(t/2)) / t^2
   if (t2 < S(0.25)) {
     // Coefficients abs(B_2n) / (2n)!; at t = 1/2 the first one left out is 2e-17.
-    e = S(1) / S(12) + t2 * (S(1) / S(720) + t2 * (S(1) / S(30240) + t2 * (S(1) / S(1209600) + t2 * (S(1) / S(47900160) +
-        t2 * (S(691) / S(1307674368000.0) + t2 * (S(1) / S(74724249600.0)))))));
+    e = S(1) / S(12) +
+        t2 * (S(1) / S(720) +
+              t2 * (S(1) / S(30240) +
+                    t2 * (S(1) / S(1209600) + t2 * (S(1) / S(47900160) + t2 * (S(691) / S(1307674368000.0) +
+                                                                               t2 * (S(1) / S(74724249600.0)))))));
   } else {
     const RotationSeries<S> k = rotation_series<S>(t2);
     e = (S(1) - k.a / (S(2) * k.b)) / t2;
@@ -64,7 +68,8 @@ Mat3<S> so3_right_jacobian_inverse(const Vec3<S>& phi) {
   return Mat3<S>::Identity() + S(0.5) * K + e * (K * K);
 }
 
-/// Unit quaternion (w, x, y, z) of a rotation matrix; the largest component is found first, so it never divides by zero.
+/// Unit quaternion (w, x, y, z) of a rotation matrix; the largest component is found first, so it never divides by
+/// zero.
 template <class S>
 Vec<S, 4> quaternion_from_matrix(const Mat3<S>& R) {
   const S trace = R(0, 0) + R(1, 1) + R(2, 2);
@@ -92,9 +97,9 @@ Mat3<S> matrix_from_quaternion(const Vec<S, 4>& q) {
   const S n = S(2) / q.squaredNorm();
   const S w = q(0), x = q(1), y = q(2), z = q(3);
   Mat3<S> R;
-  R << S(1) - n * (y * y + z * z), n * (x * y - w * z), n * (x * z + w * y),
-      n * (x * y + w * z), S(1) - n * (x * x + z * z), n * (y * z - w * x),
-      n * (x * z - w * y), n * (y * z + w * x), S(1) - n * (x * x + y * y);
+  R << S(1) - n * (y * y + z * z), n * (x * y - w * z), n * (x * z + w * y), n * (x * y + w * z),
+      S(1) - n * (x * x + z * z), n * (y * z - w * x), n * (x * z - w * y), n * (y * z + w * x),
+      S(1) - n * (x * x + y * y);
   return R;
 }
 
@@ -111,8 +116,8 @@ Vec3<S> so3_log(const Mat3<S>& R) {
   return v * (S(2) * arc_tangent2(n, q(0)) / n);
 }
 
-/// Rotation vector of R nearest to `centre`, |centre| <= pi. The one with |Log| <= pi jumps from v to v - 2 pi v/|v| at half
-/// turns; of these two, the one that moves smoothly with R around Exp(centre).
+/// Rotation vector of R nearest to `centre`, |centre| <= pi. The one with |Log| <= pi jumps from v to v - 2 pi v/|v| at
+/// half turns; of these two, the one that moves smoothly with R around Exp(centre).
 template <class S>
 Vec3<S> so3_log_near(const Mat3<S>& R, const Vec3<S>& centre) {
   const Vec3<S> v = so3_log<S>(R);

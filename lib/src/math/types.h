@@ -42,8 +42,8 @@ Vec3<S> cross(const Vec3<S>& a, const Vec3<S>& b) {
   return Vec3<S>(a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x());
 }
 
-/// Products of 3 x 3 matrices, one copy in the code for all who multiply: as Eigen's expressions they are unrolled anew in each place
-/// (27 products; or nine calls, where the inliner's budget is spent). Sums run from left to right.
+/// Products of 3 x 3 matrices, one copy in the code for all who multiply: as Eigen's expressions they are unrolled anew
+/// in each place (27 products; or nine calls, where the inliner's budget is spent). Sums run from left to right.
 template <class S, class A, class B>
 Mat3<S> product3(const A& a, const B& b) {
   Mat3<S> out;

@@ -11,18 +11,18 @@
 
 namespace SEGCAL_NS {
 
-/// m from the origin beyond which the next segment gets one of its own: float resolves 8 um there, a tenth of what an IMU link of
-/// a keyframe's distance knows.
+/// m from the origin beyond which the next segment gets one of its own: float resolves 8 um there, a tenth of what an
+/// IMU link of a keyframe's distance knows.
 constexpr double kFarPlace = 100;
 
 /// What did not fit, since the start.
 struct BuilderCounts {
   std::uint32_t landmarks_left_out = 0, points_left_out = 0, ended_early = 0, not_triangulated = 0;
-  std::uint32_t points_repeated = 0;   ///< the same track twice in one image: the first point stays
+  std::uint32_t points_repeated = 0;  ///< the same track twice in one image: the first point stays
 };
 
 template <class S>
-struct StoredFields;   // store/stored_fields.h
+struct StoredFields;  // store/stored_fields.h
 
 template <class S>
 class SegmentBuilder {
@@ -63,9 +63,8 @@ class SegmentBuilder {
   }
 
   /// Adds a keyframe. False if it does not fit any more (keyframes or IMU samples): close the segment, begin the next.
-  /// `shift_ns`: how far t_ns is from the camera's stamp. All keyframes of a segment have the same: one with another is left
-  /// out. `origin`: what state.p_GI counts
-  /// from, m.
+  /// `shift_ns`: how far t_ns is from the camera's stamp. All keyframes of a segment have the same: one with another is
+  /// left out. `origin`: what state.p_GI counts from, m.
   bool add_keyframe(std::int64_t t_ns, std::int32_t shift_ns, const State<S>& state, const double* origin,
                     const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
 
@@ -74,8 +73,8 @@ class SegmentBuilder {
 
   /// Worth to be closed.
   bool long_enough() const { return segment_->n_keyframes >= kFewestKeyframes; }
-  /// Ends a segment that has left the builder: sorts, triangulates at theta, drops what cannot be used. In slices; true when
-  /// useful() tells.
+  /// Ends a segment that has left the builder: sorts, triangulates at theta, drops what cannot be used. In slices; true
+  /// when useful() tells.
   bool close_step(Segment<S>* closed, const Calibration<S>& theta, const MeasurementModel<S>& model);
   void restart_close() { place_ = 0; }
   static bool useful(const Segment<S>& closed) { return closed.n_landmarks >= kFewestLandmarks; }
@@ -93,12 +92,12 @@ class SegmentBuilder {
 
   Near<Segment<S>> segment_;
   std::int64_t last_keyframe_ns_ = kNever;
-  std::uint8_t last_seen_[kMaxLandmarks];   // keyframe
-  std::uint16_t seen_[kMaxLandmarks];       // image points
-  double origin_[3] = {0, 0, 0};            // of the newest segment
+  std::uint8_t last_seen_[kMaxLandmarks];  // keyframe
+  std::uint16_t seen_[kMaxLandmarks];      // image points
+  double origin_[3] = {0, 0, 0};           // of the newest segment
   S gyro_range_ = S(35), accel_range_ = S(157);
   BuilderCounts counts_;
-  Place place_ = 0;         // of close_step()
+  Place place_ = 0;  // of close_step()
   std::int32_t j_ = 0;
 };
 
@@ -116,8 +115,9 @@ bool SegmentBuilder<S>::copy_imu(std::int64_t from_ns, std::int64_t to_ns, const
 }
 
 template <class S>
-[[gnu::cold]] bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, std::int32_t shift_ns, const State<S>& state, const double* origin,
-                                     const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
+[[gnu::cold]] bool SegmentBuilder<S>::add_keyframe(std::int64_t t_ns, std::int32_t shift_ns, const State<S>& state,
+                                                   const double* origin, const TrackPoint<S>* points, int n,
+                                                   const ImuHistory<S>& imu) {
   Segment<S>& s = *segment_;
   if (s.n_keyframes == kMaxKeyframes) return false;
   if (empty()) {
@@ -137,7 +137,8 @@ template <class S>
   s.t_us[k] = static_cast<std::int32_t>((t_ns - s.t0_ns + 500) / 1000);
   s.warmth[k] = static_cast<float>(imu.warmth());
   s.states.x[k] = state;
-  for (int i = 0; i < 3; ++i) s.states.x[k].p_GI(i) = static_cast<S>(origin[i] - s.origin[i] + static_cast<double>(state.p_GI(i)));
+  for (int i = 0; i < 3; ++i)
+    s.states.x[k].p_GI(i) = static_cast<S>(origin[i] - s.origin[i] + static_cast<double>(state.p_GI(i)));
   last_keyframe_ns_ = t_ns;
   // The cameras take turns, so that the first does not fill the places of the others.
   int next[kMaxCameras] = {};
@@ -199,7 +200,8 @@ bool SegmentBuilder<S>::close_step(Segment<S>* closed, const Calibration<S>& the
       SEGCAL_PAUSE(place_);
       if (triangulate(closed, j_, theta, model, limit)) continue;
       ++counts_.not_triangulated;
-      for (int o = s.first_observation[j_]; o < s.first_observation[j_ + 1]; ++o) s.observation[o].landmark = kDroppedLandmark;
+      for (int o = s.first_observation[j_]; o < s.first_observation[j_ + 1]; ++o)
+        s.observation[o].landmark = kDroppedLandmark;
     }
     index_observations(closed, 1);
   }

@@ -5,8 +5,8 @@
 
 namespace SEGCAL_NS {
 
-/// A point of the newest keyframe. Each keyframe may use what those before it left of their even shares: without this the
-/// last ones of a segment with many tracks would have no points at all.
+/// A point of the newest keyframe. Each keyframe may use what those before it left of their even shares: without this
+/// the last ones of a segment with many tracks would have no points at all.
 template <class S>
 void SegmentBuilder<S>::add_point(const TrackPoint<S>& point) {
   Segment<S>& s = *segment_;
@@ -25,14 +25,18 @@ void SegmentBuilder<S>::add_point(const TrackPoint<S>& point) {
     ++counts_.points_repeated;
     return;
   }
-  s.observation[s.n_observations++] = {u, v, static_cast<ObservationBits>(j), static_cast<ObservationBits>(k),
-                                       static_cast<ObservationBits>(point.camera), 0};
+  s.observation[s.n_observations++] = {u,
+                                       v,
+                                       static_cast<ObservationBits>(j),
+                                       static_cast<ObservationBits>(k),
+                                       static_cast<ObservationBits>(point.camera),
+                                       0};
   last_seen_[j] = static_cast<std::uint8_t>(k);
   ++seen_[j];
 }
 
-/// Whether the newest keyframe holds a point of this landmark in this camera. At most one per keyframe and camera is what
-/// bounds a landmark's rows (kLandmarkBlockRows).
+/// Whether the newest keyframe holds a point of this landmark in this camera. At most one per keyframe and camera is
+/// what bounds a landmark's rows (kLandmarkBlockRows).
 template <class S>
 bool SegmentBuilder<S>::is_in_newest(int landmark, int camera) const {
   const Segment<S>& s = *segment_;

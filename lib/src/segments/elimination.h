@@ -36,9 +36,7 @@ class SegmentEliminator {
   bool eliminate_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                       const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates = nullptr);
   /// Forgets work that is under way.
-  void restart() {
-    place_ = inner_place_ = 0;
-  }
+  void restart() { place_ = inner_place_ = 0; }
 
   /// What is left, and where its columns stand.
   ReducedSystem<S>& reduced() { return reduced_; }
@@ -51,7 +49,8 @@ class SegmentEliminator {
 
   /// Copies the rows of theta; for a segment without ties. Candidates are held at zero.
   void extract(SegmentInformation<S>* out);
-  /// Row i of [theta | candidates | rhs] for a segment without ties, 0 <= i <= wide_theta(): all that it says about them.
+  /// Row i of [theta | candidates | rhs] for a segment without ties, 0 <= i <= wide_theta(): all that it says about
+  /// them.
   const S* wide_row(int i) {
     reduced_.global_row(i, step_);
     return step_;
@@ -73,16 +72,20 @@ class SegmentEliminator {
   bool back_substitute_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                             const MeasurementModel<S>& model, S damping, S* step, int known);
   /// Then moves the segment's states and landmarks along `step`, linearised where eliminate() was called.
-  void move(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping, const S* step) {
+  void move(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping,
+            const S* step) {
     while (!move_step(segment, theta, model, damping, step)) {
     }
   }
-  bool move_step(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping, const S* step);
+  bool move_step(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping,
+                 const S* step);
 
  private:
-  void lay_out(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta, const CandidateTerms* candidates);
+  void lay_out(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+               const CandidateTerms* candidates);
   void add_term(const Term& t, ReducedLayout* layout);
-  bool fold_landmarks_step(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping);
+  bool fold_landmarks_step(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                           S damping);
   bool fold_ties_step(const Segment<S>& segment, const Calibration<S>& theta, const MeasurementModel<S>& model);
   void hold_gauge(const State<S>& x, const MeasurementModel<S>& model);
   void damp_pose(int k, int first, S damping);
@@ -91,7 +94,8 @@ class SegmentEliminator {
   [[gnu::cold]] void link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model);
   void link_keyframes(const Segment<S>& segment, int k, const MeasurementModel<S>& model);
   void start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model, int axis);
-  void move_landmark(Segment<S>* segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model, S damping, const S* step);
+  void move_landmark(Segment<S>* segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                     S damping, const S* step);
   void spread_step(const S* step);
   void spread_linked(const S* step);
 
@@ -106,7 +110,8 @@ class SegmentEliminator {
     Work() {}
     LandmarkBlock<S> landmark;
     Linked linked;
-    S lent[2 * kMaxTheta * kMaxTheta + packed_size(kMaxTheta + 1) + 8 * kMaxTheta + 300];   ///< what borrowers need at least
+    S lent[2 * kMaxTheta * kMaxTheta + packed_size(kMaxTheta + 1) + 8 * kMaxTheta +
+           300];  ///< what borrowers need at least
   };
   alignas(8) Work work_;
 
@@ -125,8 +130,9 @@ class SegmentEliminator {
 };
 
 template <class S>
-bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                                          const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates) {
+bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const GuestLink<S>& guest,
+                                          const Calibration<S>& theta, const MeasurementModel<S>& model, S damping,
+                                          const CandidateTerms* candidates) {
   SEGCAL_SLICES(place_) {
     lay_out(segment, guest, theta, candidates);
     new (&work_.landmark) LandmarkBlock<S>;
@@ -184,10 +190,12 @@ void SegmentEliminator<S>::add_term(const Term& t, ReducedLayout* layout) {
   layout->add_term(t);
 }
 
-/// 1/m and 1/rad. The gauge: position and rotation about gravity of the first keyframe. Measurements leave them exactly free; the priors on inverse
-/// distances, counted from fixed anchors, do not: together they pull the world away from near landmarks, by some 2400 (1/m) where a hundred corners
-/// of a floor are 15 cm away (landmark_guess.h). What is held is the position of this iteration, so that the world creeps by pull / hold^2 with each: with
-/// 1e3 (1/m) by millimetres, and a fit does not settle; with this hold by 0.2 um, and float tells it from the whitened rows (1e5 at most).
+/// 1/m and 1/rad. The gauge: position and rotation about gravity of the first keyframe. Measurements leave them exactly
+/// free; the priors on inverse distances, counted from fixed anchors, do not: together they pull the world away from
+/// near landmarks, by some 2400 (1/m) where a hundred corners of a floor are 15 cm away (landmark_guess.h). What is
+/// held is the position of this iteration, so that the world creeps by pull / hold^2 with each: with 1e3 (1/m) by
+/// millimetres, and a fit does not settle; with this hold by 0.2 um, and float tells it from the whitened rows (1e5 at
+/// most).
 template <class S>
 constexpr S kGaugeHold = S(1e5);
 

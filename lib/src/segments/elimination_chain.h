@@ -7,11 +7,12 @@ namespace SEGCAL_NS {
 
 /// Everything that touches velocities and biases, in time order; to eliminate them, or to solve for them.
 template <class S>
-bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                                          const MeasurementModel<S>& model, S damping) {
+bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const GuestLink<S>& guest,
+                                          const Calibration<S>& theta, const MeasurementModel<S>& model, S damping) {
   SEGCAL_SLICES(inner_place_) {
     if (guest.join == Join::imu) {
-      SEGCAL_AWAIT(inner_place_, work_.linked.link.step(segment, 0, theta, guest.state.b_a, guest.state.b_g, model.imu, &imu_terms_));
+      SEGCAL_AWAIT(inner_place_,
+                   work_.linked.link.step(segment, 0, theta, guest.state.b_a, guest.state.b_g, model.imu, &imu_terms_));
       SEGCAL_PAUSE(inner_place_);
     }
     if (guest.join != Join::none) {
@@ -30,7 +31,8 @@ bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const Guest
         SEGCAL_PAUSE(inner_place_);
       }
       if (k_ + 1 == segment.n_keyframes) break;
-      SEGCAL_AWAIT(inner_place_, work_.linked.link.step(segment, k_ + 1, theta, segment.states.x[k_].b_a, segment.states.x[k_].b_g, model.imu, &imu_terms_));
+      SEGCAL_AWAIT(inner_place_, work_.linked.link.step(segment, k_ + 1, theta, segment.states.x[k_].b_a,
+                                                        segment.states.x[k_].b_g, model.imu, &imu_terms_));
       SEGCAL_PAUSE(inner_place_);
       link_keyframes(segment, k_, model);
       SEGCAL_PAUSE(inner_place_);
@@ -58,7 +60,8 @@ void SegmentEliminator<S>::link_keyframes(const Segment<S>& segment, int k, cons
 
 /// The link, integrated already, or the walk from the guest to the first keyframe.
 template <class S>
-void SegmentEliminator<S>::link_guest(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model) {
+void SegmentEliminator<S>::link_guest(const Segment<S>& segment, const GuestLink<S>& guest,
+                                      const MeasurementModel<S>& model) {
   const State<S>& x = segment.states.x[0];
   if (guest.join == Join::imu) {
     const ImuIntegral<S>& I = work_.linked.link.result();
@@ -68,15 +71,16 @@ void SegmentEliminator<S>::link_guest(const Segment<S>& segment, const GuestLink
     if (whiten(I, model.imu, &rows, &imu_terms_)) work_.linked.chain.add_guest_link(rows, imu_terms_, &reduced_);
   } else {
     const S root = square_root(guest.gap_s);
-    work_.linked.chain.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g, S(1) / (model.imu.accel_walk * root),
-                         S(1) / (model.imu.gyro_walk * root), &reduced_);
+    work_.linked.chain.add_bias_link(x.b_a - guest.state.b_a, x.b_g - guest.state.b_g,
+                                     S(1) / (model.imu.accel_walk * root), S(1) / (model.imu.gyro_walk * root),
+                                     &reduced_);
   }
 }
 
 /// Priors on one axis of the first keyframe's velocity and, without a guest, biases.
 template <class S>
-void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLink<S>& guest, const MeasurementModel<S>& model,
-                                       int axis) {
+void SegmentEliminator<S>::start_chain(const Segment<S>& segment, const GuestLink<S>& guest,
+                                       const MeasurementModel<S>& model, int axis) {
   const State<S>& x = segment.states.x[0];
   work_.linked.chain.add_scalar(axis, S(1) / model.velocity_sigma, -x.v_GI(axis) / model.velocity_sigma, &reduced_);
   if (guest.join != Join::none) return;

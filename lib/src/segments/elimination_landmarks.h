@@ -17,8 +17,8 @@ bool SegmentEliminator<S>::fold_landmarks_step(const Segment<S>& segment, const 
         fit_ = work_.landmark.build(segment, j_, theta, model, layout(), camera_term_, landmark_damping);
         if (fit_.used < 2) continue;
         work_.landmark.eliminate(&fit_);
-        reduced_.begin_visual(work_.landmark.rest(), fit_.rows - kLandmarkColumns, work_.landmark.stride(), fit_.first_keyframe,
-                              fit_.last_keyframe, false);
+        reduced_.begin_visual(work_.landmark.rest(), fit_.rows - kLandmarkColumns, work_.landmark.stride(),
+                              fit_.first_keyframe, fit_.last_keyframe, false);
         SEGCAL_PAUSE(inner_place_);
         SEGCAL_AWAIT(inner_place_, reduced_.fold_step());
         counts_.image_points += fit_.used;
@@ -31,8 +31,8 @@ bool SegmentEliminator<S>::fold_landmarks_step(const Segment<S>& segment, const 
   SEGCAL_SLICES_END(inner_place_);
 }
 
-/// After the other landmarks, whose rows need not go through the ties' columns then. A tie's prior and damping are not the
-/// segment's: they count once for all (calibrator.h).
+/// After the other landmarks, whose rows need not go through the ties' columns then. A tie's prior and damping are not
+/// the segment's: they count once for all (calibrator.h).
 template <class S>
 bool SegmentEliminator<S>::fold_ties_step(const Segment<S>& segment, const Calibration<S>& theta,
                                           const MeasurementModel<S>& model) {
@@ -40,7 +40,8 @@ bool SegmentEliminator<S>::fold_ties_step(const Segment<S>& segment, const Calib
     for (j_ = 0; j_ < layout().tied.n; ++j_) {
       fit_ = work_.landmark.build_tied(segment, j_, theta, model, layout(), camera_term_);
       if (fit_.used == 0) continue;
-      reduced_.begin_visual(work_.landmark.tied_rows(), fit_.rows, work_.landmark.stride(), fit_.first_keyframe, fit_.last_keyframe, true);
+      reduced_.begin_visual(work_.landmark.tied_rows(), fit_.rows, work_.landmark.stride(), fit_.first_keyframe,
+                            fit_.last_keyframe, true);
       SEGCAL_PAUSE(inner_place_);
       SEGCAL_AWAIT(inner_place_, reduced_.fold_step());
       counts_.image_points += fit_.used;

@@ -1,4 +1,5 @@
-// SegmentEliminator: from a step of theta, the guest and the last keyframe to the step of all that was eliminated, and along it.
+// SegmentEliminator: from a step of theta, the guest and the last keyframe to the step of all that was eliminated, and
+// along it.
 #pragma once
 
 #include "segments/elimination.h"
@@ -24,8 +25,9 @@ void SegmentEliminator<S>::spread_linked(const S* step) {
 }
 
 template <class S>
-bool SegmentEliminator<S>::back_substitute_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
-                                                const MeasurementModel<S>& model, S damping, S* step, int known) {
+bool SegmentEliminator<S>::back_substitute_step(const Segment<S>& segment, const GuestLink<S>& guest,
+                                                const Calibration<S>& theta, const MeasurementModel<S>& model,
+                                                S damping, S* step, int known) {
   const ReducedLayout& at = layout();
   SEGCAL_SLICES(place_) {
     spread_linked(step);
@@ -56,15 +58,16 @@ bool SegmentEliminator<S>::move_step(Segment<S>* segment, const Calibration<S>& 
 }
 
 template <class S>
-void SegmentEliminator<S>::move_landmark(Segment<S>* segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                                         S damping, const S* step) {
+void SegmentEliminator<S>::move_landmark(Segment<S>* segment, int j, const Calibration<S>& theta,
+                                         const MeasurementModel<S>& model, S damping, const S* step) {
   const int tie = layout().tied.place_of(j);
   if (tie >= 0) {
     // Every segment has a copy of its own, moved by the same step: they stay equal bit by bit.
     add_step(&segment->states.landmark[j], step + tie_column() + kLandmarkColumns * tie);
     return;
   }
-  LandmarkFit<S> fit = work_.landmark.build(*segment, j, theta, model, layout(), camera_term_, damping / kTypicalLandmarkStep<S>);
+  LandmarkFit<S> fit =
+      work_.landmark.build(*segment, j, theta, model, layout(), camera_term_, damping / kTypicalLandmarkStep<S>);
   if (fit.used < 2) return;
   work_.landmark.eliminate(&fit);
   S landmark_step[kLandmarkColumns];

@@ -1,13 +1,14 @@
-// Where the device was when an image point was exposed: t = t_stamp + t_d + line_delay (v - h/2) on the IMU's clock (effects
-// time_offset and rolling_shutter; docs/diagnosis.md, section 4). All code that predicts a segment's image points does it here.
+// Where the device was when an image point was exposed: t = t_stamp + t_d + line_delay (v - h/2) on the IMU's clock
+// (effects time_offset and rolling_shutter; docs/diagnosis.md, section 4). All code that predicts a segment's image
+// points does it here.
 //
-// The keyframe's pose moves on along its own motion for tau = t - t_keyframe: R Exp(w tau), p + v tau + a tau^2 / 2, with
-// rate and force of the stored samples in the middle of that time. At tau = 30 ms and a hand's motion of 3 rad/s and 5 m/s^2
-// at 2 Hz, the terms left out are tau^3 / 24 d2w/dt2 = 5e-4 rad and a tenth of a millimetre.
+// The keyframe's pose moves on along its own motion for tau = t - t_keyframe: R Exp(w tau), p + v tau + a tau^2 / 2,
+// with rate and force of the stored samples in the middle of that time. At tau = 30 ms and a hand's motion of 3 rad/s
+// and 5 m/s^2 at 2 Hz, the terms left out are tau^3 / 24 d2w/dt2 = 5e-4 rad and a tenth of a millimetre.
 //
-// v, w and a are taken as known, so that an image row touches pose, camera and camera terms only. What that leaves out is
-// tau J_p by v and tau J_theta by b_g. At 30 ms a velocity known to 1e-3 m/s moves a point by 0.03 mm, where vision knows the
-// position to 1 mm: the estimate of v moves by a thirtieth of its sigma, that of all else by less.
+// v, w and a are taken as known, so that an image row touches pose, camera and camera terms only. What that leaves out
+// is tau J_p by v and tau J_theta by b_g. At 30 ms a velocity known to 1e-3 m/s moves a point by 0.03 mm, where vision
+// knows the position to 1 mm: the estimate of v moves by a thirtieth of its sigma, that of all else by less.
 #pragma once
 
 #include "segments/segment.h"
@@ -19,15 +20,15 @@ struct Exposure {
   Mat3<S> R_GI;
   Vec3<S> p_GI;
   bool moved = false;
-  Mat3<S> turn;        ///< Exp(w tau), where moved: a turn d of the keyframe is turn' d here
-  Vec3<S> w_I, v_GI;   ///< rate of change of the pose with tau, where asked for
+  Mat3<S> turn;       ///< Exp(w tau), where moved: a turn d of the keyframe is turn' d here
+  Vec3<S> w_I, v_GI;  ///< rate of change of the pose with tau, where asked for
 };
 
 /// Rate and force in I at t (us after t0), extended along their slope where the samples end.
 template <class S>
-void motion_at(const Segment<S>& segment, const ImuCalibration<S>& imu, const State<S>& x, std::int32_t t_us, S tau, Vec3<S>* w_I,
-               Vec3<S>* dw_I, Vec3<S>* f_I) {
-  const S wanted = S(t_us) + S(0.5e6) * tau;   // middle of the time
+void motion_at(const Segment<S>& segment, const ImuCalibration<S>& imu, const State<S>& x, std::int32_t t_us, S tau,
+               Vec3<S>* w_I, Vec3<S>* dw_I, Vec3<S>* f_I) {
+  const S wanted = S(t_us) + S(0.5e6) * tau;  // middle of the time
   const S first = S(segment.imu.time(0)), last = S(segment.imu.time(segment.imu.size() - 1));
   const S inside = wanted < first ? first : wanted > last ? last : wanted;
   const std::int32_t at_us = static_cast<std::int32_t>(inside);
@@ -35,7 +36,8 @@ void motion_at(const Segment<S>& segment, const ImuCalibration<S>& imu, const St
   const Mat3<S> T_g_inv = inverse_scale_misalignment(imu.gyro_scale, imu.gyro_misalignment);
   *dw_I = T_g_inv * (S(1e6) * gyro_slope_at<S>(segment.imu, at_us));
   *w_I = T_g_inv * (r.gyro - x.b_g) + *dw_I * ((wanted - inside) * S(1e-6));
-  *f_I = imu.R_AI.transpose() * (inverse_scale_misalignment(imu.accel_scale, imu.accel_misalignment) * (r.accel - x.b_a));
+  *f_I =
+      imu.R_AI.transpose() * (inverse_scale_misalignment(imu.accel_scale, imu.accel_misalignment) * (r.accel - x.b_a));
 }
 
 /// tau of an image point, s.
@@ -80,20 +82,22 @@ template <class S>
 bool point_residual(const Segment<S>& segment, const Observation& z, const Calibration<S>& theta, const Vec3<S>& g,
                     const Landmark<S>& l, Vec2<S>* r) {
   const Exposure<S> at = exposure_of(segment, z, theta, g, false);
-  return reprojection_residual(theta.camera[z.camera], at.R_GI, at.p_GI, l, Vec2<S>(S(z.u), S(z.v)), r, image_terms_at(z, theta));
+  return reprojection_residual(theta.camera[z.camera], at.R_GI, at.p_GI, l, Vec2<S>(S(z.u), S(z.v)), r,
+                               image_terms_at(z, theta));
 }
 
-/// The same with Jacobians by landmark, pose of the keyframe and camera. In a segment that only turned they are taken where
-/// the landmark was seen first (visible_translation.h): `p_first`; null: at the pose itself.
+/// The same with Jacobians by landmark, pose of the keyframe and camera. In a segment that only turned they are taken
+/// where the landmark was seen first (visible_translation.h): `p_first`; null: at the pose itself.
 template <class S>
-bool point_rows(const Observation& z, const Calibration<S>& theta, const Exposure<S>& at,
-                const Landmark<S>& l, const Vec3<S>* p_first, ReprojectionRows<S>* rows) {
+bool point_rows(const Observation& z, const Calibration<S>& theta, const Exposure<S>& at, const Landmark<S>& l,
+                const Vec3<S>* p_first, ReprojectionRows<S>* rows) {
   const CameraCalibration<S>& camera = theta.camera[z.camera];
   const Vec2<S> uv(S(z.u), S(z.v));
   const ImageTerms<S> terms = image_terms_at(z, theta);
   const bool seen = p_first ? reprojection_rows(camera, at.R_GI, at.p_GI, at.R_GI, *p_first, l, uv, rows, terms)
                             : reprojection_rows(camera, at.R_GI, at.p_GI, l, uv, rows, terms);
-  if (seen && at.moved) rows->J_pose.template leftCols<3>() = (rows->J_pose.template leftCols<3>() * at.turn.transpose()).eval();
+  if (seen && at.moved)
+    rows->J_pose.template leftCols<3>() = (rows->J_pose.template leftCols<3>() * at.turn.transpose()).eval();
   return seen;
 }
 

@@ -1,9 +1,9 @@
-// Raw IMU samples of one segment, 14 bytes each: 16-bit integers over the sensor's range, as most sensors give them, and
-// the microseconds since the sample before.
+// Raw IMU samples of one segment, 14 bytes each: 16-bit integers over the sensor's range, as most sensors give them,
+// and the microseconds since the sample before.
 //
 // At the default ranges of 35 rad/s and 157 m/s^2 a step is 1.1e-3 rad/s and 4.8e-3 m/s^2; rounding adds 1.6 % and
-// 0.03 % to the variance of a good MEMS sensor's samples at 200 Hz, twice that at 100 Hz. Values beyond the range are clipped (counted as
-// saturation where they come in).
+// 0.03 % to the variance of a good MEMS sensor's samples at 200 Hz, twice that at 100 Hz. Values beyond the range are
+// clipped (counted as saturation where they come in).
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ std::int16_t pack_value(S value, S step) {
 }
 
 template <class S>
-struct StoredFields;   // store/stored_fields.h
+struct StoredFields;  // store/stored_fields.h
 
 template <class S>
 class ImuStore {

@@ -63,7 +63,8 @@ template <class S>
 bool reprojection_residual(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI,
                            const Landmark<S>& l, const Vec2<S>& uv, Vec2<S>* r, const ImageTerms<S>& terms = {}) {
   Vec2<S> predicted;
-  if (!project<S>(camera, homogeneous_in_camera(camera, R_GI, p_GI, l), &predicted, nullptr, nullptr, terms)) return false;
+  if (!project<S>(camera, homogeneous_in_camera(camera, R_GI, p_GI, l), &predicted, nullptr, nullptr, terms))
+    return false;
   *r = predicted - uv;
   return true;
 }
@@ -84,9 +85,9 @@ bool reprojection_jacobians(const CameraCalibration<S>& camera, const Mat3<S>& R
   tangent_basis(l.m, &e1, &e2);
   for (int i = 0; i < 2; ++i) {
     const Vec3<S> by_h(J_h(i, 0), J_h(i, 1), J_h(i, 2));
-    const Vec3<S> by_I = camera.R_CI.transpose() * by_h;  // by h_I
-    const Vec3<S> by_G = R_GI * by_I;                     // by the bracket in G
-    const Vec3<S> by_turn = cross<S>(by_I, h_I);          // R <- R Exp(d): h_I moves by [h_I]x d
+    const Vec3<S> by_I = camera.R_CI.transpose() * by_h;     // by h_I
+    const Vec3<S> by_G = R_GI * by_I;                        // by the bracket in G
+    const Vec3<S> by_turn = cross<S>(by_I, h_I);             // R <- R Exp(d): h_I moves by [h_I]x d
     const Vec3<S> by_camera_turn = cross<S>(rotated, by_h);  // R_CI <- Exp(d) R_CI: h moves by -[rotated]x d
     rows->J_l(i, 0) = by_G.dot(e1);
     rows->J_l(i, 1) = by_G.dot(e2);
@@ -104,15 +105,17 @@ bool reprojection_jacobians(const CameraCalibration<S>& camera, const Mat3<S>& R
 
 /// Residual and Jacobians at the same pose.
 template <class S>
-bool reprojection_rows(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI, const Landmark<S>& l,
-                       const Vec2<S>& uv, ReprojectionRows<S>* rows, const ImageTerms<S>& terms = {}) {
+bool reprojection_rows(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI,
+                       const Landmark<S>& l, const Vec2<S>& uv, ReprojectionRows<S>* rows,
+                       const ImageTerms<S>& terms = {}) {
   Vec2<S> predicted;
   if (!reprojection_jacobians(camera, R_GI, p_GI, l, &predicted, rows, terms)) return false;
   rows->r = predicted - uv;
   return true;
 }
 
-/// Residual at (R_GI, p_GI); Jacobians at (R_j, p_j), which differ from them only in a filter that keeps first estimates.
+/// Residual at (R_GI, p_GI); Jacobians at (R_j, p_j), which differ from them only in a filter that keeps first
+/// estimates.
 template <class S>
 bool reprojection_rows(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI, const Mat3<S>& R_j,
                        const Vec3<S>& p_j, const Landmark<S>& l, const Vec2<S>& uv, ReprojectionRows<S>* rows,

@@ -1,9 +1,9 @@
 // One landmark's rows, eliminated alone: three reflections clear its columns, and what is left (the left null space)
 // has pose and camera columns only (docs/design.md, section 5, step 1; Mourikis and Roumeliotis 2007, Sec. III-D).
 //
-// Columns of the block: 3 free ones, then the reduced system's, right-hand side -r. The landmark's own columns stand right
-// before the first pose that sees it, so that the columns before need neither be cleared nor reflected.
-// Rows: one for the prior on the inverse depth, three for damping if there is any, two per image point. The points' rows are
+// Columns of the block: 3 free ones, then the reduced system's, right-hand side -r. The landmark's own columns stand
+// right before the first pose that sees it, so that the columns before need neither be cleared nor reflected. Rows: one
+// for the prior on the inverse depth, three for damping if there is any, two per image point. The points' rows are
 // whitened together where tracks drift (track_noise.h).
 //
 // A tied landmark (calibration/ties.h) stays: its rows are the image points' alone, and stand in the tie's columns.
@@ -21,10 +21,10 @@ constexpr int kLandmarkBlockRows = 2 * kMaxKeyframes * kMaxCameras + 4;
 /// What the fit of one landmark amounts to.
 template <class S>
 struct LandmarkFit {
-  int rows = 0;              ///< in the block
-  int used = 0;              ///< image points with weight
+  int rows = 0;                               ///< in the block
+  int used = 0;                               ///< image points with weight
   int first_keyframe = 0, last_keyframe = 0;  ///< of the image points, with weight or not
-  S prior_share = S(0);      ///< part of the inverse depth's information that is prior: counts towards dof
+  S prior_share = S(0);  ///< part of the inverse depth's information that is prior: counts towards dof
 };
 
 template <class S>
@@ -36,8 +36,8 @@ class LandmarkBlock {
   LandmarkFit<S> build(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                        const ReducedLayout& layout, const Term* camera_terms, S damping);
   /// The rows of the landmark that is tie t of this segment: image points only, in the tie's columns.
-  LandmarkFit<S> build_tied(const Segment<S>& segment, int t, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                            const ReducedLayout& layout, const Term* camera_terms);
+  LandmarkFit<S> build_tied(const Segment<S>& segment, int t, const Calibration<S>& theta,
+                            const MeasurementModel<S>& model, const ReducedLayout& layout, const Term* camera_terms);
   /// The three reflections; afterwards rows [3, rows) are free of the landmark.
   void eliminate(LandmarkFit<S>* fit);
   /// Rows after elimination, beginning at the first pose column.
@@ -60,23 +60,24 @@ class LandmarkBlock {
                        const MeasurementModel<S>& model, const ReducedLayout& layout, const Term* camera_terms,
                        TrackNoise<S>* track);
   void find_keyframes(const Segment<S>& segment, int j, LandmarkFit<S>* fit) const;
-  /// Rows of the points that have an image; returns their number. `track`: null, or gathers them, and the rows stay in px.
+  /// Rows of the points that have an image; returns their number. `track`: null, or gathers them, and the rows stay in
+  /// px.
   int add_points(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                  const ReducedLayout& layout, const Term* camera_terms, TrackNoise<S>* track);
   void add_observations(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                         const ReducedLayout& layout, const Term* camera_terms, LandmarkFit<S>* fit);
   int stride_ = 0, rows_ = 0;
-  int first_ = 0;    // column from which on rows are in use
-  int column_ = 0;   // of the landmark itself
-  ColumnGap gap_;    // counted from first_
-  S depth_sigma_;    // of the prior on the inverse distance, 1/m
+  int first_ = 0;   // column from which on rows are in use
+  int column_ = 0;  // of the landmark itself
+  ColumnGap gap_;   // counted from first_
+  S depth_sigma_;   // of the prior on the inverse distance, 1/m
   S data_[kLandmarkBlockRows * kLandmarkBlockWidth];
 };
 
 template <class S>
-bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const Observation& o, const Calibration<S>& theta,
-                                       const MeasurementModel<S>& model, const ReducedLayout& layout,
-                                       const Term* camera_terms, TrackNoise<S>* track) {
+bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const Observation& o,
+                                       const Calibration<S>& theta, const MeasurementModel<S>& model,
+                                       const ReducedLayout& layout, const Term* camera_terms, TrackNoise<S>* track) {
   const Landmark<S>& l = segment.states.landmark[j];
   bool time_columns = false;
   for (int t = 0; t < layout.camera_terms; ++t) time_columns |= camera_terms[t].of_time();
@@ -85,11 +86,12 @@ bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const O
   ReprojectionRows<S> rows;
   if (!point_rows(o, theta, exposure, l, segment.turned_only ? &p_first : nullptr, &rows)) return false;
   S scale = S(1);
-  if (kTrackWalk && track) {   // a build without walks has no code for them
+  if (kTrackWalk && track) {  // a build without walks has no code for them
     track->add(o.camera, segment.t_us[o.keyframe], rows.r, model);
   } else {
     const S inverse_sigma = S(1) / model.pixel_sigma;
-    scale = square_root(robust_term(model, rows.r.squaredNorm() * inverse_sigma * inverse_sigma).weight) * inverse_sigma;
+    scale =
+        square_root(robust_term(model, rows.r.squaredNorm() * inverse_sigma * inverse_sigma).weight) * inverse_sigma;
   }
   const int pose = kLandmarkColumns + layout.pose(o.keyframe);
   const int camera = kLandmarkColumns + layout.cameras() + theta.camera_column(o.camera);
@@ -160,8 +162,9 @@ LandmarkFit<S> LandmarkBlock<S>::build_tied(const Segment<S>& segment, int t, co
 }
 
 template <class S>
-int LandmarkBlock<S>::add_points(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                                 const ReducedLayout& layout, const Term* camera_terms, TrackNoise<S>* track) {
+int LandmarkBlock<S>::add_points(const Segment<S>& segment, int j, const Calibration<S>& theta,
+                                 const MeasurementModel<S>& model, const ReducedLayout& layout,
+                                 const Term* camera_terms, TrackNoise<S>* track) {
   int used = 0;
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     if (segment.observation[o].rejected) continue;

@@ -1,33 +1,34 @@
-// What filter and segments share of triangulation: the first guess of a landmark from the rays of its track, and how far away
-// landmarks are taken to be.
+// What filter and segments share of triangulation: the first guess of a landmark from the rays of its track, and how
+// far away landmarks are taken to be.
 //
 // What follows differs, and stays apart: the filter takes a few plain Gauss-Newton steps within the time of a frame
-// (vio_triangulate.h); a segment's fit is robust, knows the track's drift and what a rolling shutter or a time offset move,
-// and never takes a step that makes it worse (triangulation.h).
+// (vio_triangulate.h); a segment's fit is robust, knows the track's drift and what a rolling shutter or a time offset
+// move, and never takes a step that makes it worse (triangulation.h).
 #pragma once
 
 #include "segments/landmark.h"
 
 namespace SEGCAL_NS {
 
-// Sigmas of the inverse distance about zero, 1/m: a landmark is somewhere, or anywhere beyond. They hardly touch a landmark
-// with parallax. Without parallax they keep the noise of the points from becoming a near landmark, which would seem to tell
-// about the camera's translation.
+// Sigmas of the inverse distance about zero, 1/m: a landmark is somewhere, or anywhere beyond. They hardly touch a
+// landmark with parallax. Without parallax they keep the noise of the points from becoming a near landmark, which would
+// seem to tell about the camera's translation.
 
-/// Segments: a landmark is hardly nearer than 0.15 m. Wider (20 1/m), and tracks with hardly any parallax fit the noise along a flat valley, as
-/// landmarks 6 cm away. Narrower (2 1/m), and n near landmarks, whose inverse distances count from anchors that stay where they are, pull the map
-/// away from them, by 2 n rho^3 / sigma^2, and tell where it is, with n rho^4 / sigma^2, and so a wrong p_CI.
+/// Segments: a landmark is hardly nearer than 0.15 m. Wider (20 1/m), and tracks with hardly any parallax fit the noise
+/// along a flat valley, as landmarks 6 cm away. Narrower (2 1/m), and n near landmarks, whose inverse distances count
+/// from anchors that stay where they are, pull the map away from them, by 2 n rho^3 / sigma^2, and tell where it is,
+/// with n rho^4 / sigma^2, and so a wrong p_CI.
 template <class S>
 constexpr S kSegmentDepthSigma = S(5);
-/// A segment whose images show no translation: a hundred landmarks pulled towards zero together would tell the scale of the
-/// map there, and so p_CI (at 2 1/m to a tenth, at 20 1/m not at all).
+/// A segment whose images show no translation: a hundred landmarks pulled towards zero together would tell the scale of
+/// the map there, and so p_CI (at 2 1/m to a tenth, at 20 1/m not at all).
 template <class S>
 constexpr S kTurnedDepthSigma = S(20);
 /// The filter, whose pull comes anew with each part of a track.
 template <class S>
 constexpr S kFilterDepthSigma = S(5);
-/// The filter where the position is known anyway (standstill.h): hundreds of near landmarks that all want to be farther away
-/// stretch the path, by millimetres at half a metre.
+/// The filter where the position is known anyway (standstill.h): hundreds of near landmarks that all want to be farther
+/// away stretch the path, by millimetres at half a metre.
 template <class S>
 constexpr S kHeldDepthSigma = S(50);
 
@@ -37,7 +38,8 @@ constexpr S kNearestGuess = S(5);
 
 /// The ray of image point uv: the camera's position and the unit direction, in G. False where the lens does not reach.
 template <class S>
-bool ray_in_world(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI, const Vec2<S>& uv, Vec3<S>* o, Vec3<S>* m) {
+bool ray_in_world(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI, const Vec2<S>& uv,
+                  Vec3<S>* o, Vec3<S>* m) {
   Vec2<S> xy;
   if (!unproject(camera, uv, &xy)) return false;
   const Vec3<S> h_C(xy.x(), xy.y(), S(1));

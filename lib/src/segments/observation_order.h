@@ -9,7 +9,9 @@ namespace SEGCAL_NS {
 template <class S>
 void sort_observations(Segment<S>* s) {
   Observation* o = s->observation;
-  const auto key = [](const Observation& z) { return (std::uint32_t(z.landmark) << 16) | (std::uint32_t(z.keyframe) << 8) | z.camera; };
+  const auto key = [](const Observation& z) {
+    return (std::uint32_t(z.landmark) << 16) | (std::uint32_t(z.keyframe) << 8) | z.camera;
+  };
   const auto sift = [&](int root, int end) {
     for (int child = 2 * root + 1; child < end; child = 2 * root + 1) {
       if (child + 1 < end && key(o[child]) < key(o[child + 1])) ++child;

@@ -7,15 +7,16 @@
 
 namespace SEGCAL_NS {
 
-constexpr float kPixelSteps = 32.f;    ///< per px
-constexpr float kPixelMargin = 64.f;   ///< px beyond the image's upper left edge that are still told
+constexpr float kPixelSteps = 32.f;   ///< per px
+constexpr float kPixelMargin = 64.f;  ///< px beyond the image's upper left edge that are still told
 
 /// From -64 to 1983 px.
 class PackedPixel {
  public:
   PackedPixel() = default;
-  PackedPixel(float px) : steps_(static_cast<std::uint16_t>((px + kPixelMargin) * kPixelSteps + 0.5f)) {}  // NOLINT: as float
-  operator float() const { return static_cast<float>(steps_) / kPixelSteps - kPixelMargin; }               // NOLINT: as float
+  PackedPixel(float px)
+      : steps_(static_cast<std::uint16_t>((px + kPixelMargin) * kPixelSteps + 0.5f)) {}       // NOLINT: as float
+  operator float() const { return static_cast<float>(steps_) / kPixelSteps - kPixelMargin; }  // NOLINT: as float
 
   /// False beyond the range, and for NaN.
   static bool holds(float px) { return px >= -kPixelMargin && px < 65535.f / kPixelSteps - kPixelMargin; }

@@ -1,16 +1,16 @@
 // The triangle that a segment is reduced to:
-// [poses 6 (K - 1) | last keyframe 15 | guest 15, where joined | IMU part of theta, IMU terms | ties 3 each | cameras, camera
-// terms | rhs].
+// [poses 6 (K - 1) | last keyframe 15 | guest 15, where joined | IMU part of theta, IMU terms | ties 3 each | cameras,
+// camera terms | rhs].
 //
-// Terms (sensors/effect_terms.h) are those of theta and, behind them, candidates that are only tested. What all segments
-// have in common is [ties | cameras | IMU 15 | terms | rhs]: candidates stand last, so that the triangle's leading part is
-// theta's alone.
+// Terms (sensors/effect_terms.h) are those of theta and, behind them, candidates that are only tested. What all
+// segments have in common is [ties | cameras | IMU 15 | terms | rhs]: candidates stand last, so that the triangle's
+// leading part is theta's alone.
 //
-// Cameras stand last in theta, beside the right-hand side, so that the landmarks' rows leave one gap in the middle. A tie
-// is a landmark that other segments use too (calibration/ties.h): it stays, beside theta.
+// Cameras stand last in theta, beside the right-hand side, so that the landmarks' rows leave one gap in the middle. A
+// tie is a landmark that other segments use too (calibration/ties.h): it stays, beside theta.
 //
-// Velocities and biases of all keyframes but the last are eliminated before (velocity_bias_chain.h): each of them touches
-// its two neighbours only, so they never stand in this triangle, which is what keeps it small.
+// Velocities and biases of all keyframes but the last are eliminated before (velocity_bias_chain.h): each of them
+// touches its two neighbours only, so they never stand in this triangle, which is what keeps it small.
 #pragma once
 
 #include "math/near.h"
@@ -23,7 +23,8 @@ namespace SEGCAL_NS {
 constexpr int kVelocityBiasColumns = kStateColumns - kPoseColumns;
 constexpr int kMaxTies = SEGCAL_MAX_TIES;
 constexpr int kTieColumns = kLandmarkColumns * kMaxTies;
-constexpr int kReducedColumns = kPoseColumns * (kMaxKeyframes - 1) + 2 * kStateColumns + kMaxWideTheta + kTieColumns + 1;
+constexpr int kReducedColumns =
+    kPoseColumns * (kMaxKeyframes - 1) + 2 * kStateColumns + kMaxWideTheta + kTieColumns + 1;
 
 /// The ties that a segment sees, among all that there are.
 struct TiedLandmarks {
@@ -42,10 +43,11 @@ struct TiedLandmarks {
 /// Where things stand. The last keyframe's pose follows the other poses, so pose k is always at 6 k.
 struct ReducedLayout {
   int keyframes = 0, guest_columns = 0;
-  int sensor_cameras = 0;   ///< theta's columns of all cameras
-  int terms = 0;            ///< of theta and candidates
+  int sensor_cameras = 0;  ///< theta's columns of all cameras
+  int terms = 0;           ///< of theta and candidates
   int imu_terms = 0, camera_terms = 0;
-  std::uint8_t imu_term[kMaxEffectColumns + 1] = {}, camera_term[kMaxEffectColumns + 1] = {};  ///< number among all terms
+  std::uint8_t imu_term[kMaxEffectColumns + 1] = {},
+                                            camera_term[kMaxEffectColumns + 1] = {};  ///< number among all terms
   TiedLandmarks tied;
 
   void add_term(const Term& t) {
@@ -95,8 +97,8 @@ class ReducedSystem {
   const ReducedLayout& layout() const { return layout_; }
   PackedTriangle<S> R() { return PackedTriangle<S>(data_, layout_.width()); }
 
-  /// Begins to fold landmark rows: they touch the poses of keyframes first to last, cameras and, if `tied`, ties; the rows folded
-  /// before touch no later poses than the latest so far. Cheap, if the landmarks that end early come first.
+  /// Begins to fold landmark rows: they touch the poses of keyframes first to last, cameras and, if `tied`, ties; the
+  /// rows folded before touch no later poses than the latest so far. Cheap, if the landmarks that end early come first.
   void begin_visual(S* rows, int m, int stride, int first_keyframe, int last_keyframe, bool tied) {
     if (layout_.pose(last_keyframe + 1) > seen_poses_) seen_poses_ = layout_.pose(last_keyframe + 1);
     const ColumnGap gap{seen_poses_, tied ? layout_.tie(0) : layout_.cameras()};
@@ -104,8 +106,8 @@ class ReducedSystem {
   }
   /// The same for rows that stand in this layout; columns before `first` are zero.
   void begin_fold(S* rows, int m, int stride, int first) { pending_ = {rows, m, stride, first, ColumnGap{}}; }
-  /// Goes on with the fold that was begun, for some kFoldSlice products; true when it is done. Destroys the rows, which must
-  /// stay where they are until then.
+  /// Goes on with the fold that was begun, for some kFoldSlice products; true when it is done. Destroys the rows, which
+  /// must stay where they are until then.
   bool fold_step() {
     PackedTriangle<S> triangle = R();
     const int width = layout_.width();
@@ -118,7 +120,8 @@ class ReducedSystem {
     return until == width;
   }
 
-  /// The global part of row theta() + i, in the order that all segments share: [all ties | cameras | IMU | terms | rhs].
+  /// The global part of row theta() + i, in the order that all segments share: [all ties | cameras | IMU | terms |
+  /// rhs].
   void global_row(int i, S* out) { to_global_order(R().row(layout_.theta() + i), i, out); }
 
   /// The same for any row: entries before the i-th from theta() on are taken as zero.

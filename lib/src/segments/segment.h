@@ -23,18 +23,19 @@ constexpr int bits_for(int n) {
   while (n >> bits != 0) ++bits;
   return bits;
 }
-constexpr int kLandmarkBits = bits_for(kMaxLandmarks), kKeyframeBits = bits_for(kMaxKeyframes - 1), kCameraBits = bits_for(kMaxCameras - 1);
-constexpr int kDroppedLandmark = (1 << kLandmarkBits) - 1;   ///< landmark of an image point that is to vanish
+constexpr int kLandmarkBits = bits_for(kMaxLandmarks), kKeyframeBits = bits_for(kMaxKeyframes - 1),
+              kCameraBits = bits_for(kMaxCameras - 1);
+constexpr int kDroppedLandmark = (1 << kLandmarkBits) - 1;  ///< landmark of an image point that is to vanish
 using ObservationBits =
     std::conditional_t<kLandmarkBits + kKeyframeBits + kCameraBits + 1 <= 16, std::uint16_t, std::uint32_t>;
 
 /// One image point of a landmark.
 struct Observation {
-  StoredPixel u, v;                           ///< px
-  ObservationBits landmark : kLandmarkBits;   ///< index in the segment
-  ObservationBits keyframe : kKeyframeBits;   ///< index in the segment
+  StoredPixel u, v;                          ///< px
+  ObservationBits landmark : kLandmarkBits;  ///< index in the segment
+  ObservationBits keyframe : kKeyframeBits;  ///< index in the segment
   ObservationBits camera : kCameraBits;
-  ObservationBits rejected : 1;               ///< far off although the model fits: left out by the last calibration
+  ObservationBits rejected : 1;  ///< far off although the model fits: left out by the last calibration
 };
 
 /// What the optimiser moves in a segment.
@@ -67,10 +68,10 @@ class LinkIntegration;
 
 template <class S>
 struct Segment {
-  std::int64_t t0_ns = 0;          ///< stamp of the first keyframe, IMU clock
-  std::uint32_t serial = 0;        ///< grows by one with each segment cut from the stream
+  std::int64_t t0_ns = 0;    ///< stamp of the first keyframe, IMU clock
+  std::uint32_t serial = 0;  ///< grows by one with each segment cut from the stream
   std::uint32_t session = 0;
-  std::uint32_t frame = 0;         ///< segments with the same number have their states in the same G
+  std::uint32_t frame = 0;  ///< segments with the same number have their states in the same G
   std::int32_t n_keyframes = 0, n_landmarks = 0, n_observations = 0;
   /// > 0: the samples begin this long (us) before the first keyframe, at the last keyframe of segment `serial` - 1.
   std::int32_t lead_us = 0;
@@ -82,11 +83,11 @@ struct Segment {
   double origin[3] = {0, 0, 0};
   /// Keyframe times are camera stamps moved by this much: the time offset that was known when the segment was built.
   std::int32_t stamp_shift_ns = 0;
-  std::int32_t t_us[kMaxKeyframes];              ///< keyframe times after t0
-  float warmth[kMaxKeyframes];                   ///< degC above 25; 0 where the IMU does not tell
+  std::int32_t t_us[kMaxKeyframes];  ///< keyframe times after t0
+  float warmth[kMaxKeyframes];       ///< degC above 25; 0 where the IMU does not tell
   std::uint32_t track_id[kMaxLandmarks];
   std::uint16_t first_observation[kMaxLandmarks + 1];  ///< observations of landmark j: [first[j], first[j + 1])
-  Observation observation[kMaxObservations];     ///< sorted by landmark once the segment is closed
+  Observation observation[kMaxObservations];           ///< sorted by landmark once the segment is closed
   ImuStore<S> imu;
   SegmentStates<S> states;
   SegmentInformation<S> information;
@@ -118,7 +119,7 @@ struct Segment {
   Stretch<S> stretch(int k, const Calibration<S>& theta) const {
     const S start = S(t0_ns - theta.effects.time_zero_ns) * S(1e-9);
     const int before = k > 0 ? k - 1 : 0;  // of the link from the previous segment only the far end is known here
-    return {S(warmth[before]), S(warmth[k]), start + S(link_start(k)) * S(1e-6), start + S(t_us[k]) * S(1e-6),
+    return {S(warmth[before]),      S(warmth[k]), start + S(link_start(k)) * S(1e-6), start + S(t_us[k]) * S(1e-6),
             &states.x[before].R_GI, k > 0};
   }
   bool has_origin_of(const Segment& other) const {
@@ -159,7 +160,7 @@ class LinkIntegration {
 template <class S>
 SegmentSummary<S> summary_of(const Segment<S>& s) {
   SegmentSummary<S> out;
-  out.valid = out.settled = true;   // what is kept is
+  out.valid = out.settled = true;  // what is kept is
   out.start_ns = s.t0_ns;
   out.end_ns = s.t0_ns + std::int64_t(s.t_us[s.n_keyframes - 1]) * 1000;
   out.session = s.session;

@@ -20,10 +20,11 @@ S inverse_depth_cost(const Landmark<S>& l, S sigma) {
   return prior * prior;
 }
 
-/// Gathers the residuals of landmark j's image points, with the rejected ones or without. Returns how many have no image.
+/// Gathers the residuals of landmark j's image points, with the rejected ones or without. Returns how many have no
+/// image.
 template <class S>
-int add_residuals(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model, bool rejected,
-                  TrackNoise<S>* track) {
+int add_residuals(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                  bool rejected, TrackNoise<S>* track) {
   int unseen = 0;
   track->begin();
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
@@ -65,7 +66,8 @@ S image_cost(const Segment<S>& segment, int j, const TiedLandmarks& tied, const 
 
 /// Marks points of landmark j that are farther than `longest` px from where its track should be.
 template <class S>
-int mark_outliers_of(int j, const Calibration<S>& theta, const MeasurementModel<S>& model, S longest, Segment<S>* segment) {
+int mark_outliers_of(int j, const Calibration<S>& theta, const MeasurementModel<S>& model, S longest,
+                     Segment<S>* segment) {
   TrackNoise<S> track;
   add_residuals(*segment, j, theta, model, true, &track);
   track.weigh(model);
@@ -80,7 +82,8 @@ int mark_outliers_of(int j, const Calibration<S>& theta, const MeasurementModel<
   return marked;
 }
 
-/// Marks image points whose whitened residual is longer than `limit`, and takes back earlier marks. Returns their number.
+/// Marks image points whose whitened residual is longer than `limit`, and takes back earlier marks. Returns their
+/// number.
 template <class S>
 int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model, S limit, Segment<S>* segment) {
   int marked = 0;
@@ -105,7 +108,8 @@ int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model,
 
 /// Cost of what ties the first keyframe down. `link`: integrated from the guest, for Join::imu.
 template <class S>
-S start_cost(const Segment<S>& segment, const GuestLink<S>& guest, LinkIntegration<S>* link, const MeasurementModel<S>& model) {
+S start_cost(const Segment<S>& segment, const GuestLink<S>& guest, LinkIntegration<S>* link,
+             const MeasurementModel<S>& model) {
   const State<S>* x = segment.states.x;
   S total = (x[0].v_GI / model.velocity_sigma).squaredNorm();
   if (guest.join == Join::imu) {
@@ -134,7 +138,8 @@ class CostSteps {
       inertial_ = start_cost(segment, guest, &link_, model);
       SEGCAL_PAUSE(place_);
       for (k_ = 0; k_ + 1 < segment.n_keyframes; ++k_) {
-        SEGCAL_AWAIT(place_, link_.step(segment, k_ + 1, theta, segment.states.x[k_].b_a, segment.states.x[k_].b_g, model.imu));
+        SEGCAL_AWAIT(place_,
+                     link_.step(segment, k_ + 1, theta, segment.states.x[k_].b_a, segment.states.x[k_].b_g, model.imu));
         inertial_ += link_cost(link_.result(), segment.states.x[k_], segment.states.x[k_ + 1], model);
         SEGCAL_PAUSE(place_);
       }
@@ -144,7 +149,8 @@ class CostSteps {
   S inertial() const { return inertial_; }
 
   /// All of a segment's cost; true when total() is it.
-  bool step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta, const MeasurementModel<S>& model) {
+  bool step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
+            const MeasurementModel<S>& model) {
     SEGCAL_SLICES(image_place_) {
       SEGCAL_AWAIT(image_place_, inertial_step(segment, guest, theta, model));
       total_ = S(0);
@@ -162,7 +168,7 @@ class CostSteps {
  private:
   static constexpr int kLandmarksPerSlice = 8;
   Place place_ = 0, image_place_ = 0;
-  std::int32_t k_ = 0;   // keyframe, then landmark
+  std::int32_t k_ = 0;  // keyframe, then landmark
   S inertial_ = S(0), total_ = S(0);
   LinkIntegration<S> link_;
 };
@@ -177,9 +183,9 @@ S segment_cost(const Segment<S>& segment, const GuestLink<S>& guest, const Calib
 }
 
 /// False if the states break the segment's own IMU links by a hundred sigmas (`cost`: their inertial cost, alone): the
-/// odometry that gave them had not settled, and a linearisation at them would mean nothing. `effects`: the model may lack one,
-/// which breaks links as well (4 ms between camera and gyroscope, shaken by hand, by five hundred): then it is a thousand
-/// sigmas, from where a fit still finds home.
+/// odometry that gave them had not settled, and a linearisation at them would mean nothing. `effects`: the model may
+/// lack one, which breaks links as well (4 ms between camera and gyroscope, shaken by hand, by five hundred): then it
+/// is a thousand sigmas, from where a fit still finds home.
 template <class S>
 bool follows_its_imu(const Segment<S>& segment, S cost, bool effects) {
   return cost < (effects ? S(1e6) : S(1e4)) * S(kStateColumns * segment.n_keyframes);  // false for NaN too

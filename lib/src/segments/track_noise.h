@@ -1,15 +1,16 @@
-// The errors of a corner along its track: white noise, and a random walk where the tracker drifts (docs/design.md, section 5).
+// The errors of a corner along its track: white noise, and a random walk where the tracker drifts (docs/design.md,
+// section 5).
 //
-// e_i = w_i + d_i per image axis, w_i white with pixel_sigma, d_i - d_(i-1) with variance q^2 dt. The walk counts from the track's
-// first point in the segment: what it had gathered before is a shift of the corner on its surface, and so another landmark. The
-// covariance C = pixel_sigma^2 I + q^2 min(t_i - t_0, t_j - t_0) has a Cholesky factor whose inverse needs no matrix: it is
-// the Kalman filter of d, L^-1 r = (r_i - d_i|i-1) / sqrt(S_i) (innovations; Kailath, Sayed and Hassibi, Linear Estimation,
-// Sec. 9.2). A few products per number, nothing subtracted that is nearly equal.
+// e_i = w_i + d_i per image axis, w_i white with pixel_sigma, d_i - d_(i-1) with variance q^2 dt. The walk counts from
+// the track's first point in the segment: what it had gathered before is a shift of the corner on its surface, and so
+// another landmark. The covariance C = pixel_sigma^2 I + q^2 min(t_i - t_0, t_j - t_0) has a Cholesky factor whose
+// inverse needs no matrix: it is the Kalman filter of d, L^-1 r = (r_i - d_i|i-1) / sqrt(S_i) (innovations; Kailath,
+// Sayed and Hassibi, Linear Estimation, Sec. 9.2). A few products per number, nothing subtracted that is nearly equal.
 //
 // Robust weights come first: the cost of a landmark's points is min over d of sum rho(|r_i - d_i|^2 / pixel_sigma^2) +
-// sum rho(|d_i - d_(i-1)|^2 / (q^2 dt)), rho being Huber's: a point far off neither counts nor bends the walk, and a track that
-// slips goes on from where it is. At its minimum it is the quadratic form of C with each variance divided by its weight,
-// and has the same gradient.
+// sum rho(|d_i - d_(i-1)|^2 / (q^2 dt)), rho being Huber's: a point far off neither counts nor bends the walk, and a
+// track that slips goes on from where it is. At its minimum it is the quadratic form of C with each variance divided by
+// its weight, and has the same gradient.
 #pragma once
 
 #include "segments/segment.h"
@@ -29,7 +30,8 @@ class TrackNoise {
 
   void begin() { n_ = 0; }
   int points() const { return n_; }
-  /// The next point: its time in us, and its residual in px. The builder takes one point per keyframe and camera, so that there is room.
+  /// The next point: its time in us, and its residual in px. The builder takes one point per keyframe and camera, so
+  /// that there is room.
   void add(int camera, std::int32_t t_us, const Vec2<S>& r, const MeasurementModel<S>& model);
   /// Robust weights, and what the points cost.
   S weigh(const MeasurementModel<S>& model);
@@ -52,10 +54,10 @@ class TrackNoise {
   std::int32_t n_ = 0;
   std::int8_t camera_[kPoints], before_[kPoints];  ///< `before_`: the point of the same camera before; -1: none
   std::int32_t t_us_[kPoints];
-  S walked_[kPoints];    ///< px^2; variance of the walk since the point before
-  S step_[kPoints];      ///< the same by weight
-  S white_[kPoints];     ///< px^2; variance of the white noise, by weight
-  S known_[kPoints];     ///< px^2; variance of the walk given the points up to this one
+  S walked_[kPoints];  ///< px^2; variance of the walk since the point before
+  S step_[kPoints];    ///< the same by weight
+  S white_[kPoints];   ///< px^2; variance of the white noise, by weight
+  S known_[kPoints];   ///< px^2; variance of the walk given the points up to this one
   S gain_[kPoints], scale_[kPoints];
   Vec2<S> r_[kPoints], d_[kPoints];
 };
@@ -68,7 +70,8 @@ void TrackNoise<S>::add(int camera, std::int32_t t_us, const Vec2<S>& r, const M
   camera_[n_] = static_cast<std::int8_t>(camera);
   before_[n_] = static_cast<std::int8_t>(before);
   t_us_[n_] = t_us;
-  walked_[n_] = step_[n_] = before < 0 ? S(0) : model.track_walk * model.track_walk * (S(t_us - t_us_[before]) * S(1e-6));
+  walked_[n_] = step_[n_] =
+      before < 0 ? S(0) : model.track_walk * model.track_walk * (S(t_us - t_us_[before]) * S(1e-6));
   r_[n_++] = r;
 }
 

@@ -53,7 +53,9 @@ template <class S, bool = kTrackWalk>
 class WalkingRows {
  public:
   void begin() { track_.begin(); }
-  void add(int camera, std::int32_t t_us, const Vec2<S>& r, const MeasurementModel<S>& model) { track_.add(camera, t_us, r, model); }
+  void add(int camera, std::int32_t t_us, const Vec2<S>& r, const MeasurementModel<S>& model) {
+    track_.add(camera, t_us, r, model);
+  }
   /// Of the point added last: its row along axis i.
   S* row(int i) { return block_ + 8 * (track_.points() - 1) + 4 * i; }
   /// Whitens them; returns their robust cost.
@@ -83,8 +85,8 @@ class WalkingRows<S, false> {
 /// What image point z shows of landmark l, whose tangent plane is spanned by e1 and e2: residual and its derivatives by
 /// (e1, e2, rho). False where the lens does not reach; the residual is zero then.
 template <class S>
-bool look_at(const Segment<S>& segment, const Observation& z, const Calibration<S>& theta, const Vec3<S>& g, const Landmark<S>& l,
-             const Vec3<S>& e1, const Vec3<S>& e2, Vec2<S>* r, Mat<S, 2, 3>* J) {
+bool look_at(const Segment<S>& segment, const Observation& z, const Calibration<S>& theta, const Vec3<S>& g,
+             const Landmark<S>& l, const Vec3<S>& e1, const Vec3<S>& e2, Vec2<S>* r, Mat<S, 2, 3>* J) {
   const CameraCalibration<S>& camera = theta.camera[z.camera];
   const Exposure<S> x = exposure_of(segment, z, theta, g, false);
   // h = R_CG m + rho t moves by R_CG e1, R_CG e2 and t.
@@ -130,7 +132,9 @@ S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, c
     Mat<S, 2, 3> J;
     const bool seen = look_at(segment, z, theta, model.g, l, e1, e2, &r, &J);
     const bool walks = seen && TrackNoise<S>::walks(model);
-    const RobustTerm<S> robust = walks ? RobustTerm<S>{S(1), S(0)} : robust_term(model, seen ? r.squaredNorm() * inverse_sigma * inverse_sigma : S(1e4));
+    const RobustTerm<S> robust =
+        walks ? RobustTerm<S>{S(1), S(0)}
+              : robust_term(model, seen ? r.squaredNorm() * inverse_sigma * inverse_sigma : S(1e4));
     cost += robust.cost;
     if (!seen) continue;
     const S scale = walks ? S(1) : square_root(robust.weight) * inverse_sigma;

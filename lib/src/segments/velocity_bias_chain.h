@@ -3,11 +3,12 @@
 // An IMU link ties keyframe k to k + 1. Its 15 rows meet the nine rows that earlier links left on keyframe k's velocity
 // and biases; nine reflections finish keyframe k, nine more leave the rows of keyframe k + 1, and the six that remain
 // touch poses, guest and theta only and go to the reduced system. Columns of a row:
-// [vb k 9 | vb k + 1 9 | rhs | guest 15 | IMU part of theta 15 and terms | poses 6 K]; poses last, so that only those seen so far cost.
+// [vb k 9 | vb k + 1 9 | rhs | guest 15 | IMU part of theta 15 and terms | poses 6 K]; poses last, so that only those
+// seen so far cost.
 //
-// Back-substitution runs the chain a second time with everything but velocities and biases known: rows are then 19 wide,
-// which costs an integration of the samples and saves the memory that the full rows would take. The finished ones stand where
-// the triangle was: all else is known.
+// Back-substitution runs the chain a second time with everything but velocities and biases known: rows are then 19
+// wide, which costs an integration of the samples and saves the memory that the full rows would take. The finished ones
+// stand where the triangle was: all else is known.
 #pragma once
 
 #include <new>
@@ -58,8 +59,8 @@ class VelocityBiasChain {
     }
   }
 
-  /// Bias walk from the guest to the current keyframe, six rows. As the links below: what is left of the rows goes to the
-  /// reduced system with hand_over_step().
+  /// Bias walk from the guest to the current keyframe, six rows. As the links below: what is left of the rows goes to
+  /// the reduced system with hand_over_step().
   void add_bias_link(const Vec3<S>& d_ba, const Vec3<S>& d_bg, S weight_a, S weight_g, ReducedSystem<S>* rest) {
     clear(6);
     for (int i = 0; i < 6; ++i) {
@@ -85,8 +86,8 @@ class VelocityBiasChain {
     fold_into_current(15, rest->layout());
   }
 
-  /// Link from the current keyframe to the next one, which becomes the current one; finish_current() and move_on() go on with
-  /// it, each a slice's work.
+  /// Link from the current keyframe to the next one, which becomes the current one; finish_current() and move_on() go
+  /// on with it, each a slice's work.
   void begin_link(const ImuRows<S>& rows, const ImuTermColumns<S>& terms, ReducedSystem<S>* rest) {
     clear(15);
     for (int i = 0; i < 15; ++i) {
@@ -220,7 +221,8 @@ class VelocityBiasChain {
   }
 
   static constexpr int kBlockRows = 15;
-  static constexpr int kBlockSize = kBlockRows * kWidth > 9 * kReducedColumns ? kBlockRows * kWidth : 9 * kReducedColumns;
+  static constexpr int kBlockSize =
+      kBlockRows * kWidth > 9 * kReducedColumns ? kBlockRows* kWidth : 9 * kReducedColumns;
   static_assert(kKept <= ReducedSystem<S>::kScratch, "the triangle's memory is too small to keep the chain's rows");
   NearOrNull<const S> known_;
   Near<S> kept_;

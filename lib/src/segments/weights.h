@@ -9,17 +9,17 @@ namespace SEGCAL_NS {
 template <class S>
 struct MeasurementModel {
   ImuNoise<S> imu;
-  S pixel_sigma = S(0.5);          ///< px, each axis: white noise of an image point
-  S track_walk = S(0);             ///< px/sqrt(s), each axis: random walk along a track (track_noise.h); 0: none
+  S pixel_sigma = S(0.5);  ///< px, each axis: white noise of an image point
+  S track_walk = S(0);     ///< px/sqrt(s), each axis: random walk along a track (track_noise.h); 0: none
   Vec3<S> g = Vec3<S>(S(0), S(0), S(-9.80665));  ///< m/s^2, in G
   // Weak priors: they keep directions finite that no measurement touches, and are far wider than any real device.
-  S bias_a_sigma = S(1);           ///< m/s^2, accelerometer bias at the start of a partition
-  S bias_g_sigma = S(0.5);         ///< rad/s, gyroscope bias at the start of a partition
-  S velocity_sigma = S(30);        ///< m/s
+  S bias_a_sigma = S(1);                                ///< m/s^2, accelerometer bias at the start of a partition
+  S bias_g_sigma = S(0.5);                              ///< rad/s, gyroscope bias at the start of a partition
+  S velocity_sigma = S(30);                             ///< m/s
   S inverse_depth_sigma = kSegmentDepthSigma<S>;        ///< 1/m, about zero
   S turned_inverse_depth_sigma = kTurnedDepthSigma<S>;  ///< 1/m, in a segment whose images show no translation
   S depth_sigma(bool wide) const { return wide ? turned_inverse_depth_sigma : inverse_depth_sigma; }
-  S huber = S(3);                  ///< whitened length of an image residual above which its weight falls
+  S huber = S(3);  ///< whitened length of an image residual above which its weight falls
 };
 
 /// Weight and cost of an image residual of squared whitened length e2: quadratic, then linear (Huber).

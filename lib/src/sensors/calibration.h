@@ -14,9 +14,9 @@ enum class Distortion : std::int32_t { fov = 0, radtan = 1, equidistant = 2 };
 
 constexpr int kMaxCameras = SEGCAL_MAX_CAMERAS;
 constexpr int kExtrinsicColumns = 6;
-constexpr int kIntrinsicColumns = 8;   // fx fy cx cy and up to four distortion coefficients
+constexpr int kIntrinsicColumns = 8;  // fx fy cx cy and up to four distortion coefficients
 constexpr int kMaxCameraColumns = kExtrinsicColumns + kIntrinsicColumns;
-constexpr int kImuColumns = 15;        // gyro s m, accel s m, r_AI
+constexpr int kImuColumns = 15;  // gyro s m, accel s m, r_AI
 constexpr int kMaxSensorColumns = kMaxCameras * kMaxCameraColumns + kImuColumns;
 constexpr int kMaxTheta = kMaxSensorColumns + kMaxEffectEstimates;
 constexpr int kMaxWideTheta = kMaxSensorColumns + kMaxEffectColumns;  ///< with candidates
@@ -24,17 +24,18 @@ constexpr int kMaxWideTheta = kMaxSensorColumns + kMaxEffectColumns;  ///< with 
 template <class S>
 struct CameraCalibration {
   Distortion model = Distortion::radtan;
-  Mat3<S> R_CI = Mat3<S>::Identity();  ///< rotates a vector in I into C
-  Vec3<S> p_CI = Vec3<S>::Zero();      ///< p_C = R_CI p_I + p_CI; m
+  Mat3<S> R_CI = Mat3<S>::Identity();            ///< rotates a vector in I into C
+  Vec3<S> p_CI = Vec3<S>::Zero();                ///< p_C = R_CI p_I + p_CI; m
   Vec<S, 4> intrinsics{S(1), S(1), S(0), S(0)};  ///< fx fy cx cy; px
   Vec<S, 4> distortion = Vec<S, 4>::Zero();      ///< fov: w. radtan: k1 k2 p1 p2. equidistant: k1..k4
-  S middle_row = S(240);               ///< px; known, no part of theta: terms count rows from here
+  S middle_row = S(240);                         ///< px; known, no part of theta: terms count rows from here
 
   int distortion_columns() const { return model == Distortion::fov ? 1 : 4; }
   int columns() const { return kExtrinsicColumns + 4 + distortion_columns(); }
 };
 
-/// w_m = T_g w_I + b_g, a_m = T_a R_AI f_I + b_a with T = [[sx, mx, my], [0, sy, mz], [0, 0, sz]] (paper, Eq. (calib_t)).
+/// w_m = T_g w_I + b_g, a_m = T_a R_AI f_I + b_a with T = [[sx, mx, my], [0, sy, mz], [0, 0, sz]] (paper, Eq.
+/// (calib_t)).
 template <class S>
 struct ImuCalibration {
   Vec3<S> gyro_scale = Vec3<S>::Ones();
@@ -96,7 +97,9 @@ void add_step(Calibration<S>* theta, const S* delta) {
 /// delta = b [-] a, so that add_step(a, delta) = b. Both have the same cameras, models and terms.
 template <class S>
 void difference(const Calibration<S>& a, const Calibration<S>& b, S* delta) {
-  const auto put = [](S* d, const Vec3<S>& v) { for (int i = 0; i < 3; ++i) d[i] = v(i); };
+  const auto put = [](S* d, const Vec3<S>& v) {
+    for (int i = 0; i < 3; ++i) d[i] = v(i);
+  };
   for (int c = 0; c < a.n_cameras; ++c) {
     const CameraCalibration<S>&ca = a.camera[c], &cb = b.camera[c];
     put(delta, so3_log<S>(cb.R_CI * ca.R_CI.transpose()));

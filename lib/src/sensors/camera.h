@@ -103,7 +103,8 @@ RadialFactor<S> radial_factor(const CameraCalibration<S>& camera, S q) {
 /// Distorts a normalised point. Optional: J_xy (2x2) by (x, y), J_d (2x4) by the coefficients.
 /// False where the model folds back on itself (its radius no longer grows): such a point has no image.
 template <class S>
-bool distort(const CameraCalibration<S>& camera, const Vec2<S>& xy, Vec2<S>* out, Mat<S, 2, 2>* J_xy, Mat<S, 2, 4>* J_d) {
+bool distort(const CameraCalibration<S>& camera, const Vec2<S>& xy, Vec2<S>* out, Mat<S, 2, 2>* J_xy,
+             Mat<S, 2, 4>* J_d) {
   const S x = xy.x(), y = xy.y(), q = x * x + y * y;
   const RadialFactor<S> f = radial_factor(camera, q);
   if (!(f.beta + S(2) * q * f.slope > S(0.05))) return false;

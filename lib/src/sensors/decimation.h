@@ -2,9 +2,10 @@
 //
 // Of a motion that curves, a mean is not the value at its middle: with samples h apart, H = m h,
 //   mean = f + (h^2 / 2) f'' sum_i (i - (m - 1)/2)^2 / m = f + H^2 / 24 (1 - 1/m^2) f'',
-// and H^2 f'' is the second difference of the means before and after. That much is taken off, when the next mean is there: what comes
-// out is one group late. Without it groups of 4, 6 and 8 of a hand-held device's 200 Hz give answers whose mean (error/sigma)^2 is 2, 6 and 13.
-// The density of white noise is kept over more than a few samples: second differences sum to next to nothing.
+// and H^2 f'' is the second difference of the means before and after. That much is taken off, when the next mean is
+// there: what comes out is one group late. Without it groups of 4, 6 and 8 of a hand-held device's 200 Hz give answers
+// whose mean (error/sigma)^2 is 2, 6 and 13. The density of white noise is kept over more than a few samples: second
+// differences sum to next to nothing.
 #pragma once
 
 #include "sensors/inertial_state.h"
@@ -26,8 +27,8 @@ class Decimation {
     if (i < means_) *t_ns = mean_[i].t_ns;
     return i < means_;
   }
-  /// Of groups: forgets the newest one or two samples and all that they are part of, the open group and the one that ended before. Returns how
-  /// many of those that came out, 0 or 1, had them in it and must be taken back.
+  /// Of groups: forgets the newest one or two samples and all that they are part of, the open group and the one that
+  /// ended before. Returns how many of those that came out, 0 or 1, had them in it and must be taken back.
   int drop_newest(int samples) {
     const bool ended = means_ > 0 && in_ended_group(samples);
     count_ = 0;
@@ -35,7 +36,8 @@ class Decimation {
     for (int i = 0; i + 1 < kMeans; ++i) mean_[i] = mean_[i + 1];
     return --means_ > 0 ? 1 : 0;
   }
-  /// Takes a sample; true if `t_ns` and `reading` have become those of a whole group. With groups of one: those of the sample.
+  /// Takes a sample; true if `t_ns` and `reading` have become those of a whole group. With groups of one: those of the
+  /// sample.
   bool take(std::int64_t* t_ns, InertialReading<S>* reading) {
     if (group_ == 1) return true;
     if (count_ == 0) {

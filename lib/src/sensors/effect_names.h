@@ -6,16 +6,17 @@
 namespace SEGCAL_NS {
 
 constexpr const char* kTermAxes[6] = {"gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"};
-constexpr const char* kSignalNames[kNamedSignals] = {"1", "wx", "wy", "wz", "|wx|", "|wy|", "|wz|", "|w|", "fx", "fy", "fz",
-                                                     "dwx", "dwy", "dwz", "T", "t", "cos_yaw", "sin_yaw"};
+constexpr const char* kSignalNames[kNamedSignals] = {"1",    "wx",  "wy", "wz", "|wx|",    "|wy|",
+                                                     "|wz|", "|w|", "fx", "fy", "fz",      "dwx",
+                                                     "dwy",  "dwz", "T",  "t",  "cos_yaw", "sin_yaw"};
 /// Powers of rad, m, s and degC in a signal's unit.
 struct Dimension {
   int rad, m, s, degC;
 };
-constexpr Dimension kDimension[kNamedSignals] = {{0, 0, 0, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0},
-                                                 {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {0, 1, -2, 0}, {0, 1, -2, 0},
-                                                 {0, 1, -2, 0}, {1, 0, -2, 0}, {1, 0, -2, 0}, {1, 0, -2, 0}, {0, 0, 0, 1},
-                                                 {0, 0, 1, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}};
+constexpr Dimension kDimension[kNamedSignals] = {
+    {0, 0, 0, 0},  {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0}, {1, 0, -1, 0},
+    {1, 0, -1, 0}, {1, 0, -1, 0}, {0, 1, -2, 0}, {0, 1, -2, 0}, {0, 1, -2, 0}, {1, 0, -2, 0},
+    {1, 0, -2, 0}, {1, 0, -2, 0}, {0, 0, 0, 1},  {0, 0, 1, 0},  {0, 0, 0, 0},  {0, 0, 0, 0}};
 
 /// Text into memory of a fixed size; what does not fit is cut off.
 class TextWriter {
@@ -57,7 +58,9 @@ inline void write_unit(const Dimension& d, TextWriter* out) {
   if (t.b > 0) name->text("*").text(kSignalNames[t.b]);
   const Dimension a = kDimension[t.a], b = kDimension[t.b];
   const bool gyro = t.of_gyro();
-  write_unit({(gyro ? 1 : 0) - a.rad - b.rad, (gyro ? 0 : 1) - a.m - b.m, (gyro ? -1 : -2) - a.s - b.s, -a.degC - b.degC}, unit);
+  write_unit(
+      {(gyro ? 1 : 0) - a.rad - b.rad, (gyro ? 0 : 1) - a.m - b.m, (gyro ? -1 : -2) - a.s - b.s, -a.degC - b.degC},
+      unit);
 }
 
 inline void describe_powers(const Term& t, TextWriter* name, TextWriter* unit) {

@@ -1,8 +1,9 @@
-// Effects as sums of terms (docs/diagnosis.md, section 4): one term is one number c, one column of theta behind the 15 of
-// the IMU. Catalogue effects (effect_catalogue.h) and terms of a dictionary are the same thing here.
+// Effects as sums of terms (docs/diagnosis.md, section 4): one term is one number c, one column of theta behind the 15
+// of the IMU. Catalogue effects (effect_catalogue.h) and terms of a dictionary are the same thing here.
 //
 // A term of the IMU adds c phi to the reading, after T_g and T_a R_AI and before the bias; phi is a sum of up to three
-// products of two signals. A term of the camera moves the time at which an image row was exposed, or the distorted point.
+// products of two signals. A term of the camera moves the time at which an image row was exposed, or the distorted
+// point.
 #pragma once
 
 #include <cstdint>
@@ -11,27 +12,51 @@
 
 namespace SEGCAL_NS {
 
-constexpr int kMaxEffectColumns = SEGCAL_MAX_EFFECT_COLUMNS;      ///< of one elimination: estimated terms and candidates
+constexpr int kMaxEffectColumns = SEGCAL_MAX_EFFECT_COLUMNS;  ///< of one elimination: estimated terms and candidates
 constexpr int kMaxEffectEstimates = SEGCAL_MAX_EFFECT_ESTIMATES;  ///< terms in theta
 static_assert(kMaxEffectEstimates <= kMaxEffectColumns, "every estimated term needs a column");
 
 enum class TermKind : std::uint8_t {
-  gyro_x, gyro_y, gyro_z, accel_x, accel_y, accel_z,  ///< product of the signals a and b, added to this axis
-  gyro_lag,                ///< first-order lag of all three axes: -d w_m / dt
-  axis_offset,             ///< a: 0..5, the entries yx yy yz zx zy zz
-  camera_time,             ///< seconds; a = 0: the same for all rows; a = 1: per row below the middle one
-  radial, tangential_1, tangential_2,  ///< d |d|^2; Brown's two
-  image_u, image_v         ///< x^a y^b row^c, added to the distorted point d; row: -1 at the top, 1 at the bottom
+  gyro_x,
+  gyro_y,
+  gyro_z,
+  accel_x,
+  accel_y,
+  accel_z,      ///< product of the signals a and b, added to this axis
+  gyro_lag,     ///< first-order lag of all three axes: -d w_m / dt
+  axis_offset,  ///< a: 0..5, the entries yx yy yz zx zy zz
+  camera_time,  ///< seconds; a = 0: the same for all rows; a = 1: per row below the middle one
+  radial,
+  tangential_1,
+  tangential_2,  ///< d |d|^2; Brown's two
+  image_u,
+  image_v  ///< x^a y^b row^c, added to the distorted point d; row: -1 at the top, 1 at the bottom
 };
 
-/// Signals that a term of the IMU may use. Rates and forces are corrected readings: w and dw/dt in I; f in I for a term of
-/// the gyroscope, in A for one of the accelerometer.
+/// Signals that a term of the IMU may use. Rates and forces are corrected readings: w and dw/dt in I; f in I for a term
+/// of the gyroscope, in A for one of the accelerometer.
 enum class Signal : std::uint8_t {
-  one, wx, wy, wz, abs_wx, abs_wy, abs_wz, abs_w, fx, fy, fz, dwx, dwy, dwz,
-  warmth,                  ///< degC above 25
-  time,                    ///< s since the device's first sample
-  cos_heading, sin_heading,  ///< of the direction in which I's x axis points in the horizontal plane, from G's x axis
-  slope_x, slope_y, slope_z,  ///< d w_m / dt as measured: what a lag is undone with
+  one,
+  wx,
+  wy,
+  wz,
+  abs_wx,
+  abs_wy,
+  abs_wz,
+  abs_w,
+  fx,
+  fy,
+  fz,
+  dwx,
+  dwy,
+  dwz,
+  warmth,  ///< degC above 25
+  time,    ///< s since the device's first sample
+  cos_heading,
+  sin_heading,  ///< of the direction in which I's x axis points in the horizontal plane, from G's x axis
+  slope_x,
+  slope_y,
+  slope_z,  ///< d w_m / dt as measured: what a lag is undone with
   count
 };
 constexpr int kSignals = static_cast<int>(Signal::count);
@@ -57,7 +82,7 @@ struct EffectTerms {
   std::int32_t n = 0;
   Term term[kMaxEffectEstimates + 1];
   S value[kMaxEffectEstimates + 1];
-  std::int64_t time_zero_ns = 0;   ///< of Signal::time
+  std::int64_t time_zero_ns = 0;  ///< of Signal::time
 
   /// Without capacity the compiler sees that there is nothing to do.
   int count() const { return kMaxEffectEstimates == 0 ? 0 : n; }
@@ -74,9 +99,15 @@ struct EffectTerms {
     const int i = place_of(t);
     return i < 0 ? S(0) : value[i];
   }
-  bool any_of_imu() const { return any([](const Term& t) { return t.of_imu(); }); }
-  bool any_of_time() const { return any([](const Term& t) { return t.of_time(); }); }
-  bool any_of_image() const { return any([](const Term& t) { return t.of_image(); }); }
+  bool any_of_imu() const {
+    return any([](const Term& t) { return t.of_imu(); });
+  }
+  bool any_of_time() const {
+    return any([](const Term& t) { return t.of_time(); });
+  }
+  bool any_of_image() const {
+    return any([](const Term& t) { return t.of_image(); });
+  }
 
  private:
   template <class Is>

@@ -9,7 +9,7 @@ namespace SEGCAL_NS {
 template <class S>
 struct ImageTerms {
   const EffectTerms<S>* effects = nullptr;
-  S row = S(0);   ///< -1 at the top, 1 at the bottom of the image
+  S row = S(0);  ///< -1 at the top, 1 at the bottom of the image
 };
 
 template <class S>

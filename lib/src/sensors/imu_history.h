@@ -54,7 +54,8 @@ class ImuHistory {
 
 /// What terms need to know about [t0, t1], too short a time for the warmth to change. `R_GI`: at t0.
 template <class S>
-Stretch<S> stretch_between(std::int64_t t0, std::int64_t t1, S warmth, const Mat3<S>& R_GI, const ImuIntegrator<S>& integrator) {
+Stretch<S> stretch_between(std::int64_t t0, std::int64_t t1, S warmth, const Mat3<S>& R_GI,
+                           const ImuIntegrator<S>& integrator) {
   const std::int64_t zero = integrator.time_zero_ns();
   return {warmth, warmth, S(t0 - zero) * S(1e-9), S(t1 - zero) * S(1e-9), &R_GI, true};
 }

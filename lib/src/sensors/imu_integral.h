@@ -1,14 +1,15 @@
 // Inertial model (paper, Sec. III-C) and re-integration of raw samples between two keyframes.
 //
 // w_m = T_g w_I + b_g + n_g,  a_m = T_a R_AI R_IG (a_G - g) + b_a + n_a.
-// The integral over a link is taken in the frame of its first keyframe (dR, dv, dp), with the first-order change of each
-// by the biases and the IMU part of theta, and with the noise propagated. Nothing is linearised once and kept: the raw
-// samples are integrated again whenever biases or theta have moved.
+// The integral over a link is taken in the frame of its first keyframe (dR, dv, dp), with the first-order change of
+// each by the biases and the IMU part of theta, and with the noise propagated. Nothing is linearised once and kept: the
+// raw samples are integrated again whenever biases or theta have moved.
 //
-// Terms (effect_terms.h) are taken off the readings: w_I = T_g^-1 (w_m - b_g - e_g), f_A = T_a^-1 (a_m - b_a - e_a), with
-// e = sum of c phi at the corrected reading itself: a fixed point. It is iterated twice from e = 0; with q = |d e / d(w, f)|,
-// 2 k |w| for a nonlinearity k, 0.02 for a bad sensor at 5 rad/s, what is left is q^2 e, 4e-4 of the term. Derivatives leave
-// d phi / d(bias, scale, c) out, a share q of the term's own size: the model is exact, the columns nearly so.
+// Terms (effect_terms.h) are taken off the readings: w_I = T_g^-1 (w_m - b_g - e_g), f_A = T_a^-1 (a_m - b_a - e_a),
+// with e = sum of c phi at the corrected reading itself: a fixed point. It is iterated twice from e = 0; with q = |d e
+// / d(w, f)|, 2 k |w| for a nonlinearity k, 0.02 for a bad sensor at 5 rad/s, what is left is q^2 e, 4e-4 of the term.
+// Derivatives leave d phi / d(bias, scale, c) out, a share q of the term's own size: the model is exact, the columns
+// nearly so.
 #pragma once
 
 #include "math/block3.h"
@@ -35,13 +36,13 @@ constexpr int kInputBa = 9, kInputAccelScale = 12, kInputAccelMisalignment = 15,
 /// The integral over a link and all that is needed to linearise it.
 template <class S>
 struct ImuIntegral {
-  S dt;                       ///< s
-  Mat3<S> dR;                 ///< R_{I0 I1}
-  Vec3<S> dv, dp;             ///< m/s and m, in I0, gravity not included
-  Mat<S, 3, kGyroInputs> J_R; ///< right perturbation of dR by the gyroscope inputs
+  S dt;                        ///< s
+  Mat3<S> dR;                  ///< R_{I0 I1}
+  Vec3<S> dv, dp;              ///< m/s and m, in I0, gravity not included
+  Mat<S, 3, kGyroInputs> J_R;  ///< right perturbation of dR by the gyroscope inputs
   Mat<S, 3, kInputs> J_v, J_p;
-  Mat<S, 9, 9> P;             ///< covariance of (rotation, velocity, position)
-  Mat<S, 9, 6> P_b;           ///< covariance of (truth minus integral) with the bias walk (b_a, b_g) over the link
+  Mat<S, 9, 9> P;    ///< covariance of (rotation, velocity, position)
+  Mat<S, 9, 6> P_b;  ///< covariance of (truth minus integral) with the bias walk (b_a, b_g) over the link
 };
 
 /// Columns of d w_I or d f_A by (bias, scale, misalignment): -M [I | diag(x) | mixed(x)], x the corrected reading.
@@ -56,13 +57,13 @@ void sensor_input_columns(const Mat3<S>& M, const Vec3<S>& x, Out&& out) {
   out.col(8) = -M.col(1) * x.z();
 }
 
-/// Integrates readings one after the other in the first keyframe's frame. Rates and forces are linear within a step; the
-/// rotation has Magnus' second term (coning), the acceleration is summed by Simpson's rule (sculling). Without these two a
-/// shaken device's gyroscope scale is off by a fifth of its sigma.
+/// Integrates readings one after the other in the first keyframe's frame. Rates and forces are linear within a step;
+/// the rotation has Magnus' second term (coning), the acceleration is summed by Simpson's rule (sculling). Without
+/// these two a shaken device's gyroscope scale is off by a fifth of its sigma.
 template <class S>
 class ImuIntegrator {
  public:
-  ImuIntegrator() = default;   ///< begin() before use
+  ImuIntegrator() = default;  ///< begin() before use
   ImuIntegrator(const ImuCalibration<S>& imu, const Vec3<S>& b_a, const Vec3<S>& b_g, const ImuNoise<S>& noise,
                 const EffectTerms<S>* terms = nullptr, ImuTermColumns<S>* columns = nullptr) {
     begin(imu, b_a, b_g, noise, terms, columns);
@@ -114,8 +115,8 @@ class ImuIntegrator {
     Vec3<S> w0, w1;
   };
   void step_columns(const StepFrames& at, S dt);
-  /// Rotation over the first half of a step and over all of it, with derivatives. Over a stretch h of linear rate, from w0 to
-  /// w1, it is h (w0 + w1) / 2 + h^2 (w0 x w1) / 12; half a step ends at the mean of both.
+  /// Rotation over the first half of a step and over all of it, with derivatives. Over a stretch h of linear rate, from
+  /// w0 to w1, it is h (w0 + w1) / 2 + h^2 (w0 x w1) / 12; half a step ends at the mean of both.
   struct StepRotation {
     Vec3<S> phi_m, phi;
     Mat<S, 3, kGyroInputs> J_m, J;
@@ -125,7 +126,8 @@ class ImuIntegrator {
   void force_derivative(Mat<S, 3, kInputs>* D) const;
   Mat3<S> turn(const Mat3<S>& dR0, const Mat<S, 3, kGyroInputs>& J_R0, const Vec3<S>& phi, const Mat3<S>& Jr,
                const Mat<S, 3, kGyroInputs>& J_phi);
-  void propagate_noise(const Mat3<S>& Et, const Mat3<S>& Jr, const Mat3<S>& V0, const Mat3<S>& V1, const Mat3<S>& RB, S dt);
+  void propagate_noise(const Mat3<S>& Et, const Mat3<S>& Jr, const Mat3<S>& V0, const Mat3<S>& V1, const Mat3<S>& RB,
+                       S dt);
   void add_walk(const Mat3<S>& Jr, const Mat3<S>& RB, S dt);
   Block3<S> P(int i, int j) { return {I_.P.data() + 27 * j + 3 * i, 1, 9}; }
   Block3<S> P_b(int i, int j) { return {I_.P_b.data() + 27 * j + 3 * i, 1, 9}; }
@@ -134,10 +136,10 @@ class ImuIntegrator {
   Mat3<S> T_g_inv_, T_a_inv_, R_IA_, B_;
   Vec3<S> b_a_, b_g_;
   ImuNoise<S> noise_;
-  Mat3<S> N_g_;           // density^2 of the rotation rate's noise: n_g stands behind T_g (eq:calib_t)
+  Mat3<S> N_g_;  // density^2 of the rotation rate's noise: n_g stands behind T_g (eq:calib_t)
   Corrected current_;
   Mat<S, 3, kGyroInputs> W_;  // d w_I / d inputs at the current reading
-  Mat<S, 3, kInputs> D_;  // d (dR f_I) / d inputs at the current reading
+  Mat<S, 3, kInputs> D_;      // d (dR f_I) / d inputs at the current reading
   NearOrNull<const EffectTerms<S>> terms_;
   NearOrNull<ImuTermColumns<S>> columns_;
   Surroundings<S> surroundings_;
@@ -145,8 +147,8 @@ class ImuIntegrator {
 };
 
 template <class S>
-void ImuIntegrator<S>::begin(const ImuCalibration<S>& imu, const Vec3<S>& b_a, const Vec3<S>& b_g, const ImuNoise<S>& noise,
-                             const EffectTerms<S>* terms, ImuTermColumns<S>* columns) {
+void ImuIntegrator<S>::begin(const ImuCalibration<S>& imu, const Vec3<S>& b_a, const Vec3<S>& b_g,
+                             const ImuNoise<S>& noise, const EffectTerms<S>* terms, ImuTermColumns<S>* columns) {
   T_g_inv_ = inverse_scale_misalignment(imu.gyro_scale, imu.gyro_misalignment);
   T_a_inv_ = inverse_scale_misalignment(imu.accel_scale, imu.accel_misalignment);
   R_IA_ = imu.R_AI.transpose();
@@ -217,7 +219,7 @@ void ImuIntegrator<S>::step(const InertialReading<S>& reading, S dt) {
   current_.f_A = S(0.5) * (first.f_A + next.f_A);
   current_.f_I = S(0.5) * (first.f_I + next.f_I);
   const Vec3<S> a0 = dR0 * first.f_I, am = I_.dR * current_.f_I;
-  Mat<S, 3, kInputs> D;   // at the middle; then what the integral needs of start and middle
+  Mat<S, 3, kInputs> D;  // at the middle; then what the integral needs of start and middle
   force_derivative(&D);
   I_.J_p += dt * I_.J_v + square * (D_ + S(2) * D);
   D = D_ + S(4) * D;

@@ -5,17 +5,17 @@
 
 namespace SEGCAL_NS {
 
-/// P <- F P F' + Q with F = [Et 0 0; Fv I 0; Fp dt I], and the bias walk carried along in P_b. P is symmetric and only its
-/// blocks on and above the diagonal are kept; complete() makes the others. In place, one row of F after the other, the last
-/// first: it needs the old ones above.
+/// P <- F P F' + Q with F = [Et 0 0; Fv I 0; Fp dt I], and the bias walk carried along in P_b. P is symmetric and only
+/// its blocks on and above the diagonal are kept; complete() makes the others. In place, one row of F after the other,
+/// the last first: it needs the old ones above.
 template <class S>
 void ImuIntegrator<S>::propagate_noise(const Mat3<S>& Et, const Mat3<S>& Jr, const Mat3<S>& V0, const Mat3<S>& V1,
                                        const Mat3<S>& RB, S dt) {
   const Mat3<S> V1Et = product(V1, Et);
   const Mat3<S> Fv = -(dt / S(2)) * (V0 + V1Et);
   const Mat3<S> Fp = -(dt * dt / S(3)) * V0 - (dt * dt / S(6)) * V1Et;
-  const Block3<S> RR = P(0, 0), RV = P(0, 1), RP = P(0, 2), VV = P(1, 1), VP = P(1, 2), PP = P(2, 2), Fpt = Block3<S>(Fp).transpose(),
-                  Fvt = Block3<S>(Fv).transpose();
+  const Block3<S> RR = P(0, 0), RV = P(0, 1), RP = P(0, 2), VV = P(1, 1), VP = P(1, 2), PP = P(2, 2),
+                  Fpt = Block3<S>(Fp).transpose(), Fvt = Block3<S>(Fv).transpose();
   PP.add_product(Fp, RP);  // p <- p + Fp r + dt v
   PP.add_scaled(dt, VP);
   RP.add_product(RR, Fpt);
@@ -37,13 +37,14 @@ void ImuIntegrator<S>::propagate_noise(const Mat3<S>& Et, const Mat3<S>& Jr, con
   add_walk(Jr, RB, dt);
 }
 
-/// What the step's own noise adds, and the walk of the biases: after t seconds it has variance sigma^2 t. A bias moves the
-/// rotation by G_R (b_g), the velocity by G_v and the position by dt / 2 G_v (b_a); no rotation follows from b_a.
+/// What the step's own noise adds, and the walk of the biases: after t seconds it has variance sigma^2 t. A bias moves
+/// the rotation by G_R (b_g), the velocity by G_v and the position by dt / 2 G_v (b_a); no rotation follows from b_a.
 template <class S>
 void ImuIntegrator<S>::add_walk(const Mat3<S>& Jr, const Mat3<S>& RB, S dt) {
   const Mat3<S> G_R = -dt * product(Jr, T_g_inv_), G_v = -dt * RB;
   const Block3<S> G_Rt = Block3<S>(G_R).transpose(), G_vt = Block3<S>(G_v).transpose();
-  const S va = noise_.accel_walk * noise_.accel_walk * I_.dt, vg = noise_.gyro_walk * noise_.gyro_walk * I_.dt, half = dt / S(2);
+  const S va = noise_.accel_walk * noise_.accel_walk * I_.dt, vg = noise_.gyro_walk * noise_.gyro_walk * I_.dt,
+          half = dt / S(2);
   Mat3<S> storage;
   const Block3<S> X(storage);
   const auto set_product = [&](const Block3<S>& A, const Block3<S>& B) {

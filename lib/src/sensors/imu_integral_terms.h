@@ -5,9 +5,9 @@
 
 namespace SEGCAL_NS {
 
-/// A term is a function of the true rate and force, and the reading has it on top: x = x_m - c phi(x), a fixed point that each
-/// pass approaches by the factor c phi'. At worst, k = 0.017 s/rad at 3 rad/s or k = 6e-3 s^2/m at 10 m/s^2, that is 0.1; two
-/// passes left 4 k^3 w^4 of the reading, which moved k by 3 %, seven of its sigmas.
+/// A term is a function of the true rate and force, and the reading has it on top: x = x_m - c phi(x), a fixed point
+/// that each pass approaches by the factor c phi'. At worst, k = 0.017 s/rad at 3 rad/s or k = 6e-3 s^2/m at 10 m/s^2,
+/// that is 0.1; two passes left 4 k^3 w^4 of the reading, which moved k by 3 %, seven of its sigmas.
 constexpr int kTermPasses = 4;
 
 template <class S>

@@ -29,7 +29,8 @@ void link_covariance(const ImuIntegral<S>& I, const ImuNoise<S>& noise, Mat<S, 1
   }
 }
 
-/// Residual r = (Log(dR' R0' R1), R0'(v1 - v0 - g dt) - dv, R0'(p1 - p0 - v0 dt - g dt^2/2) - dp, b1 - b0), not whitened.
+/// Residual r = (Log(dR' R0' R1), R0'(v1 - v0 - g dt) - dv, R0'(p1 - p0 - v0 dt - g dt^2/2) - dp, b1 - b0), not
+/// whitened.
 template <class S>
 Vec<S, 15> link_residual(const ImuIntegral<S>& I, const State<S>& x0, const State<S>& x1, const Vec3<S>& g) {
   Vec<S, 15> r;
@@ -42,8 +43,8 @@ Vec<S, 15> link_residual(const ImuIntegral<S>& I, const State<S>& x0, const Stat
   return r;
 }
 
-/// Fills residual and Jacobians, not whitened. `j0`, `j1` are the states at which the Jacobian is taken (the same as x0,
-/// x1 except in a filter that keeps first estimates).
+/// Fills residual and Jacobians, not whitened. `j0`, `j1` are the states at which the Jacobian is taken (the same as
+/// x0, x1 except in a filter that keeps first estimates).
 template <class S>
 void link_rows(const ImuIntegral<S>& I, const State<S>& x0, const State<S>& x1, const State<S>& j0, const State<S>& j1,
                const Vec3<S>& g, ImuRows<S>* rows) {
@@ -98,8 +99,8 @@ void link_term_columns(const ImuRows<S>& rows, ImuTermColumns<S>* columns) {
   }
 }
 
-/// Square root of the link's information: a scale per row and a lower triangle, so that whitened = L^-1 (scale r). Above its
-/// diagonal L holds what is left of the covariance.
+/// Square root of the link's information: a scale per row and a lower triangle, so that whitened = L^-1 (scale r).
+/// Above its diagonal L holds what is left of the covariance.
 template <class S>
 struct LinkWhitening {
   Vec<S, 15> scale;

@@ -49,8 +49,8 @@ InertialReading<S> reading_at(const Samples& samples, Time t) {
   return interpolate<S>(corrected_reading<S>(samples, i), corrected_reading<S>(samples, i + 1), u);
 }
 
-/// Slope of the gyroscope's reading at sample i, rad/s per tick: the parabola through it and its neighbours, at the ends
-/// through the three last.
+/// Slope of the gyroscope's reading at sample i, rad/s per tick: the parabola through it and its neighbours, at the
+/// ends through the three last.
 template <class S, class Samples>
 Vec3<S> gyro_slope(const Samples& samples, int i) {
   const int last = samples.size() - 1;
@@ -59,7 +59,7 @@ Vec3<S> gyro_slope(const Samples& samples, int i) {
   const S before = S(samples.time(m) - samples.time(m - 1)), after = S(samples.time(m + 1) - samples.time(m));
   const Vec3<S> a = (samples.reading(m).gyro - samples.reading(m - 1).gyro) / before;
   const Vec3<S> b = (samples.reading(m + 1).gyro - samples.reading(m).gyro) / after;
-  const Vec3<S> bend = (b - a) / (before + after);   // half the second derivative
+  const Vec3<S> bend = (b - a) / (before + after);  // half the second derivative
   return a + before * bend + S(2) * S(samples.time(i) - samples.time(m)) * bend;
 }
 
@@ -76,14 +76,14 @@ Vec3<S> gyro_slope_at(const Samples& samples, Time t) {
 /// What terms need to know about a stretch of samples. Warmth and time are linear in between.
 template <class S>
 struct Stretch {
-  S warmth0 = S(0), warmth1 = S(0);   ///< degC above 25
-  S time0 = S(0), time1 = S(0);       ///< s since the device's first sample
-  const Mat3<S>* R_GI = nullptr;      ///< at its beginning, or somewhere in it; null: nobody asks
-  bool begins_there = true;           ///< false: the rotation since is not known, the heading is that of R_GI
+  S warmth0 = S(0), warmth1 = S(0);  ///< degC above 25
+  S time0 = S(0), time1 = S(0);      ///< s since the device's first sample
+  const Mat3<S>* R_GI = nullptr;     ///< at its beginning, or somewhere in it; null: nobody asks
+  bool begins_there = true;          ///< false: the rotation since is not known, the heading is that of R_GI
 
-  /// Cosine and sine of the heading of I's x axis, x_I0 in the axes of I at the beginning; zero where it stands upright. G's
-  /// x axis is where the session began: a device cannot tell more. What a term changes by way of the heading is of second
-  /// order and not derived.
+  /// Cosine and sine of the heading of I's x axis, x_I0 in the axes of I at the beginning; zero where it stands
+  /// upright. G's x axis is where the session began: a device cannot tell more. What a term changes by way of the
+  /// heading is of second order and not derived.
   Vec2<S> heading(const Vec3<S>& x_I0) const {
     if (!R_GI) return Vec2<S>::Zero();
     S x[2];
@@ -96,7 +96,8 @@ struct Stretch {
   }
 };
 
-/// What is beside a reading that comes dt seconds from now, at the share u of the stretch. One copy in the code for all samples.
+/// What is beside a reading that comes dt seconds from now, at the share u of the stretch. One copy in the code for all
+/// samples.
 template <class S>
 void set_surroundings(const Stretch<S>& stretch, S u, const Vec3<S>& slope, S dt, ImuIntegrator<S>* integrator) {
   Surroundings<S>* out = integrator->surroundings();
@@ -112,7 +113,8 @@ class SampleIntegration {
  public:
   /// In slices of kSamples; true when the integrator has it all.
   template <class Samples>
-  bool step(const Samples& samples, Time t0, Time t1, S tick_s, ImuIntegrator<S>* integrator, const Stretch<S>& stretch) {
+  bool step(const Samples& samples, Time t0, Time t1, S tick_s, ImuIntegrator<S>* integrator,
+            const Stretch<S>& stretch) {
     const bool beside = integrator->wants_surroundings();
     const auto set = [&](const Vec3<S>& slope_per_tick, Time t) {
       set_surroundings<S>(stretch, S(t - t0) / S(t1 - t0), slope_per_tick / tick_s, S(t - t_) * tick_s, integrator);

@@ -1,4 +1,5 @@
-// What the terms of the IMU add to a reading: sums of products of two signals, and how the signals come from the samples.
+// What the terms of the IMU add to a reading: sums of products of two signals, and how the signals come from the
+// samples.
 #pragma once
 
 #include "math/elementary.h"
@@ -28,13 +29,12 @@ inline int products_of(const Term& t, Product* out) {
     return 3;
   }
   // dw/dt x r + w (w . r) - r w.w, its y for the y accelerometer, its z for the z accelerometer.
-  constexpr Product kOffset[6][2] = {
-      {{4, 1, Signal::dwz, one}, {4, 1, Signal::wx, Signal::wy}},
-      {{4, -1, Signal::wx, Signal::wx}, {4, -1, Signal::wz, Signal::wz}},
-      {{4, -1, Signal::dwx, one}, {4, 1, Signal::wy, Signal::wz}},
-      {{5, -1, Signal::dwy, one}, {5, 1, Signal::wx, Signal::wz}},
-      {{5, 1, Signal::dwx, one}, {5, 1, Signal::wy, Signal::wz}},
-      {{5, -1, Signal::wx, Signal::wx}, {5, -1, Signal::wy, Signal::wy}}};
+  constexpr Product kOffset[6][2] = {{{4, 1, Signal::dwz, one}, {4, 1, Signal::wx, Signal::wy}},
+                                     {{4, -1, Signal::wx, Signal::wx}, {4, -1, Signal::wz, Signal::wz}},
+                                     {{4, -1, Signal::dwx, one}, {4, 1, Signal::wy, Signal::wz}},
+                                     {{5, -1, Signal::dwy, one}, {5, 1, Signal::wx, Signal::wz}},
+                                     {{5, 1, Signal::dwx, one}, {5, 1, Signal::wy, Signal::wz}},
+                                     {{5, -1, Signal::wx, Signal::wx}, {5, -1, Signal::wy, Signal::wy}}};
   for (int i = 0; i < 2; ++i) out[i] = kOffset[t.a % 6][i];
   return 2;
 }
@@ -42,9 +42,9 @@ inline int products_of(const Term& t, Product* out) {
 /// What a reading has beside it that terms may need.
 template <class S>
 struct Surroundings {
-  Vec3<S> slope = Vec3<S>::Zero();   ///< d w_m / dt, rad/s^2
-  S warmth = S(0), time = S(0);      ///< degC above 25; s since the device's first sample
-  Vec2<S> heading = Vec2<S>::Zero(); ///< its cosine and sine
+  Vec3<S> slope = Vec3<S>::Zero();    ///< d w_m / dt, rad/s^2
+  S warmth = S(0), time = S(0);       ///< degC above 25; s since the device's first sample
+  Vec2<S> heading = Vec2<S>::Zero();  ///< its cosine and sine
 };
 
 template <class S>
@@ -58,7 +58,8 @@ template <class S>
 class SignalValues {
  public:
   /// `T_g_inv` takes the measured slope into I.
-  SignalValues(const Vec3<S>& w_I, const Vec3<S>& f_I, const Vec3<S>& f_A, const Mat3<S>& T_g_inv, const Surroundings<S>& s) {
+  SignalValues(const Vec3<S>& w_I, const Vec3<S>& f_I, const Vec3<S>& f_A, const Mat3<S>& T_g_inv,
+               const Surroundings<S>& s) {
     const Vec3<S> dw = T_g_inv * s.slope;
     value_[0] = S(1);
     for (int i = 0; i < 3; ++i) {
@@ -96,16 +97,16 @@ class SignalValues {
   S value_[kSignals], f_A_[3];
 };
 
-/// Derivatives of an integral (imu_integral.h) by terms, one at a time, in memory that the caller lends: they go through
-/// the same recursion as the biases and the scales. A term moves either the rate or the force.
+/// Derivatives of an integral (imu_integral.h) by terms, one at a time, in memory that the caller lends: they go
+/// through the same recursion as the biases and the scales. A term moves either the rate or the force.
 template <class S>
 struct ImuTermColumns {
   std::int32_t n = 0;
   Term term[kMaxEffectColumns + 1];
   Vec3<S> J_R[kMaxEffectColumns + 1], J_v[kMaxEffectColumns + 1], J_p[kMaxEffectColumns + 1];
-  Vec3<S> input[kMaxEffectColumns + 1];   ///< d w_I or d f_I by c at the current reading
-  Vec3<S> D[kMaxEffectColumns + 1];       ///< d (dR f_I) by c there
-  S link[kMaxEffectColumns + 1][15];      ///< of a link's residual (imu_link.h), whitened
+  Vec3<S> input[kMaxEffectColumns + 1];  ///< d w_I or d f_I by c at the current reading
+  Vec3<S> D[kMaxEffectColumns + 1];      ///< d (dR f_I) by c there
+  S link[kMaxEffectColumns + 1][15];     ///< of a link's residual (imu_link.h), whitened
 
   int count() const { return kMaxEffectColumns == 0 ? 0 : n; }
 };

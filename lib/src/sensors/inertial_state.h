@@ -28,10 +28,10 @@ constexpr int kPoseColumns = 6;  ///< the first six: theta and p
 /// Continuous-time noise densities.
 template <class S>
 struct ImuNoise {
-  S gyro = S(1.7e-4);        ///< rad/s/sqrt(Hz)
-  S gyro_walk = S(2e-5);     ///< rad/s^2/sqrt(Hz)
-  S accel = S(2e-3);         ///< m/s^2/sqrt(Hz)
-  S accel_walk = S(3e-4);    ///< m/s^3/sqrt(Hz)
+  S gyro = S(1.7e-4);      ///< rad/s/sqrt(Hz)
+  S gyro_walk = S(2e-5);   ///< rad/s^2/sqrt(Hz)
+  S accel = S(2e-3);       ///< m/s^2/sqrt(Hz)
+  S accel_walk = S(3e-4);  ///< m/s^3/sqrt(Hz)
 };
 
 /// One raw sample as the integration sees it.

@@ -1,14 +1,16 @@
 // The noise of an IMU's readings as they show it, without a model of the motion.
 //
-// A motion that the samples resolve is smooth: its sixth difference is (2 sin(pi f dt))^6 of it, 1e-3 at 5 Hz and 100 Hz, where that of
-// white noise has sqrt(924) = 30 times the noise's standard deviation (924: the sum of the binomial weights' squares). What is left is
-// the sensor's noise and what the samples cannot follow: rotors, a rattle, a blow. None of it averages out as the stated noise would.
-// A filter that takes the stated noise for it believes a wrong velocity; a calibration pays for it with the accelerometer's scale, since
-// J = dr / ds holds the same samples as r (docs/results.md, "Rough IMUs").
+// A motion that the samples resolve is smooth: its sixth difference is (2 sin(pi f dt))^6 of it, 1e-3 at 5 Hz and 100
+// Hz, where that of white noise has sqrt(924) = 30 times the noise's standard deviation (924: the sum of the binomial
+// weights' squares). What is left is the sensor's noise and what the samples cannot follow: rotors, a rattle, a blow.
+// None of it averages out as the stated noise would. A filter that takes the stated noise for it believes a wrong
+// velocity; a calibration pays for it with the accelerometer's scale, since J = dr / ds holds the same samples as r
+// (docs/results.md, "Rough IMUs").
 //
-// The differences are taken of means over 10 ms and one sample more, and the smaller answer counts. Close to half the rate of a fast sensor,
-// where differences of its samples look, it filters, so that noise seems less than it is; and a tone seems to be noise, though its integral
-// stays bounded. A tone that one of the two kinds of means lets pass the other one stops. The worst axis counts for all three.
+// The differences are taken of means over 10 ms and one sample more, and the smaller answer counts. Close to half the
+// rate of a fast sensor, where differences of its samples look, it filters, so that noise seems less than it is; and a
+// tone seems to be noise, though its integral stays bounded. A tone that one of the two kinds of means lets pass the
+// other one stops. The worst axis counts for all three.
 #pragma once
 
 #include "sensors/imu_samples.h"
@@ -58,19 +60,22 @@ class SixthDifferences {
   }
   int count_ = 0;
   S square_[6] = {};
-  S last_[6][kOrder] = {};   // of each axis: the newest difference of each order, from the reading itself on
+  S last_[6][kOrder] = {};  // of each axis: the newest difference of each order, from the reading itself on
 };
 
-/// Density with what the readings have beyond it. A short stretch of white noise may look half as large again by chance.
+/// Density with what the readings have beyond it. A short stretch of white noise may look half as large again by
+/// chance.
 template <class S>
 S rougher_density(S density, S variance, S interval) {
   const S seen = variance * interval, expected = S(2.25) * density * density;
   return seen > expected ? square_root(density * density + seen - expected) : density;
 }
 
-/// The noise of readings [first, last], `interval` seconds apart, in means of `least` and one more: as stated or as rough as they are.
+/// The noise of readings [first, last], `interval` seconds apart, in means of `least` and one more: as stated or as
+/// rough as they are.
 template <class S, class Samples>
-[[gnu::cold]] ImuNoise<S> noise_of(const Samples& imu, const ImuNoise<S>& stated, int first, int last, S interval, int least) {
+[[gnu::cold]] ImuNoise<S> noise_of(const Samples& imu, const ImuNoise<S>& stated, int first, int last, S interval,
+                                   int least) {
   ImuNoise<S> out = stated;
   for (int group = least; group <= least + 1; ++group) {
     SixthDifferences<S> rough;
@@ -80,21 +85,23 @@ template <class S, class Samples>
     const S accel = rougher_density(stated.accel, rough.accel_variance(), S(group) * interval);
     if (group == least || gyro < out.gyro) out.gyro = gyro;
     if (group == least || accel < out.accel) out.accel = accel;
-    if (out.gyro == stated.gyro && out.accel == stated.accel) break;   // no answer is smaller
+    if (out.gyro == stated.gyro && out.accel == stated.accel) break;  // no answer is smaller
   }
   return out;
 }
 
-/// Means that are looked at, around a link too: with a third of them the worst of three axes would be too large by chance once in ten links.
+/// Means that are looked at, around a link too: with a third of them the worst of three axes would be too large by
+/// chance once in ten links.
 constexpr int kRoughMeans = 48;
 
-/// The noise between two times in ticks of `tick_s` seconds, from the samples there and around. Container: size(), time(i), reading(i).
+/// The noise between two times in ticks of `tick_s` seconds, from the samples there and around. Container: size(),
+/// time(i), reading(i).
 template <class S, class Samples, class Time>
 [[gnu::cold]] ImuNoise<S> noise_in(const Samples& imu, const ImuNoise<S>& stated, Time t0, Time t1, S tick_s) {
   int first = at_or_before(imu, t0), last = at_or_before(imu, t1);
   if (last <= first) return stated;
   const S interval = S(imu.time(last) - imu.time(first)) * tick_s / S(last - first);
-  if (!(interval > S(1e-5))) return stated;   // no sensor is as fast: stamps of one instant
+  if (!(interval > S(1e-5))) return stated;  // no sensor is as fast: stamps of one instant
   const int least = interval < S(0.01) ? int(S(0.01) / interval + S(0.5)) : 1;
   const int beside = (kRoughMeans * (least + 1) - (last - first)) / 2;
   if (beside > 0) {

@@ -1,9 +1,9 @@
-// Readings that no motion explains, one or two in a row: a bit that flipped on the bus, a shock to the sensor's die. One of them moves an answer
-// by up to eight sigmas and hardly shows in its chi2 (docs/results.md).
+// Readings that no motion explains, one or two in a row: a bit that flipped on the bus, a shock to the sensor's die.
+// One of them moves an answer by up to eight sigmas and hardly shows in its chi2 (docs/results.md).
 //
-// A spike stands alone: it is far from where the two readings before it lead, and what follows it is not. Far is kFarBends times the root
-// mean square of the second differences of readings. A motion that begins with a jump goes on, so that what follows it is far from there
-// too; a pulse that ends bends by its own steps.
+// A spike stands alone: it is far from where the two readings before it lead, and what follows it is not. Far is
+// kFarBends times the root mean square of the second differences of readings. A motion that begins with a jump goes on,
+// so that what follows it is far from there too; a pulse that ends bends by its own steps.
 #pragma once
 
 #include "sensors/inertial_state.h"
@@ -13,10 +13,11 @@ namespace SEGCAL_NS {
 template <class S>
 class SpikeWatch {
  public:
-  /// Of 164,000 real readings of each sensor at 200 Hz none, and no two in a row, stand alone further off (docs/results.md, "Spikes").
+  /// Of 164,000 real readings of each sensor at 200 Hz none, and no two in a row, stand alone further off
+  /// (docs/results.md, "Spikes").
   static constexpr S kFarBends = S(8);
-  /// What follows is nearer than this share of the spike's distance to where the readings before lead; half of it after two: a pulse of more
-  /// readings fades.
+  /// What follows is nearer than this share of the spike's distance to where the readings before lead; half of it after
+  /// two: a pulse of more readings fades.
   static constexpr S kNearShare = S(0.5);
   /// The distance is more than so many steps of the line that it is measured from.
   static constexpr S kSteeper = S(2);
@@ -24,7 +25,8 @@ class SpikeWatch {
   static constexpr S kMostBends = S(4);
   static constexpr std::int32_t kMemory = 200;      ///< readings: a second, in which motion stays alike
   static constexpr std::int32_t kFewReadings = 20;  ///< fewer judge nothing
-  static constexpr S kLeastRate = S(100), kLeastRateOfTwo = S(150);   ///< Hz; of a slower IMU one reading, or two, may be a twitch
+  static constexpr S kLeastRate = S(100),
+                     kLeastRateOfTwo = S(150);  ///< Hz; of a slower IMU one reading, or two, may be a twitch
 
   /// `noise`: densities; `rate_hz`: of the readings.
   void begin(const ImuNoise<S>& noise, S rate_hz) {
@@ -50,12 +52,12 @@ class SpikeWatch {
  private:
   /// One sensor.
   struct Line {
-    S r[4][3] = {};                  ///< the last readings; the newest is judged when the next one comes
-    S mean = S(0), floor = S(0);     ///< of squared second differences
-    S bend_before = S(0);            ///< of the last but one reading, squared
+    S r[4][3] = {};               ///< the last readings; the newest is judged when the next one comes
+    S mean = S(0), floor = S(0);  ///< of squared second differences
+    S bend_before = S(0);         ///< of the last but one reading, squared
 
-    /// How many of the newest stand alone. They count in the mean as well: what comes often is no accident. `n`: readings before the newest;
-    /// less than two give no line, and the mean begins with the third.
+    /// How many of the newest stand alone. They count in the mean as well: what comes often is no accident. `n`:
+    /// readings before the newest; less than two give no line, and the mean begins with the third.
     [[gnu::noinline]] int judge(const Vec3<S>& next, std::int32_t n, int widest) {
       S here = S(0);
       for (int i = 0; i < 3; ++i) {
@@ -105,8 +107,8 @@ class SpikeWatch {
   static S floor_of(S density, S rate_hz) { return S(3 * 6) * density * density * rate_hz; }
 
   Line gyro_, accel_;
-  std::int32_t n_ = -1;       ///< readings so far, the newest not among them; -1: none
-  std::int32_t widest_ = 0;   ///< readings that a spike may have; 0: none is looked for
+  std::int32_t n_ = -1;      ///< readings so far, the newest not among them; -1: none
+  std::int32_t widest_ = 0;  ///< readings that a spike may have; 0: none is looked for
 };
 
 }  // namespace SEGCAL_NS

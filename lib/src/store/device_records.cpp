@@ -86,7 +86,8 @@ RecordSink DeviceRecords::sink() {
     DeviceRecords& r = self(context);
     r.record_ = record;
     r.sound_ = true;
-    r.skips_ = record.type > std::uint16_t(kEpochs > 0 ? RecordType::changes : RecordType::segment) || record.type == kOldEpoch || record.type == 0;
+    r.skips_ = record.type > std::uint16_t(kEpochs > 0 ? RecordType::changes : RecordType::segment) ||
+               record.type == kOldEpoch || record.type == 0;
     if (!r.expected(record)) return RecordSink::kNotThis;
     if (record.type == std::uint16_t(RecordType::epoch)) Stored::begin_epoch(r.device_, record.index);
     return SEGCAL_OK;
@@ -126,7 +127,8 @@ int DeviceRecords::close() {
     return SEGCAL_ERROR_CONFIG;
   }
   if (!sound_ || record_.bytes != size(record_)) return RecordSink::kNotThis;
-  if (record_.type == std::uint16_t(RecordType::epoch)) return Stored::keep_epoch(device_, record_.index) ? SEGCAL_OK : RecordSink::kNotThis;
+  if (record_.type == std::uint16_t(RecordType::epoch))
+    return Stored::keep_epoch(device_, record_.index) ? SEGCAL_OK : RecordSink::kNotThis;
   if (record_.type != std::uint16_t(RecordType::segment)) return SEGCAL_OK;
   if (!Stored::sound(*Stored::slot(device_, record_.index), device_->theta())) return RecordSink::kNotThis;
   Stored::keep(device_, record_.index);

@@ -7,7 +7,15 @@
 
 namespace SEGCAL_NS {
 
-enum class RecordType : std::uint16_t { identity = 1, numbers = 2, results = 3, segment = 4, memory = 5, epoch = 7, changes = 8 };
+enum class RecordType : std::uint16_t {
+  identity = 1,
+  numbers = 2,
+  results = 3,
+  segment = 4,
+  memory = 5,
+  epoch = 7,
+  changes = 8
+};
 /// An epoch in format 1.1, which measured scatter otherwise: passed over.
 constexpr std::uint16_t kOldEpoch = 6;
 
@@ -30,7 +38,7 @@ class DeviceRecords {
   RecordSink sink();
 
  private:
-  static constexpr std::uint32_t kFirstSegment = 3;   ///< records before it
+  static constexpr std::uint32_t kFirstSegment = 3;  ///< records before it
   /// Records behind the segments: what is remembered of others, changes, and each epoch.
   std::uint32_t memories() const { return kEpochs > 0 ? 2 + static_cast<std::uint32_t>(device_->epochs().count()) : 0; }
   static DeviceRecords& self(void* context) { return *static_cast<DeviceRecords*>(context); }
@@ -50,9 +58,9 @@ class DeviceRecords {
   StoredNumbers<Real> numbers_;
   std::uint64_t revision_ = 0;
   RecordInfo record_{};
-  std::uint32_t taken_ = 0;      ///< records
+  std::uint32_t taken_ = 0;  ///< records
   bool skips_ = false, sound_ = true;
-  std::int32_t error_ = SEGCAL_OK;   ///< what difference_ means
+  std::int32_t error_ = SEGCAL_OK;  ///< what difference_ means
   const char* difference_ = nullptr;
 };
 

@@ -1,5 +1,5 @@
-// A record as a sequence of fields: listed once, for their number of bytes, for saving, restoring and comparing. The fields' bytes
-// are those in memory, which is little-endian on every machine that this is built for.
+// A record as a sequence of fields: listed once, for their number of bytes, for saving, restoring and comparing. The
+// fields' bytes are those in memory, which is little-endian on every machine that this is built for.
 #pragma once
 
 #include <cstdint>
@@ -13,17 +13,19 @@ namespace SEGCAL_NS {
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the store's fields are written as they stand in memory");
 
-/// Sees a part of the record, [offset, offset + n): a page's worth. Fields are visited from the first at each part, since numbers of
-/// entries that stand before say where the others are.
+/// Sees a part of the record, [offset, offset + n): a page's worth. Fields are visited from the first at each part,
+/// since numbers of entries that stand before say where the others are.
 class Fields {
  public:
   enum class Does : std::int32_t { measures, reads, writes, compares };
 
   Fields() : does_(Does::measures) {}
   /// Copies the part into `out`.
-  Fields(std::uint32_t offset, std::uint8_t* out, std::uint32_t n) : does_(Does::reads), out_(out), offset_(offset), n_(n) {}
+  Fields(std::uint32_t offset, std::uint8_t* out, std::uint32_t n)
+      : does_(Does::reads), out_(out), offset_(offset), n_(n) {}
   /// Takes it from `in`, or compares it.
-  Fields(Does does, std::uint32_t offset, const std::uint8_t* in, std::uint32_t n) : does_(does), in_(in), offset_(offset), n_(n) {}
+  Fields(Does does, std::uint32_t offset, const std::uint8_t* in, std::uint32_t n)
+      : does_(does), in_(in), offset_(offset), n_(n) {}
 
   std::uint32_t size() const { return at_; }
   bool valid() const { return valid_; }

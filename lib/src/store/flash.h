@@ -14,8 +14,8 @@ class Flash {
   static bool valid(const segcal_flash_t& f) {
     const std::uint32_t p = f.program_bytes;
     return f.read && f.program && f.erase && f.sync && p >= 1 && p <= SEGCAL_STORE_PAGE_MAX && (p & (p - 1)) == 0 &&
-           f.erase_bytes >= 512 && f.erase_bytes <= 1u << 24 && f.erase_bytes % SEGCAL_STORE_PAGE_MAX == 0 && f.blocks >= 2 &&
-           f.blocks <= 65535;
+           f.erase_bytes >= 512 && f.erase_bytes <= 1u << 24 && f.erase_bytes % SEGCAL_STORE_PAGE_MAX == 0 &&
+           f.blocks >= 2 && f.blocks <= 65535;
   }
   void begin(const segcal_flash_t& flash) {
     flash_ = flash;
@@ -24,7 +24,7 @@ class Flash {
   std::uint32_t blocks() const { return flash_.blocks; }
   std::uint32_t erase_bytes() const { return flash_.erase_bytes; }
   std::uint32_t page_bytes() const { return flash_.program_bytes < kLeastPage ? kLeastPage : flash_.program_bytes; }
-  std::uint32_t pages() const { return flash_.erase_bytes / page_bytes(); }   ///< of a block
+  std::uint32_t pages() const { return flash_.erase_bytes / page_bytes(); }  ///< of a block
 
   FlashAnswer read(std::uint32_t block, std::uint32_t page, std::uint8_t* to, std::uint32_t n) {
     return answer(flash_.read(flash_.context, block, page * page_bytes(), to, n));
@@ -35,7 +35,8 @@ class Flash {
   }
   FlashAnswer program(std::uint32_t block, std::uint32_t page, const std::uint8_t* from) {
     ++programs;
-    const FlashAnswer programmed = answer(flash_.program(flash_.context, block, page * page_bytes(), from, page_bytes()));
+    const FlashAnswer programmed =
+        answer(flash_.program(flash_.context, block, page * page_bytes(), from, page_bytes()));
     return programmed == FlashAnswer::ok ? compare(block, page, from) : programmed;
   }
   FlashAnswer sync() { return flash_.sync(flash_.context) == 0 ? FlashAnswer::ok : FlashAnswer::failed; }

@@ -11,14 +11,14 @@ constexpr int kBlockHeadBytes = 32, kRecordHeadBytes = 20, kRecordTailBytes = 4,
 constexpr std::uint16_t kCommitType = 0xFFFFu;
 /// Everything is written in pages of at least this, so that either head fits into one.
 constexpr std::uint32_t kLeastPage = 64;
-constexpr std::uint32_t kLastGeneration = 0xFFFFFFF0u;   ///< one save a second reaches it after 136 years
+constexpr std::uint32_t kLastGeneration = 0xFFFFFFF0u;  ///< one save a second reaches it after 136 years
 constexpr std::uint32_t kMostRecordBytes = 1u << 28;
 
 /// First page of a block that was taken for a state.
 struct BlockHead {
-  std::uint32_t generation;    ///< of the state, from 1
-  std::uint16_t place;         ///< of this block in the state's bytes, from 0
-  std::uint16_t taken;         ///< blocks taken before it for the same state, unusable ones included
+  std::uint32_t generation;  ///< of the state, from 1
+  std::uint16_t place;       ///< of this block in the state's bytes, from 0
+  std::uint16_t taken;       ///< blocks taken before it for the same state, unusable ones included
   std::uint32_t erase_bytes;
   std::uint32_t page_bytes;
   std::uint32_t library_version;
@@ -39,7 +39,8 @@ inline void encode(const BlockHead& head, std::uint8_t* bytes) {
   out.integer(crc32(bytes, out.size()));
 }
 
-/// False if the bytes are no head, of any format: magic, versions and the checksum stand at the same place in all of them.
+/// False if the bytes are no head, of any format: magic, versions and the checksum stand at the same place in all of
+/// them.
 inline bool decode(const std::uint8_t* bytes, BlockHead* head) {
   ByteReader in(bytes, kBlockHeadBytes);
   if (in.integer<std::uint32_t>() != kStoreMagic) return false;
@@ -84,7 +85,7 @@ inline bool decode(const std::uint8_t* bytes, std::uint32_t generation, std::uin
 /// The last record: what makes those before it count.
 struct Commit {
   std::uint32_t records, blocks;
-  std::uint32_t check;   ///< CRC-32 over the checksums of all records' bytes, in order
+  std::uint32_t check;  ///< CRC-32 over the checksums of all records' bytes, in order
 };
 
 inline void encode(const Commit& commit, std::uint8_t* bytes) {

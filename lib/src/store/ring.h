@@ -1,6 +1,6 @@
-// An append-only ring of states over erase blocks (docs/storage.md). A state is a set of records that counts as a whole from the
-// moment when its last page, the commit, is programmed; it has its erase blocks for itself, and no byte of the newest whole
-// state is touched until the next one is whole.
+// An append-only ring of states over erase blocks (docs/storage.md). A state is a set of records that counts as a whole
+// from the moment when its last page, the commit, is programmed; it has its erase blocks for itself, and no byte of the
+// newest whole state is touched until the next one is whole.
 #pragma once
 
 #include "math/resumable.h"
@@ -11,22 +11,22 @@ namespace SEGCAL_NS {
 /// What a save writes. Blocks may turn out to be bad: any part may be asked for again.
 struct RecordSource {
   void* context;
-  std::uint32_t count;                                                  ///< records
+  std::uint32_t count;  ///< records
   RecordInfo (*info)(void* context, std::uint32_t number);
   void (*read)(void* context, std::uint32_t number, std::uint32_t offset, std::uint8_t* to, std::uint32_t n);
-  bool (*unchanged)(void* context);                                     ///< what was read is still so
+  bool (*unchanged)(void* context);  ///< what was read is still so
 };
 
-/// Who takes what is found. SEGCAL_OK to go on; an error ends the search with that answer; kNotThis: this state cannot be used,
-/// look for an older one. Until `end` has been called nothing of it may count.
+/// Who takes what is found. SEGCAL_OK to go on; an error ends the search with that answer; kNotThis: this state cannot
+/// be used, look for an older one. Until `end` has been called nothing of it may count.
 struct RecordSink {
   static constexpr int kNotThis = 1;
   void* context;
-  void (*begin)(void* context);                                         ///< of a state, the first record follows
+  void (*begin)(void* context);  ///< of a state, the first record follows
   int (*record)(void* context, const RecordInfo& record);
   int (*bytes)(void* context, std::uint32_t offset, const std::uint8_t* bytes, std::uint32_t n);
-  int (*close)(void* context);                                          ///< the record's checksum is right
-  int (*end)(void* context);                                            ///< the state is whole
+  int (*close)(void* context);  ///< the record's checksum is right
+  int (*end)(void* context);    ///< the state is whole
 };
 
 class Ring {
@@ -48,13 +48,13 @@ class Ring {
 
  private:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
-  static constexpr int kReadings = 3;   ///< of a state that does not check: bits can be misread
+  static constexpr int kReadings = 3;  ///< of a state that does not check: bits can be misread
   enum class Work : std::int32_t { nothing, looking, saving };
   /// Where a record's bytes stand.
   struct Cursor {
-    std::uint32_t number, at;   ///< `at`: from the record's head
-    Crc32 crc;                  ///< of its bytes so far
-    Crc32 chain;                ///< of the checksums of the records before
+    std::uint32_t number, at;  ///< `at`: from the record's head
+    Crc32 crc;                 ///< of its bytes so far
+    Crc32 chain;               ///< of the checksums of the records before
   };
 
   // ring_look.cpp
@@ -82,7 +82,9 @@ class Ring {
   std::uint32_t room_from(std::uint32_t block) const {
     return live_blocks_ == 0 ? flash_.blocks() : (live_first_ + flash_.blocks() - block) % flash_.blocks();
   }
-  std::uint32_t free_first() const { return live_blocks_ == 0 ? next_ : (live_first_ + live_blocks_) % flash_.blocks(); }
+  std::uint32_t free_first() const {
+    return live_blocks_ == 0 ? next_ : (live_first_ + live_blocks_) % flash_.blocks();
+  }
 
   Flash flash_;
   RecordSource source_;
@@ -94,9 +96,9 @@ class Ring {
 
   // The newest whole state: a stretch of the ring.
   std::uint32_t live_first_ = 0, live_blocks_ = 0, live_generation_ = 0;
-  std::uint32_t newest_ = 0;   ///< generation of the newest head of all
-  std::uint32_t next_ = 0;     ///< block that is taken next
-  BlockHead live_head_;        ///< any of its blocks'; of a newer format if that was found
+  std::uint32_t newest_ = 0;  ///< generation of the newest head of all
+  std::uint32_t next_ = 0;    ///< block that is taken next
+  BlockHead live_head_;       ///< any of its blocks'; of a newer format if that was found
 
   // Where the work stands.
   std::uint32_t limit_, generation_, start_, start_taken_, furthest_taken_, b_, attempt_;

@@ -46,8 +46,8 @@ bool Ring::save_step() {
   SEGCAL_SLICES_END(place_);
 }
 
-/// A state lies in one stretch, so that what is free beside it is one stretch too: from where the last one ended if that leaves
-/// room, else from the beginning of what is free.
+/// A state lies in one stretch, so that what is free beside it is one stretch too: from where the last one ended if
+/// that leaves room, else from the beginning of what is free.
 void Ring::begin_writing() {
   if (room_from(next_) < needed_) next_ = free_first();
   from_start_ = next_ == free_first();
@@ -56,7 +56,7 @@ void Ring::begin_writing() {
   taken_ = at_place_ = 0;
   page_ = flash_.pages();
   cursor_ = Cursor{};
-  retry_ = true;   // the first block is at place 0
+  retry_ = true;  // the first block is at place 0
 }
 
 bool Ring::write_step() {
@@ -82,7 +82,7 @@ bool Ring::write_step() {
       if (works(flash_.program(block_, page_, buffer_))) {
         ++page_;
       } else {
-        cursor_ = checkpoint_;   // what this block was to hold goes to the next one
+        cursor_ = checkpoint_;  // what this block was to hold goes to the next one
         page_ = flash_.pages();
         retry_ = true;
       }
@@ -115,8 +115,9 @@ bool Ring::take_block_step() {
       SEGCAL_PAUSE(block_place_);
       if (best_ != kNone) {
         std::memset(buffer_, 0xFF, sizeof buffer_);
-        encode({generation_, static_cast<std::uint16_t>(at_place_), static_cast<std::uint16_t>(taken_ - 1), flash_.erase_bytes(),
-                flash_.page_bytes(), SEGCAL_VERSION, SEGCAL_STORE_MAJOR, SEGCAL_STORE_MINOR}, buffer_);
+        encode({generation_, static_cast<std::uint16_t>(at_place_), static_cast<std::uint16_t>(taken_ - 1),
+                flash_.erase_bytes(), flash_.page_bytes(), SEGCAL_VERSION, SEGCAL_STORE_MAJOR, SEGCAL_STORE_MINOR},
+               buffer_);
         if (works(flash_.program(block_, 0, buffer_))) page_ = 1;
         SEGCAL_PAUSE(block_place_);
       }
@@ -129,14 +130,16 @@ bool Ring::take_block_step() {
 
 /// `n` bytes that stand `from` bytes behind the record's head, as far as the page at *i and the cursor reach.
 void Ring::put_bytes(const std::uint8_t* bytes, std::uint32_t from, std::uint32_t n, std::uint32_t* i) {
-  while (*i < flash_.page_bytes() && cursor_.at >= from && cursor_.at < from + n) buffer_[(*i)++] = bytes[cursor_.at++ - from];
+  while (*i < flash_.page_bytes() && cursor_.at >= from && cursor_.at < from + n)
+    buffer_[(*i)++] = bytes[cursor_.at++ - from];
 }
 
 /// The next page of the record under way; behind the last record, the commit.
 void Ring::fill_page() {
   std::memset(buffer_, 0xFF, sizeof buffer_);
   const bool commit = cursor_.number == source_.count;
-  const RecordInfo record = commit ? RecordInfo{kCommitType, 0, kCommitBytes} : source_.info(source_.context, cursor_.number);
+  const RecordInfo record =
+      commit ? RecordInfo{kCommitType, 0, kCommitBytes} : source_.info(source_.context, cursor_.number);
   const std::uint32_t n = flash_.page_bytes(), end = kRecordHeadBytes + record.bytes;
   std::uint8_t part[kRecordHeadBytes];
   std::uint32_t i = 0;

@@ -18,12 +18,13 @@ struct StoredNumbers {
   std::int32_t building;
   S warmth;
   bool knew_enough, own_odometry, calibrated;
-  bool session_open;   ///< the session had samples or frames
+  bool session_open;  ///< the session had samples or frames
 };
 
 template <class S>
 struct StoredFields {
-  static_assert(sizeof(State<S>) == 21 * sizeof(S) && sizeof(Landmark<S>) == 7 * sizeof(S), "stored as arrays of numbers");
+  static_assert(sizeof(State<S>) == 21 * sizeof(S) && sizeof(Landmark<S>) == 7 * sizeof(S),
+                "stored as arrays of numbers");
   static_assert(sizeof(FaultCounts) % 4 == 0 && sizeof(BuilderCounts) % 4 == 0, "stored as arrays of numbers");
   static_assert(kMaxKeyframes * kMaxCameras <= 64, "one bit for each image of a segment");
 
@@ -56,7 +57,9 @@ struct StoredFields {
     CalibrationFit<S>& fit = report.fit;
     f->flag(&fit.converged);
     for (std::int32_t* v : {&fit.iterations, &fit.image_points, &report.segments, &report.partitions}) f->number(v);
-    for (S* v : {&fit.start_cost, &fit.cost, &fit.chi2, &fit.dof, &report.reprojection.rms, &report.reprojection.median}) f->number(v);
+    for (S* v :
+         {&fit.start_cost, &fit.cost, &fit.chi2, &fit.dof, &report.reprojection.rms, &report.reprojection.median})
+      f->number(v);
     f->count(&report.directions.n, n);
     f->array(report.directions.s, report.directions.n);
     f->array(report.directions.V, report.directions.n * report.directions.n);
@@ -94,7 +97,8 @@ struct StoredFields {
     f->array(imu.delta_us_, imu.count_);
     f->array(&imu.value_[0][0], 6 * imu.count_);
   }
-  /// Whether all that others use as an index is one. What the CRC lets through was written by this library, unless by intent.
+  /// Whether all that others use as an index is one. What the CRC lets through was written by this library, unless by
+  /// intent.
   static bool sound(const Segment<S>& s, const Calibration<S>& theta) {
     if (s.n_keyframes < 2 || s.information.n_theta != theta.columns() || s.first_observation[0] != 0) return false;
     if (s.first_observation[s.n_landmarks] != s.n_observations || s.imu.count_ < 2) return false;
@@ -102,11 +106,13 @@ struct StoredFields {
       if (s.t_us[k] <= s.t_us[k - 1]) return false;
     }
     for (int j = 0; j < s.n_landmarks; ++j) {
-      if (s.first_observation[j + 1] < s.first_observation[j] || s.first_observation[j + 1] > s.n_observations) return false;
+      if (s.first_observation[j + 1] < s.first_observation[j] || s.first_observation[j + 1] > s.n_observations)
+        return false;
       std::uint64_t images = 0;
       for (int o = s.first_observation[j]; o < s.first_observation[j + 1]; ++o) {
         const Observation& z = s.observation[o];
-        if (z.landmark != static_cast<unsigned>(j) || z.keyframe >= s.n_keyframes || z.camera >= theta.n_cameras) return false;
+        if (z.landmark != static_cast<unsigned>(j) || z.keyframe >= s.n_keyframes || z.camera >= theta.n_cameras)
+          return false;
         const std::uint64_t image = std::uint64_t(1) << (z.keyframe * kMaxCameras + z.camera);
         if ((images & image) != 0) return false;
         images |= image;
@@ -160,7 +166,7 @@ struct StoredFields {
     if constexpr (kEpochs > 0) {
       const Epoch<S>& e = d->d_.epochs.epoch_[index];
       d->d_.epochs.count_ = index + 1;
-      return e.information.n_theta == d->theta_.columns() && e.segments >= 0;   // the newest may have just begun
+      return e.information.n_theta == d->theta_.columns() && e.segments >= 0;  // the newest may have just begun
     }
     return false;
   }
@@ -176,7 +182,8 @@ struct StoredFields {
 
   /// Changes when anything is done that moves what a save reads.
   static std::uint64_t revision(const Device<S>& d) {
-    return std::uint64_t(d.session_) << 40 ^ std::uint64_t(d.d_.faults.segments_closed) << 20 ^ d.d_.faults.calibrations;
+    return std::uint64_t(d.session_) << 40 ^ std::uint64_t(d.d_.faults.segments_closed) << 20 ^
+           d.d_.faults.calibrations;
   }
 
   static StoredNumbers<S> take_numbers(const Device<S>& d) {
@@ -219,7 +226,8 @@ struct StoredFields {
     database.random_ = n.random;
     database.offered_ = n.offered;
     database.building_ = n.building;
-    d->frame_period_ = n.frame_period >= kShortestPeriodNs && n.frame_period <= kLongestPauseNs ? n.frame_period : 0;  // 0: not known
+    d->frame_period_ =
+        n.frame_period >= kShortestPeriodNs && n.frame_period <= kLongestPauseNs ? n.frame_period : 0;  // 0: not known
     for (int i = 0; i < 3; ++i) d->d_.builder.origin_[i] = n.builder_origin[i];
     d->session_ = n.session;
     d->serial_ = n.serial;
@@ -228,19 +236,19 @@ struct StoredFields {
     d->knew_enough_ = n.knew_enough;
     d->own_odometry_ = n.own_odometry;
     d->calibrated_ = n.calibrated;
-    d->condensing_ = d->condensing_ && d->d_.options.condense;   // who restores may have switched it off
+    d->condensing_ = d->condensing_ && d->d_.options.condense;  // who restores may have switched it off
     if (!d->d_.options.condense) d->d_.changes.close();
-    if (d->d_.epochs.count() == 0) d->new_epoch_ = true;   // format 1.1's are passed over
+    if (d->d_.epochs.count() == 0) d->new_epoch_ = true;  // format 1.1's are passed over
     const std::int64_t zero = d->theta_.effects.time_zero_ns;
     d->d_.options.prior.mean.effects.time_zero_ns = d->report_.theta.effects.time_zero_ns = zero;
     d->report_.release.theta.effects.time_zero_ns = zero;
-    d->d_.calibrator().theta_ = d->report_.theta;   // what residuals are asked at
+    d->d_.calibrator().theta_ = d->report_.theta;  // what residuals are asked at
     d->stamp_shift_ns_ = Device<S>::stamp_shift(d->theta_);
     d->d_.monitor.reset(d->prior(), d->theta_);
     if (n.session_open) {
       d->begin_session();
     } else {
-      if (!n.own_odometry) --d->frame_;   // counted already when the session began
+      if (!n.own_odometry) --d->frame_;  // counted already when the session began
       d->restart_filter();
     }
     return true;

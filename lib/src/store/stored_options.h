@@ -1,5 +1,5 @@
-// What a device must have in common with the one that stored its memory: capacities, layout and configuration, field by field
-// (docs/storage.md, "Records").
+// What a device must have in common with the one that stored its memory: capacities, layout and configuration, field by
+// field (docs/storage.md, "Records").
 #pragma once
 
 #include "api/capacities.h"
@@ -19,7 +19,8 @@ struct StoredOptions {
       f->matrix(&theta->camera[c].distortion);
     }
     ImuCalibration<S>& imu = theta->imu;
-    for (Vec3<S>* v : {&imu.gyro_scale, &imu.gyro_misalignment, &imu.accel_scale, &imu.accel_misalignment}) f->matrix(v);
+    for (Vec3<S>* v : {&imu.gyro_scale, &imu.gyro_misalignment, &imu.accel_scale, &imu.accel_misalignment})
+      f->matrix(v);
     f->matrix(&imu.R_AI);
     f->array(theta->effects.value, theta->effects.count());
   }
@@ -30,7 +31,8 @@ struct StoredOptions {
     for (int i = 0; i < SEGCAL_N_CAPACITIES; ++i) capacities[i] = kCapacities[i];
     f->name("capacities", SEGCAL_ERROR_CAPACITY);
     f->array(capacities, SEGCAL_N_CAPACITIES);
-    std::uint32_t layout[] = {sizeof(S), sizeof(Observation), sizeof(FaultCounts), sizeof(BuilderCounts), sizeof(MeasurementModel<S>)};
+    std::uint32_t layout[] = {sizeof(S), sizeof(Observation), sizeof(FaultCounts), sizeof(BuilderCounts),
+                              sizeof(MeasurementModel<S>)};
     f->name("layout of the library's numbers", SEGCAL_ERROR_CAPACITY);
     f->array(layout, 5);
     cameras(f, &o->prior.mean);
@@ -78,8 +80,8 @@ struct StoredOptions {
     f->name("gravity");
     f->matrix(&m->g);
     f->name("measurement model");
-    for (S* v : {&m->bias_a_sigma, &m->bias_g_sigma, &m->velocity_sigma, &m->inverse_depth_sigma, &m->turned_inverse_depth_sigma,
-                 &m->huber}) {
+    for (S* v : {&m->bias_a_sigma, &m->bias_g_sigma, &m->velocity_sigma, &m->inverse_depth_sigma,
+                 &m->turned_inverse_depth_sigma, &m->huber}) {
       f->number(v);
     }
   }

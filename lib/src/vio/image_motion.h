@@ -1,8 +1,8 @@
 // What the image says about motion, without the filter.
 #pragma once
 
-#include "sensors/camera.h"
 #include "math/elementary.h"
+#include "sensors/camera.h"
 
 namespace SEGCAL_NS {
 
@@ -50,8 +50,9 @@ class ImageMotion {
   S along_ = S(0), across_ = S(0), square_ = S(0);
 };
 
-/// The motion in the images of all cameras. Cameras look in different directions, and what shifts one image to the left may
-/// shift another to the right: each is asked alone. All that see enough must agree, and at least one must see enough.
+/// The motion in the images of all cameras. Cameras look in different directions, and what shifts one image to the left
+/// may shift another to the right: each is asked alone. All that see enough must agree, and at least one must see
+/// enough.
 template <class S>
 class RigMotion {
  public:

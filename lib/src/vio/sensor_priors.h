@@ -1,5 +1,5 @@
-// What the filter believes of the sensors before it sees anything, from an earlier session, and when a calibration comes from
-// outside.
+// What the filter believes of the sensors before it sees anything, from an earlier session, and when a calibration
+// comes from outside.
 #pragma once
 
 #include "vio/window_update.h"
@@ -22,7 +22,8 @@ S imu_sigma(const VioOptions<S>& options, int i) {
   return i < 6 ? options.sigma_gyro : i < 12 ? options.sigma_accel : options.sigma_r_AI;
 }
 
-/// The kept information on the sensors as a prior at `given`, seen from the present theta (the start moves the extrinsics).
+/// The kept information on the sensors as a prior at `given`, seen from the present theta (the start moves the
+/// extrinsics).
 template <class S>
 void fold_learnt(Window<S>* w) {
   PackedTriangle<S> R = w->R();
@@ -59,12 +60,13 @@ void replace_sensor_priors(Window<S>* w, const VioOptions<S>& options) {
   }
 }
 
-/// Takes a calibration from outside while the filter runs. What it has estimated beside (motion, and biases above all, which took up
-/// what the old calibration left) goes where the window's information puts it for the new one: the mean of R's other rows given a step
-/// of the sensors. Without that the links of the next seconds would be broken by tens of sigmas.
+/// Takes a calibration from outside while the filter runs. What it has estimated beside (motion, and biases above all,
+/// which took up what the old calibration left) goes where the window's information puts it for the new one: the mean
+/// of R's other rows given a step of the sensors. Without that the links of the next seconds would be broken by tens of
+/// sigmas.
 template <class S>
 [[gnu::cold]] void take_calibration(const Calibration<S>& theta, const VioOptions<S>& options, Window<S>* w) {
-  S delta[kMaxTheta];   // effects behind the sensors included: the filter takes them as they are
+  S delta[kMaxTheta];  // effects behind the sensors included: the filter takes them as they are
   difference(w->theta, theta, delta);
   PackedTriangle<S> R = w->R();
   const S* from = delta;
@@ -76,7 +78,7 @@ template <class S>
     }
   };
   for (int j = camera_column(0); j < w->imu_column(); ++j) {
-    for (int c = j; c <= w->columns(); ++c) R.row(j)[c] = S(0);   // a lens with fewer columns leaves some
+    for (int c = j; c <= w->columns(); ++c) R.row(j)[c] = S(0);  // a lens with fewer columns leaves some
   }
   for (int c = 0; c < theta.n_cameras; ++c) put(camera_column(c), theta.camera[c].columns());
   put(w->imu_column(), kImuColumns);

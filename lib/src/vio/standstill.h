@@ -58,7 +58,8 @@ struct StillTest {
   }
 
   /// Once the turning (R_GI: the present attitude) is taken out, is the image that of a pose at the same place?
-  bool same_place(const WindowPose<S>& pose, const Mat3<S>& R_GI, S nearness, const TrackPoint<S>* points, int n) const {
+  bool same_place(const WindowPose<S>& pose, const Mat3<S>& R_GI, S nearness, const TrackPoint<S>* points,
+                  int n) const {
     const Mat3<S> R_turn = R_GI.transpose() * pose.R_GI;
     RigMotion<S> motion;
     Vec2<S> expected;
@@ -110,8 +111,8 @@ void fold_zero(Window<S>* w, int column, const Vec3<S>& value, S sigma) {
   fold_block(w, w->block, 3, column);
 }
 
-/// The newest pose is where pose `reference` is, as far as the image can tell. False, and nothing changed, if the filter
-/// does not believe it.
+/// The newest pose is where pose `reference` is, as far as the image can tell. False, and nothing changed, if the
+/// filter does not believe it.
 template <class S>
 bool hold_place(Window<S>* w, int reference, S sigma) {
   const int newest = w->n_poses - 1, first = pose_column(reference);

@@ -14,8 +14,8 @@ constexpr int kAlignmentColumns = 10;  // l 3, v0 3, g 3, right-hand side
 
 /// Rows of one track, each divided by its distance: then the residual is an angle. Unknown distances count as 2 m.
 template <class S>
-[[gnu::cold]] int alignment_rows(const Window<S>& w, const StartScratch<S>& s, const VioTrack<S>& track, const Vec3<S>* l,
-                   const Vec3<S>& v0, const Vec3<S>& g, S* rows) {
+[[gnu::cold]] int alignment_rows(const Window<S>& w, const StartScratch<S>& s, const VioTrack<S>& track,
+                                 const Vec3<S>* l, const Vec3<S>& v0, const Vec3<S>& g, S* rows) {
   const CameraCalibration<S>& camera = w.theta.camera[track.camera];
   int m = 0;
   for (int i = 0; i < w.n_poses; ++i) {
@@ -76,7 +76,10 @@ template <class S>
     const S b1 = a1.dot(r), b2 = a2.dot(r);
     S s1 = (a22 * b1 - a12 * b2) / det, s2 = (a11 * b2 - a12 * b1) / det;
     const S length = square_root(s1 * s1 + s2 * s2), limit = S(0.3) * magnitude;
-    if (length > limit) { s1 *= limit / length; s2 *= limit / length; }
+    if (length > limit) {
+      s1 *= limit / length;
+      s2 *= limit / length;
+    }
     g += s1 * e1 + s2 * e2;
     g *= magnitude / square_root(g.squaredNorm());
   }

@@ -1,6 +1,7 @@
-// The start in motion, from tracks and inertial integrals: gyroscope bias, linear alignment, refinement, check, and the filter's
-// window with all features. It is background work in slices (math/resumable.h) on the frames that the window holds; frames that
-// come meanwhile do not touch window and tracks, so that what comes out does not depend on when the slices were done.
+// The start in motion, from tracks and inertial integrals: gyroscope bias, linear alignment, refinement, check, and the
+// filter's window with all features. It is background work in slices (math/resumable.h) on the frames that the window
+// holds; frames that come meanwhile do not touch window and tracks, so that what comes out does not depend on when the
+// slices were done.
 #pragma once
 
 #include <new>
@@ -97,20 +98,21 @@ class MotionStart {
   static void copy_cameras(const CameraCalibration<S>* from, int n, CameraCalibration<S>* to) {
     for (int i = 0; i < n; ++i) to[i] = from[i];
   }
-  static constexpr int kSamplesPerSlice = 12, kPointsPerSlice = 48;   ///< points: linearised, of two tracks as they usually are
-  static constexpr int kFoldWork = 30000;  // products per slice, as fold_work() counts them
+  static constexpr int kSamplesPerSlice = 12,
+                       kPointsPerSlice = 48;  ///< points: linearised, of two tracks as they usually are
+  static constexpr int kFoldWork = 30000;     // products per slice, as fold_work() counts them
   bool pending_ = false, good_ = false, had_before_ = false, settled_ = false;
   Place place_ = 0, inner_ = 0, leaf_ = 0;
   std::int32_t i_ = 0, k_ = 0, camera_ = 0, iteration_ = 0, column_ = 0, row_ = 0, rows_ = 0, used_ = 0, discarded_ = 0;
   std::int64_t first_ns_ = 0, last_imu_ns_ = 0, t_ = 0;
   S warmth_ = S(0), lambda_ = S(0);
-  State<S> base_;              ///< biases that the links were integrated at
+  State<S> base_;  ///< biases that the links were integrated at
   Vec3<S> v0_, g_;
-  S equations_[packed_size(7)];   ///< of the gyroscope's bias, then of the alignment
+  S equations_[packed_size(7)];  ///< of the gyroscope's bias, then of the alignment
   RefineFit<S> fit_, trial_, aligned_;
-  S rho_[kMaxVioTracks];       ///< inverse distances at the last linearisation, 1/m; negative: none
+  S rho_[kMaxVioTracks];  ///< inverse distances at the last linearisation, 1/m; negative: none
   Feature<S> feature_;
-  Near<ImuIntegrator<S>> integrator_;   ///< in the window's block, which is free while samples are integrated
+  Near<ImuIntegrator<S>> integrator_;  ///< in the window's block, which is free while samples are integrated
   SampleIntegration<S, std::int64_t> samples_;
 };
 

@@ -75,7 +75,10 @@ bool MotionStart<S>::align_step(const StartContext<S>& c) {
       used_ = 0;
       for (k_ = 0; k_ < c.tracks->end(); ++k_) {
         if (!(*c.tracks)[k_].used) continue;
-        used_ += fold_alignment_track(c.w, *c.s, (*c.tracks)[k_], iteration_ > 0, v0_, g_, alignment_sigma(*c.w, c.options), &R) ? 1 : 0;
+        used_ += fold_alignment_track(c.w, *c.s, (*c.tracks)[k_], iteration_ > 0, v0_, g_,
+                                      alignment_sigma(*c.w, c.options), &R)
+                     ? 1
+                     : 0;
         SEGCAL_PAUSE(inner_);
       }
       good_ = used_ >= 6 && solve_alignment(R, magnitude, &v0_, &g_);

@@ -6,8 +6,8 @@
 
 namespace SEGCAL_NS {
 
-/// The prior of the first state, then its information through the window by the inertial links. good_ is false if a link has
-/// no duration.
+/// The prior of the first state, then its information through the window by the inertial links. good_ is false if a
+/// link has no duration.
 template <class S>
 bool MotionStart<S>::open_step(const StartContext<S>& c, const Samples& imu) {
   SEGCAL_SLICES(inner_) {
@@ -15,10 +15,12 @@ bool MotionStart<S>::open_step(const StartContext<S>& c, const Samples& imu) {
     SEGCAL_PAUSE(inner_);
     for (i_ = 1; i_ < c.w->n_poses && good_; ++i_) {
       new_integrator(c.w)->begin(c.w->theta.imu, c.w->now.b_a, c.w->now.b_g,
-                                 noise_in(imu, c.options.noise, c.w->pose[i_ - 1].time, c.w->pose[i_].time, S(1e-9)), &c.w->theta.effects);
+                                 noise_in(imu, c.options.noise, c.w->pose[i_ - 1].time, c.w->pose[i_].time, S(1e-9)),
+                                 &c.w->theta.effects);
       samples_.restart();
       SEGCAL_AWAIT(inner_, samples_.step(imu, c.w->pose[i_ - 1].time, c.w->pose[i_].time, S(1e-9), integrator_,
-                                         stretch_between(c.w->pose[i_ - 1].time, c.w->pose[i_].time, imu.warmth, c.w->now.R_GI, *integrator_)));
+                                         stretch_between(c.w->pose[i_ - 1].time, c.w->pose[i_].time, imu.warmth,
+                                                         c.w->now.R_GI, *integrator_)));
       SEGCAL_PAUSE(inner_);
       good_ = link_poses(c);
       for (row_ = 0; good_ && row_ < kLinkRows; row_ += rows_) {
@@ -65,7 +67,8 @@ bool MotionStart<S>::use_tracks_step(const StartContext<S>& c) {
             ++used_;
           } else {
             SEGCAL_PAUSE(inner_);
-            for (column_ = w->columns(); !unfold_some(w, feature_rest(w), feature_.dof, feature_.first);) SEGCAL_PAUSE(inner_);
+            for (column_ = w->columns(); !unfold_some(w, feature_rest(w), feature_.dof, feature_.first);)
+              SEGCAL_PAUSE(inner_);
           }
         }
         (*c.tracks)[k_].slots = 0;

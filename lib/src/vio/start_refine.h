@@ -1,8 +1,9 @@
 // The start, part 4: Levenberg-Marquardt over the window.
 //
 // Over a second the inertial integral is far more precise than the image, so every pose is a function of the first
-// state: 15 columns, the extrinsics with their prior, and landmarks that are eliminated one by one. It only serves to find the
-// point at which the filter linearises: the filter then weighs inertial noise and image points once more, properly.
+// state: 15 columns, the extrinsics with their prior, and landmarks that are eliminated one by one. It only serves to
+// find the point at which the filter linearises: the filter then weighs inertial noise and image points once more,
+// properly.
 #pragma once
 
 #include "math/quantiles.h"
@@ -48,8 +49,8 @@ void fold_prior_row(PackedTriangle<S>* R, int column, const Vec3<S>& a, S value,
 
 /// Prior of the cameras, at what was given from outside.
 template <class S>
-[[gnu::cold]] void fold_camera_prior(const Window<S>& w, const VioOptions<S>& options, PackedTriangle<S>* R, const StartColumns& at,
-                       S* row) {
+[[gnu::cold]] void fold_camera_prior(const Window<S>& w, const VioOptions<S>& options, PackedTriangle<S>* R,
+                                     const StartColumns& at, S* row) {
   for (int c = 0; c < w.theta.n_cameras; ++c) {
     const CameraCalibration<S>&now = w.theta.camera[c], &given = w.given.camera[c];
     const Vec3<S> r = so3_log<S>(now.R_CI * given.R_CI.transpose()), dp = now.p_CI - given.p_CI;
@@ -64,8 +65,8 @@ template <class S>
 
 /// Prior of the first state. Place and heading are held: nothing measures them.
 template <class S>
-void fold_start_prior(const VioOptions<S>& options, const State<S>& x0, PackedTriangle<S>* R,
-                      const StartColumns& at, S sigma_v, S* row) {
+void fold_start_prior(const VioOptions<S>& options, const State<S>& x0, PackedTriangle<S>* R, const StartColumns& at,
+                      S sigma_v, S* row) {
   const Mat3<S> unit = Mat3<S>::Identity();
   for (int i = 0; i < 3; ++i) {
     const Vec3<S> error_in_G = x0.R_GI.row(i).transpose();  // roll, pitch, yaw
@@ -84,26 +85,30 @@ struct RefineFit {
   S cost = S(0);  ///< robust, in units of pixel_sigma
   int points = 0;
   int tracks = 0;
-  int tried = 0;  ///< tracks long enough
-  int good = 0;   ///< tracks whose residuals are about what pixel_sigma says
-  std::int32_t work = 0;   ///< points linearised since the last pause
+  int tried = 0;          ///< tracks long enough
+  int good = 0;           ///< tracks whose residuals are about what pixel_sigma says
+  std::int32_t work = 0;  ///< points linearised since the last pause
 };
 
-/// Two rows [l 3 | x0 15 | extrinsics | rhs] of an image point, n numbers beside the landmark's and the right-hand side.
+/// Two rows [l 3 | x0 15 | extrinsics | rhs] of an image point, n numbers beside the landmark's and the right-hand
+/// side.
 template <class S>
-void write_rows(const ReprojectionRows<S>& rows, const Mat<S, 2, kStateColumns>& J, int camera, S weight, int n, S* out) {
+void write_rows(const ReprojectionRows<S>& rows, const Mat<S, 2, kStateColumns>& J, int camera, S weight, int n,
+                S* out) {
   const int stride = kLandmarkColumns + n + 1;
   for (int k = 0; k < 2; ++k) {
     S* row = out + k * stride;
     for (int c = 0; c < stride; ++c) row[c] = S(0);
     for (int c = 0; c < kLandmarkColumns; ++c) row[c] = weight * rows.J_l(k, c);
     for (int c = 0; c < kStateColumns; ++c) row[3 + c] = weight * J(k, c);
-    for (int c = 0; c < kExtrinsicColumns; ++c) row[3 + kStateColumns + kExtrinsicColumns * camera + c] = weight * rows.J_camera(k, c);
+    for (int c = 0; c < kExtrinsicColumns; ++c)
+      row[3 + kStateColumns + kExtrinsicColumns * camera + c] = weight * rows.J_camera(k, c);
     row[3 + n] = -weight * rows.r(k);
   }
 }
 
-/// One track's rows [l 3 | x0 15 | extrinsics | rhs] into the triangle, Huber weights beyond 2 sigma. *rho: triangulate_again().
+/// One track's rows [l 3 | x0 15 | extrinsics | rhs] into the triangle, Huber weights beyond 2 sigma. *rho:
+/// triangulate_again().
 template <class S>
 void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, const StartScratch<S>& s,
                   PackedTriangle<S>* R, RefineFit<S>* fit, S* rho) {
@@ -116,7 +121,7 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
   const CameraCalibration<S>& camera = w->theta.camera[track.camera];
   S cost = S(0);
   bool good = triangulate_again(*w, view, S(4) * options.pixel_sigma, w->block, &l, rho, &fit->work);
-  fit->work += 2 * view.n;   // its rows, and their fold
+  fit->work += 2 * view.n;  // its rows, and their fold
   for (int i = 0; good && i < view.n; ++i) {
     const WindowPose<S>& pose = w->pose[view.pose[i]];
     ReprojectionRows<S> rows;
@@ -143,7 +148,8 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
 
 /// Poses and priors at s.x0 and the present extrinsics; the tracks' rows follow one by one (start_motion.h).
 template <class S>
-RefineFit<S> begin_linearisation(Window<S>* w, const VioOptions<S>& options, const StartScratch<S>& s, PackedTriangle<S>* R) {
+RefineFit<S> begin_linearisation(Window<S>* w, const VioOptions<S>& options, const StartScratch<S>& s,
+                                 PackedTriangle<S>* R) {
   place_poses(w, options, s);
   R->clear();
   const StartColumns at{0, 3, 6, kStateColumns, kExtrinsicColumns};
@@ -194,7 +200,8 @@ void descend(Window<S>* w, const PackedTriangle<S>& R, S lambda, StartScratch<S>
   take_start_step(w, step, s);
 }
 
-/// A track that does not fit the refined window is a mismatch or a thing that moves: it is not to be offered to the filter.
+/// A track that does not fit the refined window is a mismatch or a thing that moves: it is not to be offered to the
+/// filter.
 template <class S>
 bool misfit(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, S pixel_scale) {
   const S sigma = options.pixel_sigma * pixel_scale;

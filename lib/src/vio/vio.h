@@ -4,8 +4,8 @@
 // Wu et al. 2015 (square-root inverse filter): the state's information is an upper triangle R, which single precision
 // can hold. Huang et al. (first-estimate Jacobians): the filter must not learn its place or heading from nothing.
 // The extrinsics are states of the filter (paper, Sec. IV-B); so are, unless switched off, the intrinsics of camera and
-// IMU (as in Li et al. 2014): a wrong focal length would otherwise be explained by a wrong lever arm p_CI, and a per cent
-// of accelerometer scale (0.1 m/s^2 of gravity, turning with the device) by wrong tilt, velocity and scale.
+// IMU (as in Li et al. 2014): a wrong focal length would otherwise be explained by a wrong lever arm p_CI, and a per
+// cent of accelerometer scale (0.1 m/s^2 of gravity, turning with the device) by wrong tilt, velocity and scale.
 #pragma once
 
 #include "vio/sensor_priors.h"
@@ -36,7 +36,9 @@ class Vio {
   /// See VioOptions::late_start_at_once.
   void finish_late_starts(bool at_once) { options_.late_start_at_once = at_once; }
   /// Of terms that follow the time.
-  void set_time_zero(std::int64_t t_ns) { window_.theta.effects.time_zero_ns = window_.given.effects.time_zero_ns = t_ns; }
+  void set_time_zero(std::int64_t t_ns) {
+    window_.theta.effects.time_zero_ns = window_.given.effects.time_zero_ns = t_ns;
+  }
 
   /// Forgets place and motion and waits for frames, but keeps what was learnt about the sensors, with its information.
   void next_session();
@@ -93,9 +95,7 @@ class Vio {
   [[gnu::cold]] VioStatus try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu);
   VioStatus begin_running();
   [[gnu::cold]] void drop_start();
-  StartContext<S> start_context() {
-    return {&window_, &tracks_, &start_, options_, origin_, &monitor_, &statistics_};
-  }
+  StartContext<S> start_context() { return {&window_, &tracks_, &start_, options_, origin_, &monitor_, &statistics_}; }
   [[gnu::cold]] VioStatus give_up();
   [[gnu::cold]] void forget();
   void make_room();
@@ -110,13 +110,13 @@ class Vio {
   ResidualMonitor<S> monitor_;
   Origin<S> origin_;  ///< where the next start places the device: the last place known
   VioStatistics statistics_;
-  std::int64_t time_, last_update_;   ///< of the newest pose; of the last feature
-  std::int64_t arrived_;      ///< newest frame, whether it became a pose or not
-  std::int64_t start_due_;    ///< a start takes effect at the first frame from then on
-  std::int32_t denied_rest_;  ///< frames in a row at rest beyond doubt that the filter takes for motion
-  std::int32_t place_kept_;   ///< frames in a row that rocked in place, as far as the window reaches
+  std::int64_t time_, last_update_;  ///< of the newest pose; of the last feature
+  std::int64_t arrived_;             ///< newest frame, whether it became a pose or not
+  std::int64_t start_due_;           ///< a start takes effect at the first frame from then on
+  std::int32_t denied_rest_;         ///< frames in a row at rest beyond doubt that the filter takes for motion
+  std::int32_t place_kept_;          ///< frames in a row that rocked in place, as far as the window reaches
   bool running_, still_;
-  bool starting_;             ///< in motion, from the frames in the window
+  bool starting_;  ///< in motion, from the frames in the window
 };
 
 template <class S>

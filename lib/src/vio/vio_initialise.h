@@ -65,8 +65,8 @@ void fold_rest(Window<S>* w, const VioOptions<S>& options, const ReadingSpread<S
 
 /// Starts with one pose, the newest frame's.
 template <class S>
-[[gnu::cold]] void start_at_rest(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, const Origin<S>& origin,
-                   const ImuHistory<S>& imu, StartScratch<S>* s) {
+[[gnu::cold]] void start_at_rest(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options,
+                                 const Origin<S>& origin, const ImuHistory<S>& imu, StartScratch<S>* s) {
   const ReadingSpread<S> spread = reading_spread(imu, w->pose[0].time, w->newest().time);
   while (w->n_poses > 1) {
     tracks->forget_slot(w->pose[0].slot);

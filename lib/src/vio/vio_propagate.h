@@ -18,14 +18,17 @@ State<S> predicted(const ImuIntegral<S>& I, const State<S>& x0, const Vec3<S>& g
   return x1;
 }
 
-/// Integrates [t0, t1] of the history at the biases of `x0`, with the noise that the readings show. Terms of the IMU that
-/// theta has are taken off here; of the camera's, a time offset is in the stamps already, and what else moves image points
-/// is left to the filter's own estimates of the lens. Inlined, so that its integrator shares the caller's stack.
+/// Integrates [t0, t1] of the history at the biases of `x0`, with the noise that the readings show. Terms of the IMU
+/// that theta has are taken off here; of the camera's, a time offset is in the stamps already, and what else moves
+/// image points is left to the filter's own estimates of the lens. Inlined, so that its integrator shares the caller's
+/// stack.
 template <class S>
-[[gnu::always_inline]] inline ImuIntegral<S> integral_between(const Window<S>& w, const VioOptions<S>& options, const ImuHistory<S>& imu,
-                                const State<S>& x0, std::int64_t t0, std::int64_t t1) {
+[[gnu::always_inline]] inline ImuIntegral<S> integral_between(const Window<S>& w, const VioOptions<S>& options,
+                                                              const ImuHistory<S>& imu, const State<S>& x0,
+                                                              std::int64_t t0, std::int64_t t1) {
   const ImuUntil<S> samples(imu, imu.newest(), imu.warmth());
-  ImuIntegrator<S> integrator(w.theta.imu, x0.b_a, x0.b_g, noise_in(samples, options.noise, t0, t1, S(1e-9)), &w.theta.effects);
+  ImuIntegrator<S> integrator(w.theta.imu, x0.b_a, x0.b_g, noise_in(samples, options.noise, t0, t1, S(1e-9)),
+                              &w.theta.effects);
   samples.integrate(t0, t1, x0.R_GI, &integrator);
   return integrator.result();
 }
@@ -36,7 +39,8 @@ void place_columns(const Window<S>& w, S* row, int i, int from, int to, int n) {
   for (int c = 0; c < n; ++c) row[to + c] += w.link.J(i, from + c);
 }
 
-/// Rows [from, to) of the whitened link into the block from row `row` on; R's columns from the poses on stand one motion later.
+/// Rows [from, to) of the whitened link into the block from row `row` on; R's columns from the poses on stand one
+/// motion later.
 template <class S>
 void place_link(Window<S>* w, int from, int to, int row, int old_motion, int new_motion, int old_pose, int new_pose) {
   for (int i = from; i < to; ++i) {
@@ -71,11 +75,12 @@ S* link_rows_in(Window<S>* w) {
   return w->block + kMotionColumns * kBlockStride + kMotionColumns;
 }
 
-/// After stack_motion(): as many of the link's rows from row `from` on as the block has room for, with the old motion eliminated.
-/// They are to be folded; returns their number.
+/// After stack_motion(): as many of the link's rows from row `from` on as the block has room for, with the old motion
+/// eliminated. They are to be folded; returns their number.
 template <class S>
 int reduce_link(Window<S>* w, int from, int old_pose, int new_pose) {
-  const int m = kLinkRows - from < kRowsAtATime ? kLinkRows - from : kRowsAtATime, width = w->columns() + 1 + kMotionColumns;
+  const int m = kLinkRows - from < kRowsAtATime ? kLinkRows - from : kRowsAtATime,
+            width = w->columns() + 1 + kMotionColumns;
   S* rows = w->block + kMotionColumns * kBlockStride;
   for (int c = 0; c < m * kBlockStride; ++c) rows[c] = S(0);
   place_link(w, from, from + m, kMotionColumns, 0, kMotionColumns, old_pose, new_pose);

@@ -41,7 +41,7 @@ template <class S>
   start_due_ = t_ns + std::int64_t(SEGCAL_START_DELAY_MS) * 1000000;
   const bool in_background = start_due_ > t_ns;
   if (in_background && !motion_.keeps_samples(imu, samples_until_next_frame(imu, window_))) {
-    motion_.cancel();   // the samples would be gone before there is time for it
+    motion_.cancel();  // the samples would be gone before there is time for it
     return VioStatus::initialising;
   }
   ++statistics_.starts_tried;
@@ -59,12 +59,13 @@ void Vio<S>::drop_start() {
   forget();
 }
 
-/// Frames between those of the start and its effect are let go: features are tracked over the gap. A start that is late takes
-/// effect at a later frame, as long as its samples are there.
+/// Frames between those of the start and its effect are let go: features are tracked over the gap. A start that is late
+/// takes effect at a later frame, as long as its samples are there.
 template <class S>
-[[gnu::cold]] VioStatus Vio<S>::wait_for_start(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
+[[gnu::cold]] VioStatus Vio<S>::wait_for_start(std::int64_t t_ns, const TrackPoint<S>* points, int n,
+                                               const ImuHistory<S>& imu) {
   arrived_ = t_ns;
-  if (!motion_.keeps_samples(imu, 0)) {   // no frame came in time
+  if (!motion_.keeps_samples(imu, 0)) {  // no frame came in time
     drop_start();
     return collect(t_ns, points, n, imu);
   }

@@ -31,7 +31,8 @@ VioStatus Vio<S>::track(std::int64_t t_ns, const TrackPoint<S>* points, int n, c
 /// A new pose enters the window, features are used, the oldest pose leaves. `place`: the pose whose place it has not
 /// left, or -1. `spent`: of the frame's work, by integrating.
 template <class S>
-void Vio<S>::move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuIntegral<S>& I, int place, int spent) {
+void Vio<S>::move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuIntegral<S>& I, int place,
+                     int spent) {
   const int slot = propagate(&window_, options_, I, t_ns);
   const bool held = place >= 0 && hold_place(&window_, place, options_.still_metres);
   monitor_.rho_sigma = held ? kHeldDepthSigma<S> : kFilterDepthSigma<S>;

@@ -11,11 +11,11 @@ static_assert(kWindow <= 32, "a track's slots are bits of one word");
 template <class S>
 struct VioTrack {
   std::uint32_t id;
-  std::uint32_t slots;    ///< bit s: uv[s] is there
+  std::uint32_t slots;  ///< bit s: uv[s] is there
   std::int16_t camera;
-  bool used;              ///< entry of the table is taken
-  bool alive;             ///< seen in the newest frame
-  Vec2<S> uv[kWindow];    ///< px, by slot
+  bool used;            ///< entry of the table is taken
+  bool alive;           ///< seen in the newest frame
+  Vec2<S> uv[kWindow];  ///< px, by slot
 
   bool in(int slot) const { return slots >> slot & 1u; }
   int length() const {
@@ -83,7 +83,10 @@ class TrackTable {
       const TrackPoint<S>& point = points[i];
       if (point.camera < 0 || point.camera >= n_cameras_ || !is_finite(point.uv.sum())) continue;
       VioTrack<S>* track = find_or_create(point);
-      if (!track) { ++refused; continue; }
+      if (!track) {
+        ++refused;
+        continue;
+      }
       track->alive = true;
       put(track, point.uv);
     }

@@ -80,7 +80,8 @@ bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<
   return true;
 }
 
-/// Gauss-Newton from *l. Optional: the inverse distance's sigma, and `points`, to which those that were linearised are added.
+/// Gauss-Newton from *l. Optional: the inverse distance's sigma, and `points`, to which those that were linearised are
+/// added.
 template <class S>
 bool refine_landmark(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l,
                      S rho_sigma = kFilterDepthSigma<S>, S* sigma_rho = nullptr, std::int32_t* points = nullptr) {
@@ -108,8 +109,8 @@ bool triangulate(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S*
   return guess_landmark(w, view, l) && refine_landmark(w, view, pixel_sigma, scratch, l, rho_sigma, sigma_rho);
 }
 
-/// The same with *rho for a first guess of the inverse distance, if it is not negative; afterwards *rho serves the next time. `points`: as
-/// of refine_landmark().
+/// The same with *rho for a first guess of the inverse distance, if it is not negative; afterwards *rho serves the next
+/// time. `points`: as of refine_landmark().
 template <class S>
 bool triangulate_again(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l, S* rho,
                        std::int32_t* points) {

@@ -21,9 +21,9 @@ constexpr S kLargestScale = S(3);
 /// then the pixel sigma grows with them, and shrinks again when they do.
 template <class S>
 struct ResidualMonitor {
-  S scale = S(1);       ///< factor on pixel_sigma, 1..4
+  S scale = S(1);                      ///< factor on pixel_sigma, 1..4
   S rho_sigma = kFilterDepthSigma<S>;  ///< 1/m; prior of the inverse distances
-  S nearness = S(0.3);  ///< 1/m; running mean of the features' inverse distance
+  S nearness = S(0.3);                 ///< 1/m; running mean of the features' inverse distance
   S refused_share = S(0);  ///< running share of features that the gate refused or that no point in space explains
 
   /// `ratio`: Mahalanobis distance by degrees of freedom, at the present scale.
@@ -59,7 +59,8 @@ int feature_rows(Window<S>* w, const TrackView<S>& view, const Landmark<S>& l, S
     Vec2<S> r;
     // Jacobians at first estimates of pose and camera, residual at the present ones.
     if (!reprojection_rows(w->camera_first[camera_index], pose.R_first, pose.p_first, pose.R_first, pose.p_first, l,
-                           view.uv(*w, i), &rows)) return 0;
+                           view.uv(*w, i), &rows))
+      return 0;
     if (!reprojection_residual(camera, pose.R_GI, pose.p_GI, l, view.uv(*w, i), &r)) return 0;
     for (int k = 0; k < 2; ++k) {
       S* row = w->block + (2 * i + k) * kBlockStride;
@@ -87,9 +88,9 @@ bool finite_rows(const S* rows, int n_rows, int first, int last) {
 /// One track on its way into R.
 template <class S>
 struct Feature {
-  int first = 0, dof = 0;       ///< first column and number of the rows that are left without the landmark
-  bool finite = false;          ///< what is not a number could not be taken back
-  S rho = S(0), sigma_rho = S(1);   ///< inverse distance, 1/m
+  int first = 0, dof = 0;          ///< first column and number of the rows that are left without the landmark
+  bool finite = false;             ///< what is not a number could not be taken back
+  S rho = S(0), sigma_rho = S(1);  ///< inverse distance, 1/m
 };
 
 /// The rows of a feature without its landmark.
@@ -127,7 +128,8 @@ bool prepare_feature(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>
   return f->finite;
 }
 
-/// The gate. The residual that R cannot absorb is the innovation's Mahalanobis distance, given the features folded before it.
+/// The gate. The residual that R cannot absorb is the innovation's Mahalanobis distance, given the features folded
+/// before it.
 template <class S>
 bool passes_gate(const Feature<S>& f, S distance, ResidualMonitor<S>* monitor, VioStatistics* statistics) {
   const bool accepted = distance < chi_square_gate<S>(f.dof);
@@ -151,16 +153,18 @@ bool use_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& opti
 
 /// Products of folding `rows` rows over `columns` columns.
 constexpr int fold_work(int rows, int columns) { return rows * columns * columns / 2; }
-/// Triangulating a track and writing its rows takes as long as so many products for each of its points: 15,400 instructions of some nine
-/// a product. Without it thirty short tracks, as where a tracker detects all corners anew, cost a fifth more than six long ones.
+/// Triangulating a track and writing its rows takes as long as so many products for each of its points: 15,400
+/// instructions of some nine a product. Without it thirty short tracks, as where a tracker detects all corners anew,
+/// cost a fifth more than six long ones.
 constexpr int kPointWork = 1800;
 /// What the features of one frame may cost: as much as SEGCAL_FRAME_FEATURES of the longest tracks.
-constexpr int kFrameWork = SEGCAL_FRAME_FEATURES * (fold_work(kFeatureRows - kLandmarkColumns, kFilterColumns + 1 - pose_column(0)) +
-                                                    kPointWork * (kFeatureRows / 2));
+constexpr int kFrameWork =
+    SEGCAL_FRAME_FEATURES *
+    (fold_work(kFeatureRows - kLandmarkColumns, kFilterColumns + 1 - pose_column(0)) + kPointWork * (kFeatureRows / 2));
 
-/// What a frame's inertial link has cost of that beyond the usual: after a gap in the images, or where they are slow, there are more
-/// samples to integrate, and fewer features are used then. A sample, integrated for the filter and looked at for rest, takes as long as
-/// some 2000 products.
+/// What a frame's inertial link has cost of that beyond the usual: after a gap in the images, or where they are slow,
+/// there are more samples to integrate, and fewer features are used then. A sample, integrated for the filter and
+/// looked at for rest, takes as long as some 2000 products.
 constexpr int kUsualSamples = 25, kSampleWork = 2000;
 constexpr int link_work(int samples) { return samples > kUsualSamples ? (samples - kUsualSamples) * kSampleWork : 0; }
 
@@ -172,9 +176,9 @@ int track_fold_work(const Window<S>& w, const VioTrack<S>& track) {
   return fold_work(2 * track.length() + 1 - kLandmarkColumns, w.columns() + 1 - pose_column(first));
 }
 
-/// Uses the tracks that `due` names, as many as a frame has time for, of which `work` is spent, and updates the state. Ended tracks leave
-/// the table; a track that lives on begins anew with its next point, since each point is used once, or waits for the next frame if it
-/// had no turn. Returns the number of features used.
+/// Uses the tracks that `due` names, as many as a frame has time for, of which `work` is spent, and updates the state.
+/// Ended tracks leave the table; a track that lives on begins anew with its next point, since each point is used once,
+/// or waits for the next frame if it had no turn. Returns the number of features used.
 template <class S, class Due>
 int use_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options, ResidualMonitor<S>* monitor,
                VioStatistics* statistics, int work, Due due) {

@@ -17,16 +17,16 @@ constexpr int kWindow = SEGCAL_MAX_CLONES + 1;  // past poses and the newest
 constexpr int kMotionColumns = 9;               // v, b_a, b_g
 constexpr int kFilterColumns = kMotionColumns + kPoseColumns * kWindow + kMaxCameraColumns * kMaxCameras + kImuColumns;
 constexpr int kLinkRows = 15;
-constexpr int kStartLinkNumbers = 76;           // start_links.h
-// The scratch block holds the rows of one feature; or the leading rows of R, with room for the new motion, and as many of a
-// link's rows as find room at a time.
+constexpr int kStartLinkNumbers = 76;  // start_links.h
+// The scratch block holds the rows of one feature; or the leading rows of R, with room for the new motion, and as many
+// of a link's rows as find room at a time.
 constexpr int kBlockStride = kFilterColumns + 1 + kMotionColumns;
 constexpr int kFeatureRows = 2 * kWindow + 1;  // the last one: what is known about distances
 constexpr int kBlockRows = kFeatureRows > kLinkRows + 3 ? kFeatureRows : kLinkRows + 3;
 constexpr int kRowsAtATime = kBlockRows - kMotionColumns < kLinkRows ? kBlockRows - kMotionColumns : kLinkRows;
 // Between frames it is lent for a triangle over theta and a right-hand side.
-constexpr int kBlockSize =
-    kBlockRows * kBlockStride > packed_size(kMaxTheta + 1) ? kBlockRows * kBlockStride : packed_size(kMaxTheta + 1);
+constexpr int kBlockSize = kBlockRows * kBlockStride > packed_size(kMaxTheta + 1) ? kBlockRows* kBlockStride
+                                                                                  : packed_size(kMaxTheta + 1);
 
 constexpr int pose_column(int i) { return kMotionColumns + kPoseColumns * i; }
 constexpr int camera_column(int camera) { return pose_column(kWindow) + kMaxCameraColumns * camera; }
@@ -43,16 +43,16 @@ struct WindowPose {
 
 template <class S>
 struct Window {
-  Calibration<S> theta;              ///< the filter's estimates
-  Calibration<S> given;              ///< as given from outside
+  Calibration<S> theta;                            ///< the filter's estimates
+  Calibration<S> given;                            ///< as given from outside
   CameraCalibration<S> camera_first[kMaxCameras];  ///< theta's cameras at their first estimates
   WindowPose<S> pose[kWindow];
-  State<S> now, now_first;           ///< newest state; its pose is that of newest()
+  State<S> now, now_first;  ///< newest state; its pose is that of newest()
   std::int32_t n_poses;
   S triangle[packed_size(kFilterColumns + 1)];
   alignas(8) S block[kBlockSize];
-  bool learnt;                       ///< R's rows of the sensors hold what earlier sessions told
-  S pivot[kFilterColumns];           ///< diagonal of R before the last fold, to undo it
+  bool learnt;              ///< R's rows of the sensors hold what earlier sessions told
+  S pivot[kFilterColumns];  ///< diagonal of R before the last fold, to undo it
   /// The inertial link that is folded in; before that, while there are no links yet, the start's.
   union {
     ImuRows<S> link;
@@ -73,7 +73,8 @@ struct Window {
     clear();
   }
 
-  /// No poses, no information but what was learnt in earlier sessions; the cameras' first estimates are the present ones.
+  /// No poses, no information but what was learnt in earlier sessions; the cameras' first estimates are the present
+  /// ones.
   void clear() {
     n_poses = 0;
     clear_information();
@@ -81,10 +82,11 @@ struct Window {
     for (int c = 0; c < theta.n_cameras; ++c) camera_first[c] = theta.camera[c];
   }
 
-  /// The triangle is cleared. The sensors stand last: their own rows, which hold exactly their marginal information, stay
-  /// where they were learnt in earlier sessions.
+  /// The triangle is cleared. The sensors stand last: their own rows, which hold exactly their marginal information,
+  /// stay where they were learnt in earlier sessions.
   void clear_information() {
-    const int end = learnt ? packed_size(columns() + 1) - packed_size(columns() + 1 - camera_column(0)) : packed_size(columns() + 1);
+    const int end = learnt ? packed_size(columns() + 1) - packed_size(columns() + 1 - camera_column(0))
+                           : packed_size(columns() + 1);
     for (int i = 0; i < end; ++i) triangle[i] = S(0);
   }
 

@@ -1,4 +1,5 @@
-// How well the window knows its state and the sensors: parts of the covariance R^-1 R^-T, and the sensors' own information.
+// How well the window knows its state and the sensors: parts of the covariance R^-1 R^-T, and the sensors' own
+// information.
 #pragma once
 
 #include "math/small_solvers.h"
@@ -18,9 +19,9 @@ void state_covariance(Window<S>* w, Mat<S, kStateColumns, kStateColumns>* P) {
   }
 }
 
-/// The sensors' marginal information as a triangle over theta's columns and a right-hand side of zero: the filter's estimates
-/// are its solution. Lenses with one coefficient leave places of the filter empty. About terms of effects the filter learns
-/// nothing: their rows stay zero.
+/// The sensors' marginal information as a triangle over theta's columns and a right-hand side of zero: the filter's
+/// estimates are its solution. Lenses with one coefficient leave places of the filter empty. About terms of effects the
+/// filter learns nothing: their rows stay zero.
 template <class S>
 void sensor_triangle(Window<S>* w, PackedTriangle<S>* out) {
   std::int32_t from[kMaxTheta];

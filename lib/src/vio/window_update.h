@@ -34,7 +34,8 @@ void fold_columns(Window<S>* w, S* rows, int n_rows, int first, int last) {
 }
 
 /// Takes the last fold_block() back: the same reflections in reverse order, each its own inverse (up to rounding).
-/// Their vectors are still there: reflect_column() leaves the column that it clears in the block, and `pivot` has the rest.
+/// Their vectors are still there: reflect_column() leaves the column that it clears in the block, and `pivot` has the
+/// rest.
 template <class S>
 void unfold_block(Window<S>* w, S* rows, int n_rows, int first) {
   unfold_columns(w, rows, n_rows, first, w->columns());
@@ -46,7 +47,7 @@ void unfold_columns(Window<S>* w, S* rows, int n_rows, int first, int last) {
   PackedTriangle<S> R = w->R();
   for (int j = last - 1; j >= first; --j) {
     S* r = R.row(j);
-    if (square_sum(rows + j, n_rows, kBlockStride) < smallest_square<S>) continue;   // as reflect_column() found
+    if (square_sum(rows + j, n_rows, kBlockStride) < smallest_square<S>) continue;  // as reflect_column() found
     const S v0 = w->pivot[j] - r[j];
     reflect_range(Reflection<S>{r, rows, n_rows, kBlockStride, j, v0, S(-1) / (r[j] * v0)}, j + 1, R.columns());
     r[j] = w->pivot[j];

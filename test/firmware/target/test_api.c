@@ -1,4 +1,5 @@
-/* The C API on the target: bad arguments are refused, bad data is survived, and old contents of the memory do not matter. */
+/* The C API on the target: bad arguments are refused, bad data is survived, and old contents of the memory do not
+ * matter. */
 #include <string.h>
 #include <unity.h>
 
@@ -7,7 +8,7 @@
 
 static char memory[SEGCAL_STORAGE_BYTES] __attribute__((aligned(SEGCAL_STORAGE_ALIGNMENT)));
 static segcal_config_t config;
-static segcal_t *device;
+static segcal_t* device;
 
 static void make_device(int dirt) {
   memset(&config, 0, sizeof config);
@@ -70,7 +71,8 @@ static uint64_t hash_of_a_short_feed(int dirt) {
 static void old_contents_of_the_memory_do_not_matter(void) {
   const uint64_t clean = hash_of_a_short_feed(0);
   segcal_state_t state;
-  TEST_ASSERT_EQUAL_MESSAGE(SEGCAL_OK, segcal_get_state(device, &state), "the filter did not start, so nothing was compared");
+  TEST_ASSERT_EQUAL_MESSAGE(SEGCAL_OK, segcal_get_state(device, &state),
+                            "the filter did not start, so nothing was compared");
   TEST_ASSERT_TRUE(clean == hash_of_a_short_feed(0xFF));
   TEST_ASSERT_TRUE(clean == hash_of_a_short_feed(0x5A));
 }

@@ -1,5 +1,5 @@
-// The core's arithmetic on the target: the same bits as everywhere, in float and in double. The expected numbers are those of
-// x86-64; accuracy is tested on the host (test/math).
+// The core's arithmetic on the target: the same bits as everywhere, in float and in double. The expected numbers are
+// those of x86-64; accuracy is tested on the host (test/math).
 #include <unity.h>
 
 #include <cstring>

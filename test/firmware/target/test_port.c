@@ -33,7 +33,8 @@ static void storage_refuses_what_lies_outside(void) {
   const uint32_t end = segcal_port_storage_bytes();
   TEST_ASSERT_EQUAL(SEGCAL_PORT_ERROR_RANGE, segcal_port_storage_read(end, &byte, 1));
   TEST_ASSERT_EQUAL(SEGCAL_PORT_ERROR_RANGE, segcal_port_storage_write(end, &byte, 1));
-  TEST_ASSERT_EQUAL(SEGCAL_PORT_ERROR_RANGE, segcal_port_storage_read(0xFFFFFFFFu, &byte, 2)); /* the sum wraps around */
+  TEST_ASSERT_EQUAL(SEGCAL_PORT_ERROR_RANGE,
+                    segcal_port_storage_read(0xFFFFFFFFu, &byte, 2)); /* the sum wraps around */
   TEST_ASSERT_EQUAL(SEGCAL_PORT_ERROR_RANGE, segcal_port_storage_erase(end, segcal_port_storage_block_bytes()));
 }
 

@@ -8,7 +8,7 @@
 #include <zephyr/storage/flash_map.h>
 #include <zephyr/ztest.h>
 
-void printk(const char *fmt, ...) {
+void printk(const char* fmt, ...) {
   va_list arguments;
   va_start(arguments, fmt);
   vprintf(fmt, arguments);
@@ -18,7 +18,8 @@ void printk(const char *fmt, ...) {
 int64_t k_uptime_ticks(void) { return (int64_t)clock() * 10000 / CLOCKS_PER_SEC; }
 uint64_t k_ticks_to_us_floor64(uint64_t ticks) { return ticks * 100; }
 void k_busy_wait(uint32_t usec_to_wait) {
-  for (const clock_t start = clock(); (clock() - start) * 1000000. / CLOCKS_PER_SEC <= usec_to_wait;) {}
+  for (const clock_t start = clock(); (clock() - start) * 1000000. / CLOCKS_PER_SEC <= usec_to_wait;) {
+  }
 }
 void k_panic(void) { exit(1); }
 
@@ -26,24 +27,24 @@ void k_panic(void) { exit(1); }
 static unsigned char flash[FIXED_PARTITION_SIZE(segcal_storage)];
 static const struct flash_area area = {FIXED_PARTITION_ID(segcal_storage), 0x100000, sizeof flash};
 
-static int outside(const struct flash_area *fa, off_t off, size_t len) {
+static int outside(const struct flash_area* fa, off_t off, size_t len) {
   return fa != &area || off < 0 || (size_t)off > sizeof flash || len > sizeof flash - (size_t)off;
 }
-int flash_area_open(uint8_t id, const struct flash_area **fa) {
+int flash_area_open(uint8_t id, const struct flash_area** fa) {
   *fa = &area;
   return id == area.fa_id ? 0 : -2;
 }
-int flash_area_read(const struct flash_area *fa, off_t off, void *dst, size_t len) {
+int flash_area_read(const struct flash_area* fa, off_t off, void* dst, size_t len) {
   if (outside(fa, off, len)) return -22;
   memcpy(dst, flash + off, len);
   return 0;
 }
-int flash_area_write(const struct flash_area *fa, off_t off, const void *src, size_t len) {
+int flash_area_write(const struct flash_area* fa, off_t off, const void* src, size_t len) {
   if (outside(fa, off, len)) return -22;
-  for (size_t i = 0; i < len; ++i) flash[(size_t)off + i] &= ((const unsigned char *)src)[i];
+  for (size_t i = 0; i < len; ++i) flash[(size_t)off + i] &= ((const unsigned char*)src)[i];
   return 0;
 }
-int flash_area_erase(const struct flash_area *fa, off_t off, size_t len) {
+int flash_area_erase(const struct flash_area* fa, off_t off, size_t len) {
   if (outside(fa, off, len) || off % 4096 != 0 || len % 4096 != 0) return -22;
   memset(flash + off, 0xFF, len);
   return 0;
@@ -56,12 +57,12 @@ static struct {
 } tests[16];
 static int n_tests;
 
-void stub_add_test(const char *suite, const char *name, void (*function)(void)) {
+void stub_add_test(const char* suite, const char* name, void (*function)(void)) {
   tests[n_tests].suite = suite;
   tests[n_tests].name = name;
   tests[n_tests++].function = function;
 }
-void stub_assert(bool holds, const char *condition, const char *file, int line) {
+void stub_assert(bool holds, const char* condition, const char* file, int line) {
   if (holds) return;
   printk("%s:%d: %s\n", file, line, condition);
   exit(1);

@@ -1,4 +1,5 @@
-// The configuration and the inputs of one profile's C API, from the host's. Included once per profile by the sources here.
+// The configuration and the inputs of one profile's C API, from the host's. Included once per profile by the sources
+// here.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -58,7 +59,8 @@ inline segcal_camera_t camera_to_c(const CameraCalibration& camera) {
 }
 
 inline segcal_term_t term_to_c(const CoreTerm& t) {
-  return {static_cast<std::uint8_t>(t.kind), static_cast<std::uint8_t>(t.a), static_cast<std::uint8_t>(t.b), static_cast<std::uint8_t>(t.c)};
+  return {static_cast<std::uint8_t>(t.kind), static_cast<std::uint8_t>(t.a), static_cast<std::uint8_t>(t.b),
+          static_cast<std::uint8_t>(t.c)};
 }
 
 inline void configure_effects(const CoreOptions& options, segcal_config_t* c) {
@@ -79,7 +81,8 @@ inline void configure_effects(const CoreOptions& options, segcal_config_t* c) {
 inline void configure_sensors(const CoreOptions& options, segcal_config_t* c) {
   c->n_cameras = static_cast<int>(options.calibration.cameras.size());
   if (c->n_cameras > SEGCAL_MAX_CAMERAS) {
-    throw InputError("--cameras: this profile holds " + std::to_string(SEGCAL_MAX_CAMERAS) + ", found " + std::to_string(c->n_cameras));
+    throw InputError("--cameras: this profile holds " + std::to_string(SEGCAL_MAX_CAMERAS) + ", found " +
+                     std::to_string(c->n_cameras));
   }
   for (int i = 0; i < c->n_cameras; ++i) c->camera[i] = camera_to_c(options.calibration.cameras[i]);
   put_triangle(options.calibration.imu.T_g, c->imu.gyro_scale, c->imu.gyro_misalignment);
@@ -118,9 +121,10 @@ inline void configure_database(const CoreOptions& options, segcal_config_t* c) {
   c->outdated_level = options.outdated_level;
   c->trigger_fraction = options.trigger_fraction > 0 ? options.trigger_fraction : options.condense ? 0 : -1;
   c->filter_share = options.hold_calibration ? 1e-3 : 1;
-  for (std::size_t i = 0; i < options.sigma_ref.size() && i < SEGCAL_MAX_PARAMETERS; ++i) c->sigma_ref[i] = options.sigma_ref[i];
+  for (std::size_t i = 0; i < options.sigma_ref.size() && i < SEGCAL_MAX_PARAMETERS; ++i)
+    c->sigma_ref[i] = options.sigma_ref[i];
   c->condense = options.condense ? 1 : 0;
-  if (options.condense) c->calibration_window = 1;   // a host is done at once: no segment is missed meanwhile but one
+  if (options.condense) c->calibration_window = 1;  // a host is done at once: no segment is missed meanwhile but one
   c->joint_filter = options.joint_ekf ? 1 : 0;
 }
 
@@ -129,7 +133,8 @@ inline segcal_config_t config_of(const CoreOptions& options) {
   if (!options.device_config.empty()) {
     if (::SEGCAL_NS::read_config(options.device_config.data(), options.device_config.size(), &c)) return c;
     throw InputError("--profile: expected one with the device's number of cameras (" +
-                     std::to_string(options.calibration.cameras.size()) + "), found " + std::to_string(SEGCAL_MAX_CAMERAS));
+                     std::to_string(options.calibration.cameras.size()) + "), found " +
+                     std::to_string(SEGCAL_MAX_CAMERAS));
   }
   configure_sensors(options, &c);
   configure_database(options, &c);

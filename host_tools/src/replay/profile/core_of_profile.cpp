@@ -1,9 +1,9 @@
 // The C API of one profile behind host::Core. Compiled once per profile; all names that depend on capacities are in
 // that profile's own namespace.
+#include <segcal/health.h>
+
 #include <cstdlib>
 #include <cstring>
-
-#include <segcal/health.h>
 
 #include "replay/profile/config_of_profile.h"
 #include "replay/profile/read_device.h"
@@ -17,8 +17,8 @@ class ProfileCore final : public Core {
  public:
   explicit ProfileCore(const CoreOptions& options) : options_(options) {
     const segcal_config_t config = config_of(options);
-    const std::size_t bytes = (segcal_storage_bytes() + SEGCAL_STORAGE_ALIGNMENT - 1) / SEGCAL_STORAGE_ALIGNMENT *
-                              SEGCAL_STORAGE_ALIGNMENT;
+    const std::size_t bytes =
+        (segcal_storage_bytes() + SEGCAL_STORAGE_ALIGNMENT - 1) / SEGCAL_STORAGE_ALIGNMENT * SEGCAL_STORAGE_ALIGNMENT;
     storage_.reset(std::aligned_alloc(SEGCAL_STORAGE_ALIGNMENT, bytes));
     const int error = segcal_create(&device_, &config, storage_.get(), bytes);
     if (error != SEGCAL_OK) {
@@ -112,8 +112,18 @@ class ProfileCore final : public Core {
   CoreModel model() const override {
     segcal_model_t m{};
     segcal_get_model(device_, &m);
-    return {m.gyro_noise_density, m.gyro_random_walk, m.accel_noise_density, m.accel_random_walk, m.gravity, m.pixel_sigma,
-            m.huber, m.bias_a_sigma, m.bias_g_sigma, m.velocity_sigma, m.inverse_depth_sigma, m.turned_inverse_depth_sigma,
+    return {m.gyro_noise_density,
+            m.gyro_random_walk,
+            m.accel_noise_density,
+            m.accel_random_walk,
+            m.gravity,
+            m.pixel_sigma,
+            m.huber,
+            m.bias_a_sigma,
+            m.bias_g_sigma,
+            m.velocity_sigma,
+            m.inverse_depth_sigma,
+            m.turned_inverse_depth_sigma,
             m.track_walk};
   }
 
@@ -132,7 +142,8 @@ class ProfileCore final : public Core {
     std::int32_t n_theta = 0, n_terms = 0, dof = 0;
     const int error = segcal_linearise(device_, use, terms.data(), static_cast<int>(terms.size()), out.triangle.data(),
                                        static_cast<int>(out.triangle.size()), &n_theta, &n_terms, &dof);
-    if (error != SEGCAL_OK) throw InputError("the core does not linearise these segments and effects (error " + std::to_string(error) + ")");
+    if (error != SEGCAL_OK)
+      throw InputError("the core does not linearise these segments and effects (error " + std::to_string(error) + ")");
     out.n_theta = n_theta;
     out.n_candidates = n_terms;
     out.dof = dof;
@@ -142,7 +153,8 @@ class ProfileCore final : public Core {
   CoreSensorRows sensor_rows(std::uint32_t serial, const std::vector<CoreTerm>& candidates) override {
     for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
       segcal_segment_t s;
-      if (segcal_get_segment(device_, slot, &s) == SEGCAL_OK && s.kept && s.serial == serial) return sensor_rows_of(device_, slot, candidates);
+      if (segcal_get_segment(device_, slot, &s) == SEGCAL_OK && s.kept && s.serial == serial)
+        return sensor_rows_of(device_, slot, candidates);
     }
     throw InputError("the core keeps no segment " + std::to_string(serial));
   }
@@ -163,19 +175,36 @@ class ProfileCore final : public Core {
   std::vector<std::pair<std::string, std::uint32_t>> counters() const override {
     segcal_counters_t c;
     segcal_get_counters(device_, &c);
-    return {{"imu_samples", c.imu_samples}, {"imu_stamps_back", c.imu_stamps_back}, {"imu_gaps", c.imu_gaps},
-            {"imu_not_finite", c.imu_not_finite}, {"imu_saturated", c.imu_saturated}, {"frames", c.frames},
-            {"frames_used", c.frames_used}, {"frame_stamps_back", c.frame_stamps_back},
-            {"frames_dropped", c.frames_dropped}, {"frames_few_tracks", c.frames_few_tracks},
-            {"points_not_finite", c.points_not_finite}, {"filter_restarts", c.filter_restarts},
-            {"standstill_frames", c.standstill_frames}, {"features_used", c.features_used},
-            {"features_gated", c.features_gated}, {"segments_closed", c.segments_closed},
-            {"segments_discarded", c.segments_discarded}, {"segments_unsettled", c.segments_unsettled},
+    return {{"imu_samples", c.imu_samples},
+            {"imu_stamps_back", c.imu_stamps_back},
+            {"imu_gaps", c.imu_gaps},
+            {"imu_not_finite", c.imu_not_finite},
+            {"imu_saturated", c.imu_saturated},
+            {"frames", c.frames},
+            {"frames_used", c.frames_used},
+            {"frame_stamps_back", c.frame_stamps_back},
+            {"frames_dropped", c.frames_dropped},
+            {"frames_few_tracks", c.frames_few_tracks},
+            {"points_not_finite", c.points_not_finite},
+            {"filter_restarts", c.filter_restarts},
+            {"standstill_frames", c.standstill_frames},
+            {"features_used", c.features_used},
+            {"features_gated", c.features_gated},
+            {"segments_closed", c.segments_closed},
+            {"segments_discarded", c.segments_discarded},
+            {"segments_unsettled", c.segments_unsettled},
             {"segments_ended_early", c.segments_ended_early},
-            {"landmarks_left_out", c.landmarks_left_out}, {"points_left_out", c.points_left_out},
-            {"segments_outdated", c.segments_outdated}, {"segments_missed", c.segments_missed},
-            {"slices_late", c.slices_late}, {"segments_late", c.segments_late}, {"imu_spikes", c.imu_spikes}, {"calibrations", c.calibrations},
-            {"points_repeated", c.points_repeated}, {"imu_stamps_far", c.imu_stamps_far}, {"frame_stamps_far", c.frame_stamps_far},
+            {"landmarks_left_out", c.landmarks_left_out},
+            {"points_left_out", c.points_left_out},
+            {"segments_outdated", c.segments_outdated},
+            {"segments_missed", c.segments_missed},
+            {"slices_late", c.slices_late},
+            {"segments_late", c.segments_late},
+            {"imu_spikes", c.imu_spikes},
+            {"calibrations", c.calibrations},
+            {"points_repeated", c.points_repeated},
+            {"imu_stamps_far", c.imu_stamps_far},
+            {"frame_stamps_far", c.frame_stamps_far},
             {"clock_restarts", c.clock_restarts}};
   }
 

@@ -17,8 +17,9 @@ class LandmarkSquares {
   using Index = Eigen::Index;
 
  public:
-  LandmarkSquares(const core::Segment<double>& segment, const core::Calibration<double>& theta, const core::MeasurementModel<double>& model,
-                  const core::ReducedLayout& layout, const core::Term* camera_terms)
+  LandmarkSquares(const core::Segment<double>& segment, const core::Calibration<double>& theta,
+                  const core::MeasurementModel<double>& model, const core::ReducedLayout& layout,
+                  const core::Term* camera_terms)
       : segment_(segment), theta_(theta), model_(model), layout_(layout), camera_terms_(camera_terms) {}
 
   /// Over [states | theta | terms | rhs], zero before. Returns the number of rows, less what the landmarks take.
@@ -43,15 +44,17 @@ class LandmarkSquares {
   }
 
  private:
-  /// The squares of the landmark's rows B less what its own three columns A explain, B'B - B'A (A'A)^-1 A'B; of the upper triangle. The
-  /// landmark's prior is no measurement: of an unknown that is known by the prior alone nothing is fitted.
+  /// The squares of the landmark's rows B less what its own three columns A explain, B'B - B'A (A'A)^-1 A'B; of the
+  /// upper triangle. The landmark's prior is no measurement: of an unknown that is known by the prior alone nothing is
+  /// fitted.
   double add_landmark(int j, const std::vector<int>& from, const std::vector<Index>& to, Eigen::MatrixXd* form) {
     const core::LandmarkFit<double> fit = block_->build(segment_, j, theta_, model_, layout_, camera_terms_, 0);
     if (fit.used < 2) return 0;
     const int first = layout_.pose(fit.first_keyframe);
     using Own = Eigen::Matrix<double, core::kLandmarkColumns, 1>;
     Eigen::Matrix3d own_square = Eigen::Matrix3d::Zero();
-    Eigen::Matrix<double, core::kLandmarkColumns, Eigen::Dynamic> mixed = decltype(mixed)::Zero(core::kLandmarkColumns, columns_);
+    Eigen::Matrix<double, core::kLandmarkColumns, Eigen::Dynamic> mixed =
+        decltype(mixed)::Zero(core::kLandmarkColumns, columns_);
     double prior = 0;
     for (int i = 0; i < fit.rows; ++i) {
       const double* row = block_->tied_rows() - core::kLandmarkColumns + i * block_->stride();

@@ -74,13 +74,21 @@ CoreResult result_of(segcal_t* device) {
   }
   segcal_epoch_t e;
   for (int i = 0; segcal_get_epoch(device, i, &e) == SEGCAL_OK; ++i) {
-    if (e.segments == 0) continue;   // it has just begun
-    out.epochs.push_back({e.segments, e.first_session, e.last_session, {e.value, e.value + e.n_parameters}, {e.sigma, e.sigma + e.n_parameters}});
+    if (e.segments == 0) continue;  // it has just begun
+    out.epochs.push_back({e.segments,
+                          e.first_session,
+                          e.last_session,
+                          {e.value, e.value + e.n_parameters},
+                          {e.sigma, e.sigma + e.n_parameters}});
   }
   segcal_change_t c;
   for (int i = -1; i == -1 || segcal_get_change(device, i, &c) == SEGCAL_OK; ++i) {
     if (i == -1 && segcal_get_change(device, i, &c) != SEGCAL_OK) continue;
-    out.changes.insert(out.changes.begin(), {c.open != 0, c.before_session, c.after_session, c.t_ns, {c.step, c.step + c.n_parameters},
+    out.changes.insert(out.changes.begin(), {c.open != 0,
+                                             c.before_session,
+                                             c.after_session,
+                                             c.t_ns,
+                                             {c.step, c.step + c.n_parameters},
                                              {c.sigma, c.sigma + c.n_parameters}});
   }
   return out;

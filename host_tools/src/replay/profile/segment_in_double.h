@@ -14,13 +14,19 @@ template <class S>
   out.n_cameras = in.n_cameras;
   for (int c = 0; c < in.n_cameras; ++c) {
     const auto& from = in.camera[c];
-    out.camera[c] = {from.model, from.R_CI.template cast<double>(), from.p_CI.template cast<double>(), from.intrinsics.template cast<double>(),
-                     from.distortion.template cast<double>(), static_cast<double>(from.middle_row)};
+    out.camera[c] = {from.model,
+                     from.R_CI.template cast<double>(),
+                     from.p_CI.template cast<double>(),
+                     from.intrinsics.template cast<double>(),
+                     from.distortion.template cast<double>(),
+                     static_cast<double>(from.middle_row)};
   }
   const auto& imu = in.imu;
-  out.imu = {imu.gyro_scale.template cast<double>(), imu.gyro_misalignment.template cast<double>(), imu.accel_scale.template cast<double>(),
-             imu.accel_misalignment.template cast<double>(), imu.R_AI.template cast<double>()};
-  for (int i = 0; i < in.effects.count(); ++i) out.effects.add(in.effects.term[i], static_cast<double>(in.effects.value[i]));
+  out.imu = {imu.gyro_scale.template cast<double>(), imu.gyro_misalignment.template cast<double>(),
+             imu.accel_scale.template cast<double>(), imu.accel_misalignment.template cast<double>(),
+             imu.R_AI.template cast<double>()};
+  for (int i = 0; i < in.effects.count(); ++i)
+    out.effects.add(in.effects.term[i], static_cast<double>(in.effects.value[i]));
   out.effects.time_zero_ns = in.effects.time_zero_ns;
   return out;
 }
@@ -43,7 +49,8 @@ template <class S>
 
 /// Measurements and states; ranges (rad/s, m/s^2): by which its samples are stored.
 template <class S>
-std::unique_ptr<::SEGCAL_NS::Segment<double>> in_double(const ::SEGCAL_NS::Segment<S>& in, double gyro_range, double accel_range) {
+std::unique_ptr<::SEGCAL_NS::Segment<double>> in_double(const ::SEGCAL_NS::Segment<S>& in, double gyro_range,
+                                                        double accel_range) {
   auto out = std::make_unique<::SEGCAL_NS::Segment<double>>();
   out->t0_ns = in.t0_ns;
   out->n_keyframes = in.n_keyframes;
@@ -64,8 +71,8 @@ std::unique_ptr<::SEGCAL_NS::Segment<double>> in_double(const ::SEGCAL_NS::Segme
   }
   for (int k = 0; k < in.n_keyframes; ++k) {
     const auto& x = in.states.x[k];
-    out->states.x[k] = {x.R_GI.template cast<double>(), x.p_GI.template cast<double>(), x.v_GI.template cast<double>(), x.b_a.template cast<double>(),
-                        x.b_g.template cast<double>()};
+    out->states.x[k] = {x.R_GI.template cast<double>(), x.p_GI.template cast<double>(), x.v_GI.template cast<double>(),
+                        x.b_a.template cast<double>(), x.b_g.template cast<double>()};
   }
   for (int j = 0; j < in.n_landmarks; ++j) {
     const auto& l = in.states.landmark[j];

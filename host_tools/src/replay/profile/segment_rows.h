@@ -1,14 +1,16 @@
 // The core's own rows of a segment, eliminated once more: densely, in double, and one sensor after the other.
 //
-// With C, G and A the quadratic forms of camera, gyroscope and accelerometer over [states x | w], w = [theta | terms | rhs], landmarks eliminated, and
-// H that of gauge and weak priors,
-//     S_0 = (H + C) / x,   S_1 = (H + C + G) / x,   S_2 = (H + C + G + A) / x,     "/ x": Schur complement, states at their best,
-// the camera has S_0, the gyroscope S_1 - S_0, the accelerometer S_2 - S_1: what the images say against each other, what the gyroscope says
-// against the turns that they see, the accelerometer against the motion that both see. (Each as large as the squares of a Kalman filter's
-// innovations. Residuals of the joint fit would not do: between keyframes an IMU is ten times as precise as the images, so that nearly all
-// of its error would stand in theirs; of 38,500 degrees of freedom 34 were the IMU's.) They add up, are independent, and with N_k the states'
-// part of the k-th sum the noise of sensor t adds variance_t times tr N_(k-1)^-1 F_t - tr N_k^-1 F_t to the k-th, F_t its form; of its own
-// sensor: rows - tr N_k^-1 F_k.
+// With C, G and A the quadratic forms of camera, gyroscope and accelerometer over [states x | w], w = [theta | terms |
+// rhs], landmarks eliminated, and H that of gauge and weak priors,
+//     S_0 = (H + C) / x,   S_1 = (H + C + G) / x,   S_2 = (H + C + G + A) / x,     "/ x": Schur complement, states at
+//     their best,
+// the camera has S_0, the gyroscope S_1 - S_0, the accelerometer S_2 - S_1: what the images say against each other,
+// what the gyroscope says against the turns that they see, the accelerometer against the motion that both see. (Each as
+// large as the squares of a Kalman filter's innovations. Residuals of the joint fit would not do: between keyframes an
+// IMU is ten times as precise as the images, so that nearly all of its error would stand in theirs; of 38,500 degrees
+// of freedom 34 were the IMU's.) They add up, are independent, and with N_k the states' part of the k-th sum the noise
+// of sensor t adds variance_t times tr N_(k-1)^-1 F_t - tr N_k^-1 F_t to the k-th, F_t its form; of its own sensor:
+// rows - tr N_k^-1 F_k.
 //
 // In double, although the core's are float: nothing of the core's own arithmetic is compiled here a second time.
 #pragma once
@@ -27,8 +29,8 @@ class SegmentRows {
   using MatrixXd = Eigen::MatrixXd;
 
  public:
-  SegmentRows(const core::Segment<double>& segment, const core::Calibration<double>& theta, const core::MeasurementModel<double>& model,
-              const core::CandidateTerms& candidates)
+  SegmentRows(const core::Segment<double>& segment, const core::Calibration<double>& theta,
+              const core::MeasurementModel<double>& model, const core::CandidateTerms& candidates)
       : segment_(segment), theta_(theta), model_(model) {
     layout_.keyframes = segment.n_keyframes;
     layout_.sensor_cameras = theta.imu_column();
@@ -62,7 +64,8 @@ class SegmentRows {
  private:
   enum Sensor { kCamera, kGyro, kAccel };
   /// Rows of a link in the order in which they are whitened: the gyroscope's know nothing of the accelerometer.
-  static constexpr int kLinkRows = 15, kGyroRows = 6, kOrder[kLinkRows] = {0, 1, 2, 12, 13, 14, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+  static constexpr int kLinkRows = 15, kGyroRows = 6,
+                       kOrder[kLinkRows] = {0, 1, 2, 12, 13, 14, 3, 4, 5, 6, 7, 8, 9, 10, 11};
 
   void add_term(const core::Term& t) {
     if (t.of_imu()) {
@@ -73,7 +76,8 @@ class SegmentRows {
     layout_.add_term(t);
   }
 
-  /// Columns that the first k + 1 sensors touch: poses, with the gyroscope its bias, then all. The others know nothing but their priors.
+  /// Columns that the first k + 1 sensors touch: poses, with the gyroscope its bias, then all. The others know nothing
+  /// but their priors.
   static bool is_known(Index c, int k) {
     return k == kAccel || c % core::kStateColumns < core::kPoseColumns || (k == kGyro && c % core::kStateColumns >= 12);
   }
@@ -138,7 +142,8 @@ class SegmentRows {
   void add_links() {
     const core::State<double>* x = segment_.states.x;
     for (int k = 0; k + 1 < segment_.n_keyframes; ++k) {
-      const core::ImuIntegral<double> I = segment_.integrate(k + 1, theta_, x[k].b_a, x[k].b_g, model_.imu, &imu_terms_);
+      const core::ImuIntegral<double> I =
+          segment_.integrate(k + 1, theta_, x[k].b_a, x[k].b_g, model_.imu, &imu_terms_);
       core::ImuRows<double> rows;
       core::link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model_.g, &rows);
       core::link_term_columns(rows, &imu_terms_);
@@ -149,19 +154,22 @@ class SegmentRows {
       all.leftCols<kStates>() = rows.J.leftCols<kStates>();
       all.middleCols(imu, core::kImuColumns) = rows.J.rightCols<core::kImuColumns>();
       for (int t = 0; t < imu_terms_.count(); ++t) {
-        for (int i = 0; i < kLinkRows; ++i) all(i, imu + core::kImuColumns + layout_.imu_term[t]) = imu_terms_.link[t][i];
+        for (int i = 0; i < kLinkRows; ++i)
+          all(i, imu + core::kImuColumns + layout_.imu_term[t]) = imu_terms_.link[t][i];
       }
       all.rightCols<1>() = -rows.r;
       core::Mat<double, kLinkRows, kLinkRows> Q;
       core::link_covariance(I, model_.imu, &Q);
       std::vector<Index> to;
-      for (Index c = 0; c < all.cols(); ++c) to.push_back(c < kStates ? core::kStateColumns * k + c : states_ + c - kStates);
+      for (Index c = 0; c < all.cols(); ++c)
+        to.push_back(c < kStates ? core::kStateColumns * k + c : states_ + c - kStates);
       add_whitened(all, Q, to);
     }
   }
 
   /// `to`: where the rows' columns stand.
-  void add_whitened(const MatrixXd& rows, const core::Mat<double, kLinkRows, kLinkRows>& covariance, const std::vector<Index>& to) {
+  void add_whitened(const MatrixXd& rows, const core::Mat<double, kLinkRows, kLinkRows>& covariance,
+                    const std::vector<Index>& to) {
     const std::vector<int> order(kOrder, kOrder + kLinkRows);
     MatrixXd ordered = rows(order, Eigen::all);
     const MatrixXd Q = covariance(order, order);
@@ -175,8 +183,9 @@ class SegmentRows {
     measured_[kAccel] += kLinkRows - kGyroRows;
   }
 
-  /// Gauge and priors on the first keyframe, as the core's elimination has them; and for the sums that leave states open (a single camera does not
-  /// know its scale) next to nothing about each: 10 rad, 100 m, 1 km/s, 1 km/s^2, 100 rad/s.
+  /// Gauge and priors on the first keyframe, as the core's elimination has them; and for the sums that leave states
+  /// open (a single camera does not know its scale) next to nothing about each: 10 rad, 100 m, 1 km/s, 1 km/s^2, 100
+  /// rad/s.
   void hold() {
     const core::State<double>& x = segment_.states.x[0];
     const Eigen::Vector3d up = x.R_GI.transpose() * (model_.g / -model_.g.norm());

@@ -16,8 +16,8 @@ CoreSensorRows sensor_rows_of(segcal_t* device, int slot, const std::vector<Core
   }
   core::CandidateTerms terms;
   for (const CoreTerm& t : candidates) {
-    terms.term[terms.n++] = {static_cast<core::TermKind>(t.kind), static_cast<std::uint8_t>(t.a), static_cast<std::uint8_t>(t.b),
-                             static_cast<std::uint8_t>(t.c)};
+    terms.term[terms.n++] = {static_cast<core::TermKind>(t.kind), static_cast<std::uint8_t>(t.a),
+                             static_cast<std::uint8_t>(t.b), static_cast<std::uint8_t>(t.c)};
   }
   const auto& options = d->device.options();
   const std::unique_ptr<core::Segment<double>> segment = in_double(*stored, options.gyro_range, options.accel_range);

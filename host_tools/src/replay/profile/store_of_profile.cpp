@@ -14,11 +14,14 @@ namespace {
   segcal_store_get_info(&store, &info);
   switch (error) {
     case SEGCAL_ERROR_CONFIG:
-      throw InputError("saved with another configuration (" + field + " differs): expected the options, priors and start of the run that wrote it" +
+      throw InputError("saved with another configuration (" + field +
+                       " differs): expected the options, priors and start of the run that wrote it" +
                        (field == "starting calibration" ? "; --calib FILE names its start" : ""));
-    case SEGCAL_ERROR_CAPACITY: throw InputError("saved with other capacities or by another version of segcal (" + field + ")");
+    case SEGCAL_ERROR_CAPACITY:
+      throw InputError("saved with other capacities or by another version of segcal (" + field + ")");
     case SEGCAL_ERROR_VERSION:
-      throw InputError("expected format " + std::to_string(SEGCAL_STORE_MAJOR) + " of a stored device, found " + std::to_string(info.format_major) + ", of a newer segcal");
+      throw InputError("expected format " + std::to_string(SEGCAL_STORE_MAJOR) + " of a stored device, found " +
+                       std::to_string(info.format_major) + ", of a newer segcal");
     case SEGCAL_EMPTY: throw InputError("expected the state of a device, found none that is whole");
     case SEGCAL_ERROR_FULL: throw InputError("too small for the device's state");
     default: throw InputError("the device's state cannot be read or stored (error " + std::to_string(error) + ")");

@@ -1,12 +1,13 @@
 /* The library on a board: what its memory and arithmetic must be like, a calibration from end to end, the port. */
 #include <zephyr/kernel.h>
 #include <zephyr/ztest.h>
+
 #include "segcal/port.h"
 #include "stream.h"
 
 static char memory[SEGCAL_STORAGE_BYTES] __aligned(SEGCAL_STORAGE_ALIGNMENT);
 static segcal_config_t config;
-static segcal_t *device;
+static segcal_t* device;
 
 ZTEST_SUITE(segcal, NULL, NULL, NULL, NULL, NULL);
 
