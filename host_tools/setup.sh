@@ -9,7 +9,7 @@ packages=(
   libeigen3-dev                                # the core
   libopencv-dev libceres-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev libssl-dev   # the host program
   libbenchmark-dev libopenblas0 liblapack3     # benchmarks, and LAPACK's QR beside the core's
-  clang-tidy                                   # a test: changed lines
+  clang-format clang-tidy                      # tests: all files, and the lines that changed
   python3-venv python3-dev                     # plots, readers of logs, the fleet, evo for a test; the Python wheel
   chromium chromium-driver                     # the report's test: pages drawn in a browser
   gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-dev qemu-system-arm   # firmware images, and where they run

@@ -12,8 +12,8 @@ namespace host {
 
 enum class DistortionModel { fov, radtan, equidistant };
 
-/// Names as in Kalibr's files: "fov", "radtan" (also "radial-tangential"), "equidistant" (also "equi"). Throws
-/// InputError.
+/// Names as in Kalibr's files: "fov", "radtan" (also
+/// "radial-tangential"), "equidistant" (also "equi"). Throws InputError.
 DistortionModel distortion_from_name(const std::string& name);
 std::string distortion_name(DistortionModel model);
 /// Names of the coefficients: {"w"}, {"k1","k2","p1","p2"}, {"k1","k2","k3","k4"}.
@@ -41,16 +41,16 @@ struct Calibration {
   ImuCalibration imu;
 };
 
-/// Reads a camchain-imucam.yaml; where a file `imu.yaml` with M matrices lies beside it, the IMU part too. Throws
-/// InputError.
+/// Reads a camchain-imucam.yaml; where a file `imu.yaml` with M
+/// matrices lies beside it, the IMU part too. Throws InputError.
 Calibration read_calibration(const std::filesystem::path& camchain);
 
 /// The starting calibration of a recording: --calib FILE, else REC/camchain-imucam.yaml, else camN/sensor.yaml (EuRoC).
 Calibration find_calibration(const std::filesystem::path& recording_root, const std::filesystem::path& override_file,
                              int n_cameras);
 
-/// Writes Kalibr's layout, both directions of each transform (T_cam_imu and T_imu_cam) and the time shift's sign in a
-/// comment.
+/// Writes Kalibr's layout, both directions of each transform
+/// (T_cam_imu and T_imu_cam) and the time shift's sign in a comment.
 void write_camchain(const std::filesystem::path& file, const Calibration& calibration);
 /// Writes imu.yaml: noise densities, update_rate, accelerometers/gyroscopes {M, C}. Kalibr's names.
 void write_imu_yaml(const std::filesystem::path& file, const Calibration& calibration, const ImuNoise& noise);

@@ -38,8 +38,8 @@ Vector2d distort_normalised(DistortionModel model, const Vector4d& d, const Vect
   return m;
 }
 
-/// Newton with a central-difference Jacobian: the same lines for all models, and fast enough for a tracker's few
-/// points.
+/// Newton with a central-difference Jacobian: the same lines
+/// for all models, and fast enough for a tracker's few points.
 std::optional<Vector2d> invert(DistortionModel model, const Vector4d& d, const Vector2d& distorted, Vector2d guess) {
   constexpr double step = 1e-6;
   for (int iteration = 0; iteration < 20; ++iteration) {

@@ -56,8 +56,8 @@ int with_output_checked(int exit_code) {
                   (why != 0 ? std::string(": ") + std::strerror(why) : ""));
 }
 
-/// No file, folder or name is empty: an empty one is a shell variable that was not set, and would mean the current
-/// folder.
+/// No file, folder or name is empty: an empty one is a shell
+/// variable that was not set, and would mean the current folder.
 void refuse_empty_texts(CLI::App& app) {
   const CLI::Validator not_empty(
       [](std::string& text) { return text.empty() ? "expected a value, found an empty text" : ""; }, "");

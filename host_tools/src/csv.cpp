@@ -18,8 +18,8 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// The whole field must be the number: "1.5x" and "" are refused. A leading '+' is allowed, which from_chars does not
-/// know.
+/// The whole field must be the number: "1.5x" and "" are refused.
+/// A leading '+' is allowed, which from_chars does not know.
 template <typename Number>
 bool parse(std::string_view field, Number& value) {
   if (field.size() > 1 && field.front() == '+' && field[1] != '-') field.remove_prefix(1);
@@ -84,8 +84,8 @@ bool CsvReader::next_line() {
   return true;
 }
 
-/// A last line without an end: nothing tells a file that a killed writer cut inside a number from one that was written
-/// so.
+/// A last line without an end: nothing tells a file that a killed
+/// writer cut inside a number from one that was written so.
 bool CsvReader::is_cut() const { return position_ > content_.size(); }
 
 bool CsvReader::leave_out_cut_line() {

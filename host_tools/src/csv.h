@@ -9,8 +9,8 @@
 
 namespace host {
 
-/// Reads one file from top to bottom. Lines that start with '#' and empty lines are skipped; \r\n ends a line as \n
-/// does.
+/// Reads one file from top to bottom. Lines that start with '#'
+/// and empty lines are skipped; \r\n ends a line as \n does.
 ///
 ///     CsvReader csv(file, "timestamp [ns], track_id, u [px], v [px]", 4, 4);
 ///     while (csv.next_row()) { t = csv.integer(0); u = csv.number(2); }
@@ -19,10 +19,10 @@ class CsvReader {
   /// `columns` describes a row in error messages. Throws InputError if the file is missing or unreadable.
   CsvReader(const std::filesystem::path& file, std::string columns, std::size_t min_columns, std::size_t max_columns);
 
-  /// Moves to the next row of data; false at the end of the file. Throws InputError when the row has another number of
-  /// columns than promised or than the first row, or when the file ended and held no row at all. A last line that does
-  /// not end with a newline is left out, whatever it holds, and a line on stderr says so: the writer may have been
-  /// stopped within a number.
+  /// Moves to the next row of data; false at the end of the file. Throws InputError when the row
+  /// has another number of columns than promised or than the first row, or when the file ended
+  /// and held no row at all. A last line that does not end with a newline is left out, whatever
+  /// it holds, and a line on stderr says so: the writer may have been stopped within a number.
   bool next_row();
 
   std::size_t columns() const { return fields_.size(); }

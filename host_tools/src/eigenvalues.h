@@ -1,5 +1,5 @@
-// Eigenvalues of symmetric matrices of any size: a function of its own, since the compiler takes ten seconds for the
-// method.
+// Eigenvalues of symmetric matrices of any size: a function of
+// its own, since the compiler takes ten seconds for the method.
 #pragma once
 
 #include <Eigen/Core>

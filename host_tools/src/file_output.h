@@ -32,8 +32,8 @@ void append_number(std::string& text, std::int64_t value);
 /// Appends with a fixed number of decimals, for values whose last digits mean nothing (pixels, for instance).
 void append_fixed(std::string& text, double value, int decimals);
 
-/// A number's text as YAML 1.1 (PyYAML, and so Kalibr) takes it for a number: 2.0e-05. Without the point it is a word
-/// there.
+/// A number's text as YAML 1.1 (PyYAML, and so Kalibr) takes it
+/// for a number: 2.0e-05. Without the point it is a word there.
 std::string yaml_number(std::string digits);
 /// As append_number, in that form.
 void append_yaml_number(std::string& text, double value);

@@ -1,5 +1,5 @@
-// The subcommand `segcal import`: explains the options; Python reads the logs (host_tools/importers), where their
-// libraries are.
+// The subcommand `segcal import`: explains the options; Python
+// reads the logs (host_tools/importers), where their libraries are.
 #include <memory>
 #include <string>
 #include <vector>
@@ -117,8 +117,7 @@ void add_calibration(CLI::App& sub, ImportOptions& options) {
       ->check(CLI::Range(10.0, 20000.0));
   sub.add_option("--mount", options.mount,
                  "how the camera sits on the IMU, roughly: phone-back (sensor axes of Android and iOS, back camera), "
-                 "forward (IMU x "
-                 "forward, y left, z up), same-axes (IMU x right, y down, z forward)")
+                 "forward (IMU x forward, y left, z up), same-axes (IMU x right, y down, z forward)")
       ->check(CLI::IsMember({"phone-back", "forward", "same-axes"}));
 }
 

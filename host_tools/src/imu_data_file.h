@@ -7,8 +7,8 @@
 
 namespace host {
 
-/// Reads the samples of one file; `noise` keeps its defaults. Throws InputError: missing or empty file, wrong column
-/// count, non-number.
+/// Reads the samples of one file; `noise` keeps its defaults. Throws
+/// InputError: missing or empty file, wrong column count, non-number.
 ImuData read_imu_samples(const std::filesystem::path& file);
 
 }  // namespace host

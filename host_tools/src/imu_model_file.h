@@ -1,8 +1,8 @@
 // The IMU's scale and misalignment in Kalibr's imu.yaml, and its translation into segcal's convention.
 //
-// Kalibr: measurement = M C x + b, with x in its body frame and any 3x3 M; C is gyroscopes.C_gyro_i,
-// accelerometers.C_accel_i. segcal: w_m = T_g w + b_g, a_m = T_a R_AI f + b_a, T upper triangular, I the gyroscope's
-// frame.
+// Kalibr: measurement = M C x + b, with x in its body frame and any 3x3 M; C
+// is gyroscopes.C_gyro_i, accelerometers.C_accel_i. segcal: w_m = T_g w +
+// b_g, a_m = T_a R_AI f + b_a, T upper triangular, I the gyroscope's frame.
 #pragma once
 
 #include <Eigen/Core>

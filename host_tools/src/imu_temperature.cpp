@@ -14,8 +14,8 @@ constexpr double coarse_K = 2;         // columns of 1 K flicker by one step to 
 constexpr double noisiest_K = 5;       // a column that moves more from sample to sample is no thermometer
 constexpr double noise_sigmas = 6;     // of differences: one in 10^9 by chance
 constexpr double longest_hold_s = 2;   // slow sensors give a reading a second: the last one may be that old
-constexpr std::size_t passed_over =
-    64;  // stretches of wrong readings in a row, after which the sensor's own are taken up again
+// stretches of wrong readings in a row, after which the sensor's own are taken up again
+constexpr std::size_t passed_over = 64;
 
 /// Neighbours that a die can follow, one after the other.
 struct Stretch {
@@ -108,15 +108,15 @@ bool all_the_same(const std::vector<ImuSample>& samples, const std::vector<std::
   });
 }
 
-/// The many are one and the same value, and the few are not: a logger that repeats a constant, zero most of all,
-/// between readings.
+/// The many are one and the same value, and the few are not: a logger
+/// that repeats a constant, zero most of all, between readings.
 bool only_the_few_are_readings(const std::vector<ImuSample>& samples, const std::vector<std::size_t>& many,
                                const std::vector<std::size_t>& few) {
   return all_the_same(samples, many) && (samples[many.front()].temperature_degC == 0 || !all_the_same(samples, few));
 }
 
-/// The last good reading in the place of each that jumped; before the first good one, that. Returns the farthest jump,
-/// K.
+/// The last good reading in the place of each that jumped; before
+/// the first good one, that. Returns the farthest jump, K.
 double hold(std::vector<ImuSample>& samples, const std::vector<std::size_t>& good,
             const std::vector<std::size_t>& jumps, bool mend) {
   double farthest = 0;

@@ -5,8 +5,8 @@
 
 namespace host {
 
-constexpr double few_temperature_jumps =
-    0.05;  ///< of the readings: bridges of so many last far less than a die takes to warm by a kelvin
+/// of the readings: bridges of so many last far less than a die takes to warm by a kelvin
+constexpr double few_temperature_jumps = 0.05;
 
 /// Finds such readings and notes them in ImuData::temperature_jumps. `mend`: where they are few, the good reading
 /// before is held in their place; where they are many, so that nobody knows which are the sensor's own, the samples

@@ -17,8 +17,8 @@ inline double quantile(std::vector<double> values, double q) {
   return i + 1 < values.size() ? (1 - share) * values[i] + share * values[i + 1] : values[i];
 }
 
-/// The value in the middle, of an even number of them the upper one; the list is not empty. For values that must be one
-/// of the list's.
+/// The value in the middle, of an even number of them the upper one;
+/// the list is not empty. For values that must be one of the list's.
 inline double middle_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());

@@ -48,8 +48,8 @@ struct ImuData {
   ImuNoise noise;
   bool has_temperature = false;
   TemperatureJumps temperature_jumps;
-  std::vector<ImuSample>
-      samples;  ///< in file order; data faults (repeats, NaN, gaps) are left in, the core counts them
+  /// in file order; data faults (repeats, NaN, gaps) are left in, the core counts them
+  std::vector<ImuSample> samples;
 };
 
 /// One tracked corner in one image, raw distorted pixels.
@@ -85,14 +85,8 @@ struct TruthPose {
 
 /// One call that a device made, in a recording that it made itself.
 struct DeviceCall {
-  enum What {
-    sample,
-    frame,
-    flush,
-    calibrate,
-    hash,
-    request
-  } what = sample;               ///< sample, frame: the next one of the recording
+  enum What { sample, frame, flush, calibrate, hash, request };
+  What what = sample;            ///< sample, frame: the next one of the recording
   std::uint64_t hash_value = 0;  ///< the device's result hash at this place
   bool late = false;             ///< a sample or frame that found background work due and not done
 };
@@ -125,16 +119,16 @@ struct Recording {
 Recording read_recording(const std::filesystem::path& root, int n_cameras, bool smooth = false,
                          std::string_view replacing = {});
 
-/// Writes imu0/{data.csv,sensor.yaml}, camN/{data.csv-less, tracks.csv}, state_groundtruth_estimate0/data.csv (if
-/// truth).
+/// Writes imu0/{data.csv,sensor.yaml}, camN/{data.csv-less,
+/// tracks.csv}, state_groundtruth_estimate0/data.csv (if truth).
 void write_recording(const Recording& recording);
 
 /// Writes camN/tracks.csv of one camera (used by `segcal track` as well). Pixels with four decimals, far below any
 /// tracker's noise; `exact`: so that they read back to the same.
 void write_tracks(const std::filesystem::path& file, const std::vector<Frame>& frames, bool exact = false);
 
-/// The data folder for optional real recordings: $SEGCAL_DATA, else ../shared/data beside the source tree, if it
-/// exists.
+/// The data folder for optional real recordings: $SEGCAL_DATA,
+/// else ../shared/data beside the source tree, if it exists.
 std::optional<std::filesystem::path> find_real_data();
 
 }  // namespace host

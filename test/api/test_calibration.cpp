@@ -128,8 +128,8 @@ void test_segments_of_open_length() {
   check_between(Id().add("segments", result.segments), "chi2/dof", 0.8, result.chi2 / result.dof, 1.2);
 }
 
-/// Never, one slice, seven, all: the hash is one where work is done when it is due, and while a calibration is under
-/// way samples are taken.
+/// Never, one slice, seven, all: the hash is one where work is done when
+/// it is due, and while a calibration is under way samples are taken.
 void test_slices_change_no_bit() {
   static const SyntheticStream twenty(209, 20);
   std::uint64_t first = 0;

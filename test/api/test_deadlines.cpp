@@ -131,8 +131,8 @@ void test_schedules() {
   TEST_ASSERT_GREATER_OR_EQUAL_INT(2, late);  // else the rules for late work were not looked at
 }
 
-/// Nothing is ever done: all calls stay bounded, everything is counted, and a background that comes later finds a valid
-/// device.
+/// Nothing is ever done: all calls stay bounded, everything is
+/// counted, and a background that comes later finds a valid device.
 void test_no_background_and_a_late_one() {
   Storage storage(0xFF);
   segcal_t* device = create_with_deadlines(&storage, config());
@@ -165,8 +165,8 @@ void test_no_background_and_a_late_one() {
                5 * r.parameter[k].sigma);
 }
 
-/// A window of one segment is too short for 20 slices a sample: it stretches, and the result takes effect at the end of
-/// a segment.
+/// A window of one segment is too short for 20 slices a sample: it
+/// stretches, and the result takes effect at the end of a segment.
 void test_windows_are_the_users() {
   struct Case {
     int window, slices, missed_least, missed_most;

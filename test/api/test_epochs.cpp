@@ -1,5 +1,5 @@
-// A device that condenses: what it remembers, that it knows more by it, and that no schedule of its background changes
-// a bit.
+// A device that condenses: what it remembers, that it knows more
+// by it, and that no schedule of its background changes a bit.
 #include <string>
 
 #include "api_fixture.h"

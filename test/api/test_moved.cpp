@@ -69,8 +69,8 @@ class Mover {
     TEST_ASSERT_EQUAL_INT(SEGCAL_OK, code);
     segcal_work_when_due(device, 1);
   }
-  /// As bytes, to another place; nothing is left at the old one. With two blocks: the hot one, the cold one or both, in
-  /// turns.
+  /// As bytes, to another place; nothing is left at the old one.
+  /// With two blocks: the hot one, the cold one or both, in turns.
   int move() {
     const int which = two_blocks_ ? 1 + moves % 3 : 1;
     ++moves;

@@ -75,9 +75,9 @@ void test_covariance_is_that_of_the_rows() {
                1e-6 * variance);
   }
   const Matrix expected = independent_covariance(device, p.result);
-  // All but r_CI and r_AI, whose components are not the small rotations that the rows are over. The core works in
-  // float: its triangle differs from the one that is solved here in double, by 2 % of a correlation where the prior
-  // tells most.
+  // All but r_CI and r_AI, whose components are not the small rotations that the
+  // rows are over. The core works in float: its triangle differs from the one that
+  // is solved here in double, by 2 % of a correlation where the prior tells most.
   int compared = 0;
   double largest = 0;
   for (int i = 0; i < n; ++i) {

@@ -1,5 +1,5 @@
-// Results are published whole, whoever asks and whenever: getters between any two slices change no bit and see no
-// half-done work.
+// Results are published whole, whoever asks and whenever: getters
+// between any two slices change no bit and see no half-done work.
 #include "api_fixture.h"
 
 extern "C" void setUp() {}

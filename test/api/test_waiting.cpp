@@ -1,6 +1,6 @@
-// Images and keyframes that come before the IMU samples of their time: they wait, and come to the same bits however
-// early they came; what finds no place is counted; and where a spike was taken out meanwhile, no segment has the hole
-// inside.
+// Images and keyframes that come before the IMU samples of their time: they wait,
+// and come to the same bits however early they came; what finds no place is counted;
+// and where a spike was taken out meanwhile, no segment has the hole inside.
 #include "api_fixture.h"
 
 extern "C" void setUp() {}
@@ -106,8 +106,8 @@ void test_a_keyframe_before_the_first_sample_is_skipped() {
   TEST_ASSERT_EQUAL_INT(20, counters.frames_used);
 }
 
-/// The largest stamps that are taken, one after the other: no difference overflows, and no images are missing between
-/// them.
+/// The largest stamps that are taken, one after the other: no
+/// difference overflows, and no images are missing between them.
 void test_a_pause_of_centuries_drops_no_images() {
   const std::int64_t most = (std::int64_t(1) << 62) - 1;
   const SyntheticStream& s = long_stream<14>();

@@ -1,6 +1,6 @@
-// The three costs that a product plans with: a frame, the score of a segment, a calibration. Each benchmark gives the
-// median and the 95 % quantile of its own samples and the limit of the median, all in ms; run_benchmarks.cmake
-// compares.
+// The three costs that a product plans with: a frame, the score of a segment, a
+// calibration. Each benchmark gives the median and the 95 % quantile of its own
+// samples and the limit of the median, all in ms; run_benchmarks.cmake compares.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -37,8 +37,8 @@ void put_times(benchmark::State& state, const std::vector<double>& seconds, doub
   state.counters["limit_ms"] = limit_ms;
 }
 
-/// An iteration is one frame with the IMU samples before it. Frames that close a segment are measured by the next
-/// benchmark.
+/// An iteration is one frame with the IMU samples before it.
+/// Frames that close a segment are measured by the next benchmark.
 void vio_frame(benchmark::State& state) {
   BenchDevice device(session());
   std::vector<double> seconds;

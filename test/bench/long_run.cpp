@@ -1,7 +1,7 @@
-// Ten hours of stream through one device, fed and scored but never calibrated: is anything different at the end? A
-// simulated session of some minutes runs in a loop with stamps that go on; between two turns is a gap of a second, over
-// which the device starts its filter again, and keeps its database. `segcal_long_run [hours]`: takes minutes; not part
-// of the target `bench`.
+// Ten hours of stream through one device, fed and scored but never calibrated: is anything
+// different at the end? A simulated session of some minutes runs in a loop with stamps that go
+// on; between two turns is a gap of a second, over which the device starts its filter again, and
+// keeps its database. `segcal_long_run [hours]`: takes minutes; not part of the target `bench`.
 //
 // Limits (exit code 1): the median CPU time of a segment in any hour is within 3 % of the first hour's. CPU time, not
 // wall clock: other programs take turns on this machine. With fewer hours the ten parts that are compared are shorter.

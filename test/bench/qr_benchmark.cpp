@@ -3,9 +3,9 @@
 // them all at once. Rates count the same useful work for all: that of the triangle of the stacked dense rows, 2 n^2 (m
 // - n/3).
 //
-// Two shapes: dense blocks of a typical landmark's rows, and the rows of a segment as they are, each with its own
-// columns: 20 keyframes, 120 landmarks seen for 3 to 20 keyframes, and one camera. LAPACK's QR takes zeros as any other
-// number.
+// Two shapes: dense blocks of a typical landmark's rows, and the rows of a segment
+// as they are, each with its own columns: 20 keyframes, 120 landmarks seen for 3
+// to 20 keyframes, and one camera. LAPACK's QR takes zeros as any other number.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

@@ -79,8 +79,8 @@ struct Verdict {
   int outdated = 0;
   bool changed = false;
 };
-/// Six segments, and six older ones from before theta made a step of `step` sigmas of each: half of it by column 0,
-/// half by 1.
+/// Six segments, and six older ones from before theta made a step
+/// of `step` sigmas of each: half of it by column 0, half by 1.
 Verdict judge(std::uint32_t seed, double step) {
   const auto w = std::make_unique<World>(seed);
   Agreement<S> agreement(w->prior, w->theta, S(1e-3 / 11), S(1), &w->analysis, w->scratch.get());

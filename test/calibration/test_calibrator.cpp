@@ -118,14 +118,14 @@ void test_errors_match_sigmas() {
     chi2 += out.fit.chi2 / out.fit.dof / kDevices;
   }
   test::check_between(Id().add("check", "mean_chi2"), "chi2/dof", 0.95, chi2, 1.05);
-  // The mean of 12 squared normal numbers lies in 0.18..2.9 with a probability of 0.999, here for each of 26
-  // parameters.
+  // The mean of 12 squared normal numbers lies in 0.18..2.9 with
+  // a probability of 0.999, here for each of 26 parameters.
   for (int i = 0; i < squares.size(); ++i) {
     test::check_between(Id().add("check", "honest").add("column", i), "mean squared error", 0.18, squares(i) / kDevices,
                         2.9);
   }
-  // All parameters of all devices together, as 200 independent numbers (they are correlated): sigma 0.1, three of
-  // those.
+  // All parameters of all devices together, as 200 independent
+  // numbers (they are correlated): sigma 0.1, three of those.
   test::check_between(Id().add("check", "honest_overall"), "mean squared error", 0.7, squares.mean() / kDevices, 1.3);
 }
 
@@ -170,8 +170,8 @@ void test_near_landmarks_do_not_drive_the_world_away() {
     const Id id = Id().add("check", "near").add("seed", seed);
     test::check_true(id, "did not converge", out.fit.converged);
     test::check_between(id, "iterations", 1, out.fit.iterations, 10);
-    // Each iteration moves it by the pull (some 2400) over the square of the hold: by 0.2 um, and float rounds a metre
-    // to 0.1 um.
+    // Each iteration moves it by the pull (some 2400) over the square
+    // of the hold: by 0.2 um, and float rounds a metre to 0.1 um.
     test::check_near(id, "the first keyframe moved, m", 0, out.gauge_moved, 1e-5);
   }
 }
@@ -192,8 +192,8 @@ void test_float_equals_double() {
   }
 }
 
-/// Corner tracks: every third point is off by 3 px more than its noise, so that robust weights change at each
-/// iteration.
+/// Corner tracks: every third point is off by 3 px more than
+/// its noise, so that robust weights change at each iteration.
 void add_tails(std::uint32_t seed, SyntheticSession* session) {
   test::Random random(seed);
   for (auto& segment : session->segments) {

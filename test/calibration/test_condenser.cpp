@@ -64,7 +64,7 @@ Epoch<double> condense(Fit* f, const Calibration<double>& theta, bool linked) {
   for (int i = 0; i < f->n; ++i) {
     condenser.restart();
     if (!linked) condenser.break_chain();
-    const CondenseMemory<double> memory = f->calibrator.lend_condense_memory(&f->eliminator);
+    const CondenseMemory<double> memory = f->calibrator.begin_condensing(&f->eliminator);
     while (!condenser.step(f->segment[i], MeasurementModel<double>(), memory, &epoch)) {
     }
     TEST_ASSERT_TRUE(condenser.condensed());

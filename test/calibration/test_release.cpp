@@ -13,8 +13,8 @@ extern "C" void tearDown() {}
 
 namespace {
 
-/// Where a fit stands: R_CI = Exp(d) R_mean, of whose three printed components two are known to 1e-3 rad and `blind`
-/// not at all.
+/// Where a fit stands: R_CI = Exp(d) R_mean, of whose three printed
+/// components two are known to 1e-3 rad and `blind` not at all.
 template <class S>
 struct Fit {
   ThetaPrior<S> prior;

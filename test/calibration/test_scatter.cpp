@@ -1,5 +1,5 @@
-// Scatter of segments against its closed form, and what it is for: sigmas that hold where segments have errors of their
-// own.
+// Scatter of segments against its closed form, and what it is
+// for: sigmas that hold where segments have errors of their own.
 #include <Eigen/Dense>
 #include <vector>
 
@@ -24,8 +24,8 @@ MatrixXd triangle_of(const MatrixXd& A) {
   return Eigen::HouseholderQR<MatrixXd>(A).matrixQR().topRows(A.cols()).triangularView<Eigen::Upper>();
 }
 
-/// Linear segments of unit noise that begin at the common optimum; theta is zero, and segment s believes in an offset
-/// of its own.
+/// Linear segments of unit noise that begin at the common optimum;
+/// theta is zero, and segment s believes in an offset of its own.
 struct Problem {
   std::vector<MatrixXd> segment;  ///< triangles [R d; 0 rho]
   MatrixXd T;                     ///< of all with a prior of sigma 10

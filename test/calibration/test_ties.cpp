@@ -1,6 +1,6 @@
-// Segments tied by shared landmarks: the calibrator against a dense QR of the full Jacobian in which a tie is one
-// landmark, one gauge per partition, degrees of freedom, sigmas with and without ties, drift, mistaken tracks, float
-// against double.
+// Segments tied by shared landmarks: the calibrator against a dense QR of the full
+// Jacobian in which a tie is one landmark, one gauge per partition, degrees of
+// freedom, sigmas with and without ties, drift, mistaken tracks, float against double.
 #include <Eigen/LU>
 #include <memory>
 
@@ -66,8 +66,8 @@ Calibrator<double>* begin(SyntheticSession* session) {
   return calibrator;
 }
 
-/// The same problem, dense: joins as the calibrator says, each tie one landmark, the gauge of each partition's first
-/// segment.
+/// The same problem, dense: joins as the calibrator says, each
+/// tie one landmark, the gauge of each partition's first segment.
 DenseProblem dense_problem(const SyntheticSession& session, Calibrator<double>* calibrator, double damping) {
   std::vector<const Segment<double>*> segments;
   for (const auto& s : session.segments) segments.push_back(s.get());

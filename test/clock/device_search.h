@@ -54,8 +54,8 @@ struct Feed {
 struct DeviceAnswer {
   segcal_clock_result_t result = {};
   double found_after_s = -1;  ///< of stream; -1: never
-  double worst_of_found =
-      0;  ///< largest |offset - truth| / sigma of all that was `found` on the way, where the truth was given
+  /// largest |offset - truth| / sigma of all that was `found` on the way, where the truth was given
+  double worst_of_found = 0;
   double worst_s = 0;  ///< the same in seconds
 };
 

@@ -1,5 +1,5 @@
-// The device's search for the clocks' offset (clock.h): right where it says `found`, no answer where there is none, and
-// bad input.
+// The device's search for the clocks' offset (clock.h): right where
+// it says `found`, no answer where there is none, and bad input.
 #include <cmath>
 #include <limits>
 
@@ -24,9 +24,9 @@ host::SimulationResult session_of(const std::string& scenario, std::uint64_t see
   return host::simulate(options);
 }
 
-/// What is `found`, at any time on the way, is within five of its sigmas and 10 ms. Turning devices are found at all;
-/// one that is walked need not be: parallax moves the peak by more than the 10 ms, which its windows show by
-/// scattering.
+/// What is `found`, at any time on the way, is within five of its sigmas and 10
+/// ms. Turning devices are found at all; one that is walked need not be: parallax
+/// moves the peak by more than the 10 ms, which its windows show by scattering.
 void test_found_is_right() {
   test::Random random(5);
   for (const char* scenario : {"rich", "arvr", "nav"}) {

@@ -61,8 +61,8 @@ void test_smoothed_stamps_are_the_sensors() {
         const Log log = callbacks(seed, period, 0.05, missing);
         const host::SmoothedStamps out = host::smooth_stamps(log.stamps);
         test::check_between(id, "jitter before", 0.004, rms_about_mean(log.stamps, log.measured), 0.02);
-        // How many of 200 events a second are missing where delays reach ten periods is told to one event: 5 ms,
-        // smoothed over 2 s.
+        // How many of 200 events a second are missing where delays reach
+        // ten periods is told to one event: 5 ms, smoothed over 2 s.
         const double allowed = period < 0.02 && missing > 0 ? 0.0025 : 0.0015;
         test::check_between(id, "jitter after", 0, rms_about_mean(out.t_ns, log.measured), allowed);
         if (period > 0.02) test::check_near(id, "events missing", 3 * missing, static_cast<double>(out.missing), 0);

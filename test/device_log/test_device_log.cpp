@@ -49,8 +49,8 @@ void test_configuration_comes_back() {
   TEST_ASSERT_TRUE(read.noise.rate_hz == 200);  // zero in the configuration: the default
 }
 
-/// Whatever changes the bits of a result is in the header: a build that differs in one of its numbers is none of the
-/// profiles.
+/// Whatever changes the bits of a result is in the header: a build
+/// that differs in one of its numbers is none of the profiles.
 void test_every_capacity_counts() {
   LoggedCalls log;
   log.end();
@@ -74,10 +74,10 @@ std::vector<std::uint8_t> encoded(const segcal_config_t& config) {
   return out;
 }
 
-/// A byte of the structure that leaves the log as it is belongs to no field in it: only the padding behind lone 32-bit
-/// numbers may do that (n_cameras, each camera's model and height, the three choices, joint_filter, term[]: 4 bytes
-/// each at most; calibration_window at its end), and the one place of term[] and term_value[] that is there so that
-/// neither is empty.
+/// A byte of the structure that leaves the log as it is belongs to no field in it: only the
+/// padding behind lone 32-bit numbers may do that (n_cameras, each camera's model and height,
+/// the three choices, joint_filter, term[]: 4 bytes each at most; calibration_window at its
+/// end), and the one place of term[] and term_value[] that is there so that neither is empty.
 void test_no_field_is_forgotten() {
   segcal_config_t config = log_config();
   const std::vector<std::uint8_t> before = encoded(config);

@@ -42,8 +42,8 @@ double value_of(const Diagnosis& d, const std::string& name, double* sigma) {
   return 0;
 }
 
-/// The name and no other, the value within 3 sigma and what the model leaves out at second order, nine tenths of the
-/// gap.
+/// The name and no other, the value within 3 sigma and what the
+/// model leaves out at second order, nine tenths of the gap.
 void expect_named(const std::string& effect, const std::string& name, const std::string& parameter, double truth,
                   double second_order) {
   const Diagnosis d = diagnosed("rich", 40, 1, effect);
@@ -155,8 +155,8 @@ void test_odometry_that_diverges() {
   TEST_ASSERT_TRUE_MESSAGE(d.sentence.find("odometry diverges") != std::string::npos, d.sentence.c_str());
 }
 
-/// Dropped samples end a diagnosis, unless they are accepted: then the effect beside them is found, and they are named
-/// too.
+/// Dropped samples end a diagnosis, unless they are accepted:
+/// then the effect beside them is found, and they are named too.
 void test_accepted_faults_are_said() {
   host::SimulationOptions options;
   options.scenario = "rich";

@@ -42,8 +42,8 @@ std::vector<const char*> scenarios(const char* always, const char* in_long_runs)
   return long_run() ? std::vector<const char*>{always, in_long_runs} : std::vector<const char*>{always};
 }
 
-/// The name, no other, and the value: within 4 sigma (one of 16,000) and a share of it that the linear model leaves
-/// out.
+/// The name, no other, and the value: within 4 sigma (one of
+/// 16,000) and a share of it that the linear model leaves out.
 void expect_only(const Diagnosis& d, const std::string& name, double truth, double share) {
   TEST_ASSERT_EQUAL_STRING_MESSAGE("explained", d.verdict.c_str(), d.sentence.c_str());
   TEST_ASSERT_EQUAL_INT_MESSAGE(1, static_cast<int>(d.effects.size()), d.sentence.c_str());
@@ -74,8 +74,8 @@ void test_rolling_shutter() {
   }
 }
 
-/// Without the drift in the weights both are `unexplained`. The second also where image motion is read from points that
-/// drift.
+/// Without the drift in the weights both are `unexplained`. The
+/// second also where image motion is read from points that drift.
 void test_tracks_that_drift() {
   if (long_run()) {
     const Diagnosis nothing = diagnosed("rich", 131, "", host::sim::drifting_tracks());

@@ -1,5 +1,5 @@
-// The score test against ordinary least squares: what the cost falls by, estimates and covariances, in float and
-// double.
+// The score test against ordinary least squares: what the cost
+// falls by, estimates and covariances, in float and double.
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <vector>
@@ -131,8 +131,8 @@ void test_null_distribution() {
   }
 }
 
-/// A column that is a combination of theta's, and one that is a multiple of an accepted column: no direction, no
-/// statistic.
+/// A column that is a combination of theta's, and one that is a
+/// multiple of an accepted column: no direction, no statistic.
 void test_collinear_columns_say_nothing() {
   test::Random random(3);
   VectorXd truth = VectorXd::Zero(kTheta + kTerms);

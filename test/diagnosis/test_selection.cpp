@@ -79,9 +79,9 @@ void test_tail_of_a_ratio() {
   TEST_ASSERT_EQUAL_DOUBLE(0, log10_upper_tail_of_ratio(0, 1, 4));
 }
 
-/// Five stretches, in each of which an effect has another value, of mean zero: nothing that holds for the recording.
-/// Judged by chi-square seven of these would get a name, for the halves refuse the rest. With F, 300 * 2e-3 are
-/// allowed.
+/// Five stretches, in each of which an effect has another value, of mean zero:
+/// nothing that holds for the recording. Judged by chi-square seven of these would
+/// get a name, for the halves refuse the rest. With F, 300 * 2e-3 are allowed.
 void test_few_stretches_that_disagree() {
   int named = 0;
   for (int seed = 0; seed < 300; ++seed) {
@@ -269,9 +269,9 @@ void test_small_step_beside_a_strong_effect() {
   TEST_ASSERT_GREATER_OR_EQUAL_INT(20, left);
 }
 
-/// Real recordings have a dispersion of 2 to 6. What is left over and what was closed are compared in one unit: with
-/// noise, effect and step three times as large everything is nine times as large, and the share that is left is the
-/// same.
+/// Real recordings have a dispersion of 2 to 6. What is left over and what was
+/// closed are compared in one unit: with noise, effect and step three times as
+/// large everything is nine times as large, and the share that is left is the same.
 void test_what_is_left_counts_in_full() {
   double share[2] = {0, 0};
   for (int k = 0; k < 2; ++k) {

@@ -89,8 +89,8 @@ Measured measured(const SensorRecording& r, const std::array<Floor, kSensors>& n
   return out;
 }
 
-/// Nothing there: means of many recordings are zero, and their spread is the sigma that is told. Noise of other sizes,
-/// known, changes nothing.
+/// Nothing there: means of many recordings are zero, and their spread is
+/// the sigma that is told. Noise of other sizes, known, changes nothing.
 void test_nothing_there_is_nothing_open() {
   const std::array<double, kSensors> f{1, 2, 0.5};
   VectorXd sum = VectorXd::Zero(kSensors), squares = VectorXd::Zero(kSensors);

@@ -1,5 +1,5 @@
-// Structure in residuals: white noise has none, a dependence on a cause is found and named, slow noise is not taken for
-// one.
+// Structure in residuals: white noise has none, a dependence on
+// a cause is found and named, slow noise is not taken for one.
 #include <cmath>
 #include <vector>
 
@@ -119,8 +119,8 @@ int follow_image_motion(int sessions, double follows_motion_s) {
   return found;
 }
 
-/// A motion that is read from the very points that are tested holds their noise: each slow, clean recording would
-/// follow it.
+/// A motion that is read from the very points that are tested
+/// holds their noise: each slow, clean recording would follow it.
 void test_slow_images_do_not_follow_their_own_noise() {
   TEST_ASSERT_LESS_OR_EQUAL_INT(1, follow_image_motion(30, 0));  // 0.03 expected
   TEST_ASSERT_EQUAL_INT(30, follow_image_motion(30, 0.01));      // 10 ms at 6 px/s: 0.06 px, 0.12 sigma, of 7680 points

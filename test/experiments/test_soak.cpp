@@ -30,8 +30,8 @@ void test_a_short_run_is_counted_and_right() {
   // A minute of shaking determines all 26; their mean square is below 2.3 in 999 of 1000 honest runs.
   TEST_ASSERT_EQUAL_INT(26, first.at("clean").at("entries").get<int>());
   TEST_ASSERT_TRUE(first.at("clean").at("sum_of_squares").get<double>() < 2.3 * 26);
-  // The filter's tilt is known to some mrad (test/vio); a frame of reference that is mixed up would be tenths of a
-  // radian.
+  // The filter's tilt is known to some mrad (test/vio); a frame
+  // of reference that is mixed up would be tenths of a radian.
   TEST_ASSERT_TRUE(first.at("tilt_mrad").get<double>() < 20);
   TEST_ASSERT_TRUE(second.at("frames").get<int>() < 601);
   TEST_ASSERT_TRUE(short_run().result.at("counters").contains("imu_gaps"));

@@ -1,5 +1,5 @@
-// Readings that no motion explains, one or two in a row: each is found, and no reading of a motion is taken for one,
-// however suddenly it begins.
+// Readings that no motion explains, one or two in a row: each is found,
+// and no reading of a motion is taken for one, however suddenly it begins.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -109,8 +109,8 @@ void test_a_spike_takes_no_sound_reading_with_it() {
   });
 }
 
-/// A knock that goes on, with a spike soon after it; one that rings; a jump to another rate; readings that repeat; some
-/// lost.
+/// A knock that goes on, with a spike soon after it; one that
+/// rings; a jump to another rate; readings that repeat; some lost.
 void test_motion_is_no_spike() {
   each_seed(20, [](const Id& id, std::uint64_t seed) {
     Stream stream = motion(seed, 1);
@@ -124,8 +124,8 @@ void test_motion_is_no_spike() {
   });
 }
 
-/// A rest tells little of the motion that follows it, and nothing is known in the first tenth of a second, after a gap
-/// neither.
+/// A rest tells little of the motion that follows it, and nothing
+/// is known in the first tenth of a second, after a gap neither.
 void test_beginnings_are_no_spikes() {
   each_seed(20, [](const Id& id, std::uint64_t seed) {
     Stream stream = motion(seed, 0);
@@ -140,8 +140,8 @@ void test_beginnings_are_no_spikes() {
   });
 }
 
-/// Readings that repeat but for a last digit of half the stated noise, or shake with a hundred times that noise from
-/// the first one on.
+/// Readings that repeat but for a last digit of half the stated noise,
+/// or shake with a hundred times that noise from the first one on.
 void test_coarse_and_shaken_sensors_have_none() {
   each_seed(20, [](const Id& id, std::uint64_t seed) {
     test::Random random(seed);
@@ -178,9 +178,9 @@ void test_pulses_are_no_spikes() {
     }
 }
 
-/// What comes often is no accident, whatever it looks like: of every second to eighth reading somewhere else 50 at most
-/// (each widens what counts as near by 15 / 200, and the first is ten times too far, squared), and of any path of
-/// straight pieces one in 200.
+/// What comes often is no accident, whatever it looks like: of every second to eighth
+/// reading somewhere else 50 at most (each widens what counts as near by 15 / 200, and the
+/// first is ten times too far, squared), and of any path of straight pieces one in 200.
 void test_what_comes_often_is_none() {
   for (std::size_t period = 2; period <= 8; ++period) {
     Stream stream = motion(2, 0);

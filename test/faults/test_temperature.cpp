@@ -1,5 +1,5 @@
-// The temperature column: readings that jump away and back are found; coarse, noisy and slow columns are as they should
-// be.
+// The temperature column: readings that jump away and back are
+// found; coarse, noisy and slow columns are as they should be.
 #include <unity.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// The file of segcal replay --state through kills, full disks, closed folders and two runs at once: the old one or the
-// new one, whole.
+// The file of segcal replay --state through kills, full disks, closed
+// folders and two runs at once: the old one or the new one, whole.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -56,8 +56,8 @@ std::size_t files_in(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
-/// What `work` returns, done by a process of its own, which is killed after `us` microseconds (negative: never). -1: it
-/// was killed.
+/// What `work` returns, done by a process of its own, which is killed
+/// after `us` microseconds (negative: never). -1: it was killed.
 int in_child(long us, const std::function<int()>& work) {
   const pid_t child = ::fork();
   if (child == 0) ::_exit(work());

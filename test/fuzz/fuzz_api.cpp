@@ -1,6 +1,6 @@
-// Any sequence of calls of the C API, with data of any kind: bytes become calls. A realistic session is fed in between,
-// so that segments, scores and calibrations are reached, and what is mutated are its samples, its images and the
-// configuration.
+// Any sequence of calls of the C API, with data of any kind: bytes become calls. A
+// realistic session is fed in between, so that segments, scores and calibrations are
+// reached, and what is mutated are its samples, its images and the configuration.
 #include <segcal/health.h>
 #include <segcal/segcal.h>
 

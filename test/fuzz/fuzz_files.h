@@ -34,8 +34,8 @@ class FuzzFolder {
   std::filesystem::path path_;
 };
 
-/// Runs a reader. Refusing is an InputError with a sentence; any other exception is a finding, because it names no
-/// file.
+/// Runs a reader. Refusing is an InputError with a sentence;
+/// any other exception is a finding, because it names no file.
 template <class Reader>
 bool reads(const Reader& reader) {
   try {

@@ -1,5 +1,5 @@
-// Metrics of a segment's information against closed forms in double (Eigen): A, D, E, gain, rank, and the directions
-// that were not excited.
+// Metrics of a segment's information against closed forms in double
+// (Eigen): A, D, E, gain, rank, and the directions that were not excited.
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -68,9 +68,9 @@ struct InScalar {
   }
 };
 
-/// The closed form: covariance (R'R + P^-1)^-1, normalised by the reference sigmas. Inverted in prior units, where the
-/// condition is that of the information alone; determinants are taken before the inversion, which blurs small
-/// variances.
+/// The closed form: covariance (R'R + P^-1)^-1, normalised by the reference sigmas.
+/// Inverted in prior units, where the condition is that of the information alone;
+/// determinants are taken before the inversion, which blurs small variances.
 Metrics<double> closed_form(const MatrixXd& R, const Sigmas& sigmas) {
   const MatrixXd W = R * sigmas.prior.asDiagonal();
   const MatrixXd information = W.transpose() * W + MatrixXd::Identity(kColumns, kColumns),
@@ -193,8 +193,8 @@ void check_blind_parameter() {
 
 template <class S>
 void check_analysis_with_prior() {
-  // The triangle that calibration ends with holds the prior's rows already: the same directions and sigmas must come
-  // out.
+  // The triangle that calibration ends with holds the prior's
+  // rows already: the same directions and sigmas must come out.
   test::Random random(141);
   const Sigmas sigmas(&random);
   const MatrixXd R = triangle_with(graded(0.5, 50), sigmas.prior, &random, nullptr);

@@ -20,8 +20,8 @@ struct Differences {
   static double rounding(double size, double h) { return 16 * std::numeric_limits<S>::epsilon() * size / h; }
 };
 
-/// Tolerance against the automatic derivative (double): the rounding of the analytic one alone, some dozens of
-/// operations.
+/// Tolerance against the automatic derivative (double): the
+/// rounding of the analytic one alone, some dozens of operations.
 template <class S>
 constexpr double kAutomaticTolerance = std::is_same<S, float>::value ? 3e-5 : 1e-11;
 

@@ -214,8 +214,8 @@ void check_link_terms() {
   }
 }
 
-/// Away from zero a column leaves out how phi itself moves: a share |d e / d(w, f)| of it, here below 2 % for every
-/// term.
+/// Away from zero a column leaves out how phi itself moves: a
+/// share |d e / d(w, f)| of it, here below 2 % for every term.
 void test_link_terms_away_from_zero() {
   const auto s = make_segment();
   for (const Term& term : terms(true)) {

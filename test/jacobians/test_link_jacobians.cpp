@@ -1,5 +1,5 @@
-// The inertial link: residual and all 45 columns (both states, the inertial part of theta), two ways, in float and
-// double.
+// The inertial link: residual and all 45 columns (both states,
+// the inertial part of theta), two ways, in float and double.
 #include <Eigen/LU>
 
 #include "../support/cast.h"

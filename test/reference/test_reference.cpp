@@ -1,8 +1,8 @@
 // The core's calibration against Ceres on the same segments: simulated devices shaken or worn for 60 s, from their
 // data sheets.
 //
-// One or two by default, 20 where SEGCAL_LONG is set. What may differ: rounding in float, and where the iterations
-// stop.
+// One or two by default, 20 where SEGCAL_LONG is set. What may
+// differ: rounding in float, and where the iterations stop.
 #include <unity.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// A corner whose surroundings are bent: where the affine fit puts it, against where it is, and what a patch that is
-// only shifted makes of it.
+// A corner whose surroundings are bent: where the affine fit puts it,
+// against where it is, and what a patch that is only shifted makes of it.
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 

@@ -71,8 +71,8 @@ void tracks_of_rendered_images_follow_the_truth() {
   std::printf("%zu pairs, median distance from the epipolar line %.3f px, with the data sheet's camera %.3f px\n",
               right.size(), median(right), median(nominal));
   TEST_ASSERT_GREATER_THAN(300, right.size());
-  // The tracker's noise over half a second is some 0.1 px; the device is a degree and 4 mm off its data sheet, which
-  // shows more.
+  // The tracker's noise over half a second is some 0.1 px; the device
+  // is a degree and 4 mm off its data sheet, which shows more.
   TEST_ASSERT_TRUE(median(right) < 0.25);
   TEST_ASSERT_TRUE(median(nominal) > 2 * median(right));
 }

@@ -1,5 +1,5 @@
-// The renderer against the projection model: corners of a checker texture, found in the image, against projected
-// points.
+// The renderer against the projection model: corners of a
+// checker texture, found in the image, against projected points.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -110,9 +110,9 @@ struct View {
   }
 };
 
-/// The corner can be measured: nothing in front, squares of at least 30 px on every side, seen at less than 55 degrees
-/// from the normal, and within 60 degrees of the axis, beyond which a lens bends the squares' edges too much for the
-/// corner finder.
+/// The corner can be measured: nothing in front, squares of at least 30 px on every
+/// side, seen at less than 55 degrees from the normal, and within 60 degrees of the
+/// axis, beyond which a lens bends the squares' edges too much for the corner finder.
 bool is_measurable(const host::render::Room& room, const View& view, const Vector3d& corner, int axis,
                    const Vector2d& pixel) {
   const auto state = view.truth.at(view.t);

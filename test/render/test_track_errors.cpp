@@ -3,8 +3,7 @@
 //
 //   test_track_errors                            a short session, judged
 //   test_track_errors SCENARIO SECONDS SEED REC  the table for REC, from `segcal simulate --images --rate-camera 20`
-//   with these
-//                                                options, then `segcal track REC`
+//                                                with these options, then `segcal track REC`
 #include <cmath>
 #include <cstdlib>
 #include <map>

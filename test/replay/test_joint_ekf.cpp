@@ -1,6 +1,6 @@
-// The joint EKF, which the paper compares with: the filter's own calibration at the end of a session. Is it a result
-// like any other, does the next session go on from it, and how honest are its sigmas? 5 devices, 20 where SEGCAL_LONG
-// is set.
+// The joint EKF, which the paper compares with: the filter's own calibration at
+// the end of a session. Is it a result like any other, does the next session go on
+// from it, and how honest are its sigmas? 5 devices, 20 where SEGCAL_LONG is set.
 #include <unity.h>
 
 #include <algorithm>

@@ -101,8 +101,8 @@ void test_old_segments_go_when_the_device_changed() {
       test::check_true(id, "a new one was dropped", n.new_dropped == 0);
       test::check_true(id, "counter and reports differ",
                        counter(out, "segments_outdated") == static_cast<std::uint32_t>(n.old_dropped + n.new_dropped));
-      // The largest of 26 normal numbers exceeds 4.5 in one of 6000 sets; the old segments would have made it far
-      // larger.
+      // The largest of 26 normal numbers exceeds 4.5 in one of
+      // 6000 sets; the old segments would have made it far larger.
       test::check_between(id, "largest error in sigmas", 0, error, 4.5);
       // Kept, the old ones widen the sigmas by what the segments disagree by: a worse answer, but no wrong one.
       test::check_between(id, "largest error with the old segments", 0, error_all, 5);

@@ -68,8 +68,8 @@ void test_passes_settle_and_count_once() {
   for (std::size_t i = 0; i < many.result.parameters.size(); ++i) {
     const host::CoreParameter &p = many.result.parameters[i], &single = one.result.parameters[i];
     TEST_ASSERT_TRUE(p.initial == single.initial && p.prior_sigma == single.prior_sigma);
-    // Data that were counted again in each pass would have 0.4 to 0.7 times the sigma; other segments that are kept
-    // change it by less.
+    // Data that were counted again in each pass would have 0.4 to 0.7
+    // times the sigma; other segments that are kept change it by less.
     TEST_ASSERT_TRUE_MESSAGE(p.sigma > 0.8 * single.sigma, p.name.c_str());
     TEST_ASSERT_TRUE_MESSAGE(std::abs(p.value - truth.at(p.name)) < 5 * p.sigma, p.name.c_str());
   }

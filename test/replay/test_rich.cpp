@@ -1,5 +1,5 @@
-// Simulated devices, shaken on purpose for 60 s: is the truth found, and are the sigmas honest? Each device is drawn
-// anew.
+// Simulated devices, shaken on purpose for 60 s: is the truth
+// found, and are the sigmas honest? Each device is drawn anew.
 //
 // 20 devices by default, 400 where SEGCAL_LONG is set: the mean of 20 squares scatters by 0.32 even if all is right, so
 // that the limits 0.7 to 1.4 for each parameter need the longer run.
@@ -103,8 +103,8 @@ void test_sigmas_are_small() {
   test::check_between(Id().add("check", "gyro_scale"), "largest sigma", 0, largest.at("gyro.s"), 6e-4);
 }
 
-/// Profile mcu averages 200 Hz to 100 Hz, so that an image waits for its samples until after the next ones: its state
-/// is written all the same.
+/// Profile mcu averages 200 Hz to 100 Hz, so that an image waits for its
+/// samples until after the next ones: its state is written all the same.
 void test_each_state_is_written_where_images_wait() {
   const host::SimulationResult session = test::simulated("rich", 20, 3);
   const host::ReplayResult out = test::replayed(session, "mcu");

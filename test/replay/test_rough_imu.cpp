@@ -1,8 +1,8 @@
 // An IMU that is ten or thirty times noisier than its data sheet says, as on a frame that shakes: calibrated all the
 // same, and within its sigmas.
 //
-// With the stated noise in the links, 9 of these 12 were refused or wrong, by up to 8 sigma (docs/results.md, "Measured
-// data").
+// With the stated noise in the links, 9 of these 12 were refused
+// or wrong, by up to 8 sigma (docs/results.md, "Measured data").
 #include <unity.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// A segment's rows, sensor by sensor, against dense QRs of the full stacked Jacobian: squares, and what noise adds to
-// them.
+// A segment's rows, sensor by sensor, against dense QRs of the
+// full stacked Jacobian: squares, and what noise adds to them.
 #include <Eigen/QR>
 
 #include "../support/cases.h"
@@ -48,8 +48,8 @@ Case case_of(std::uint32_t seed, double track_walk) {
   return out;
 }
 
-/// The same three answers from the stacked rows: the projection along the unknowns of priors and the first k + 1
-/// sensors.
+/// The same three answers from the stacked rows: the projection
+/// along the unknowns of priors and the first k + 1 sensors.
 class Dense {
  public:
   Dense(const Case& c, const Segment<double>& segment)

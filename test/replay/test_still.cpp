@@ -1,5 +1,5 @@
-// Motion that cannot tell everything is refused where it cannot: named directions, values that stay, no false
-// certainty.
+// Motion that cannot tell everything is refused where it cannot:
+// named directions, values that stay, no false certainty.
 #include <unity.h>
 
 #include <algorithm>

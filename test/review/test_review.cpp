@@ -87,8 +87,8 @@ void test_many_spikes_are_left_out_and_named() {
   }
 }
 
-/// One alone, taken for motion, moved gyro.mx by 7.8 sigma: the segment that it falls into ends before it, and the rest
-/// calibrates.
+/// One alone, taken for motion, moved gyro.mx by 7.8 sigma: the
+/// segment that it falls into ends before it, and the rest calibrates.
 void test_of_a_spike_nothing_is_used() {
   const host::SimulationResult session = test::simulated("rich", 40, 7);
   const std::size_t first = 600, step = 900;
@@ -212,8 +212,8 @@ void test_a_bias_that_steps_is_refused_and_named() {
   }
 }
 
-/// An effect that explains more, and moves no entry by three sigmas, hides none of this: the answer was called
-/// calibrated.
+/// An effect that explains more, and moves no entry by three
+/// sigmas, hides none of this: the answer was called calibrated.
 void test_a_step_beside_a_larger_effect_is_refused() {
   host::SimulationOptions options;
   options.seconds = 60;

@@ -11,8 +11,8 @@ namespace {
 
 using test::Id;
 
-/// Mean (error/sigma)^2 with and without the factor over 200 recordings of eight segments, and how often any sigma was
-/// widened.
+/// Mean (error/sigma)^2 with and without the factor over 200
+/// recordings of eight segments, and how often any sigma was widened.
 struct Study {
   double with = 0, without = 0, widened = 0, pooled = 0;
 };

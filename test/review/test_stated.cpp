@@ -39,8 +39,8 @@ std::map<std::string, double> named(const std::vector<host::Note>& notes) {
   return out;
 }
 
-/// The spectrum tells an IMU's noise to some per cent, a hundred image points theirs to ten: 20 %, and nothing else is
-/// named.
+/// The spectrum tells an IMU's noise to some per cent, a hundred
+/// image points theirs to ten: 20 %, and nothing else is named.
 void test_noise_that_is_three_times_off_is_named() {
   const double g = host::kStandardGravity;
   for (const char* scenario : {"rich", "nav"}) {
@@ -60,8 +60,8 @@ void test_noise_that_is_three_times_off_is_named() {
   }
 }
 
-/// What the raw samples say needs no fit: 20 recordings of each motion, 19 of 20 wanted, and nothing said of noise that
-/// is right.
+/// What the raw samples say needs no fit: 20 recordings of each
+/// motion, 19 of 20 wanted, and nothing said of noise that is right.
 void test_imu_noise_over_many_recordings() {
   for (const char* scenario : {"rich", "arvr", "nav"}) {
     int said[3][2] = {}, right = 0;

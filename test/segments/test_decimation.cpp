@@ -1,5 +1,5 @@
-// Several IMU samples become one: the sensor's value at their mean time where the motion curves, and nothing of a
-// sample that was dropped.
+// Several IMU samples become one: the sensor's value at their mean time
+// where the motion curves, and nothing of a sample that was dropped.
 #include <vector>
 
 #include "../support/cases.h"
@@ -49,8 +49,8 @@ void test_groups_of_one_pass() {
   }
 }
 
-/// Second differences of a parabola's means are exact: all but the first come out right to rounding, at the mean time,
-/// each once.
+/// Second differences of a parabola's means are exact: all but the
+/// first come out right to rounding, at the mean time, each once.
 void test_a_parabola_comes_out_as_it_is() {
   for (const int group : {2, 3, 8, 20}) {
     const Id id = Id().add("group", group);
@@ -71,8 +71,8 @@ void test_a_parabola_comes_out_as_it_is() {
   }
 }
 
-/// One or two, at each place of a group: nothing that comes out, and was not to be taken back, has anything of the
-/// wrong ones.
+/// One or two, at each place of a group: nothing that comes out,
+/// and was not to be taken back, has anything of the wrong ones.
 void test_wrong_samples_leave_nothing() {
   for (const auto& [group, in_a_row] : {std::pair(2, 1), {2, 2}, {3, 1}, {3, 2}, {4, 1}, {4, 2}}) {
     for (int wrong = 6 * group; wrong < 7 * group; ++wrong) {

@@ -18,9 +18,9 @@ extern "C" void tearDown() {}
 
 namespace {
 
-// Both ways are QR in double on a problem whose scaled condition is about 1e5: what differs is 1e-11 or so. A forgotten
-// or wrongly weighted row shows above this limit, even the weakest there is (the prior of 30 m/s on the first
-// velocity).
+// Both ways are QR in double on a problem whose scaled condition is about 1e5: what
+// differs is 1e-11 or so. A forgotten or wrongly weighted row shows above this
+// limit, even the weakest there is (the prior of 30 m/s on the first velocity).
 constexpr double kSame = 1e-6;
 
 using Session = test::SyntheticSession;

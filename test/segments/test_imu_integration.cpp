@@ -213,9 +213,9 @@ Mat<double, 15, 15> covariance_error(const ImuNoise<double>& noise, Mat<double, 
 void check_covariance(const char* name, const ImuNoise<double>& noise) {
   Mat<double, 15, 15> correlation;
   const Mat<double, 15, 15> error = covariance_error(noise, &correlation);
-  // An entry of a sample covariance of n normalised samples has sigma sqrt((1 + c^2) / n): 1.3 to 1.8 % for n = 6000.
-  // Five of those, and 2 % for the sums' end points (a trapezoid of 60 steps has 59.5 steps' worth of white noise; the
-  // walk moves in steps).
+  // An entry of a sample covariance of n normalised samples has sigma sqrt((1 + c^2) /
+  // n): 1.3 to 1.8 % for n = 6000. Five of those, and 2 % for the sums' end points (a
+  // trapezoid of 60 steps has 59.5 steps' worth of white noise; the walk moves in steps).
   for (int i = 0; i < 15; ++i) {
     for (int j = 0; j <= i; ++j) {
       const double tolerance = 5 * std::sqrt((1 + correlation(i, j) * correlation(i, j)) / kRuns) + 0.02;

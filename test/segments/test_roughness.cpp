@@ -108,8 +108,8 @@ void test_a_link_is_as_noisy_as_it_looks() {
   check_near(Id(), "accelerometer's density over the true one", 1.05, accel, 0.08);
 }
 
-/// Up to 1.5 times the stated density nothing is added, beyond it what is beyond; samples of one instant tell no
-/// density.
+/// Up to 1.5 times the stated density nothing is added, beyond
+/// it what is beyond; samples of one instant tell no density.
 void test_what_is_beyond_chance_is_added() {
   check_near(Id().add("seen", 1.49), "density", 1, rougher_density(1.0, 1.49 * 1.49, 1.0), 1e-12);
   check_near(Id().add("seen", 2), "density", std::sqrt(1 + 4 - 2.25), rougher_density(1.0, 4.0, 1.0), 1e-12);

@@ -71,9 +71,9 @@ void check_exact() {
     const Id id = Id().add("check", "exact").type<S>().add("depth", depth);
     test::check_true(id, "refused", run<S>(&scene, &found));
     const Vec3<double> point = found.o + found.m / found.rho;
-    // Parallax at depth d from a base of 0.25 m: an error e of inverse depth is 64 e px of parallax. Image points are
-    // floats (3e-5 px); the prior on the inverse depth (2 per metre) pulls by rho / (2 * 128)^2 of rho, four points
-    // here.
+    // Parallax at depth d from a base of 0.25 m: an error e of inverse depth is 64
+    // e px of parallax. Image points are floats (3e-5 px); the prior on the inverse
+    // depth (2 per metre) pulls by rho / (2 * 128)^2 of rho, four points here.
     test::check_near(id, "inverse depth", 1 / (l - found.o).norm(), found.rho, 2e-5 * (1 + 1 / depth));
     test::check_near(id, "direction", 0, (found.m - (l - found.o).normalized()).norm(), 1e-5);
     test::check_near(id, "point", 0, (point - l).norm() / l.norm(), 3e-5 * (1 + depth));

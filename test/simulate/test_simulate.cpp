@@ -1,5 +1,5 @@
-// The simulator's motion and sensors against each other: derivatives by differences, samples integrated back to the
-// path.
+// The simulator's motion and sensors against each other:
+// derivatives by differences, samples integrated back to the path.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
-// Fuzz target: an image of a store, changed anywhere and in any way, heads and checksums put right again now and then,
-// is looked through to an end: never a crash, a byte out of bounds, or a search without end; and what is saved next is
-// there.
+// Fuzz target: an image of a store, changed anywhere and in any way, heads and
+// checksums put right again now and then, is looked through to an end: never a crash,
+// a byte out of bounds, or a search without end; and what is saved next is there.
 #include <cstdlib>
 
 #include "../fuzz/fuzz_bytes.h"

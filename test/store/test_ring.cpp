@@ -261,8 +261,8 @@ void test_blocks_of_another_state_do_not_count() {
     std::copy_n(&flash[1].cell(block, 0), kFlash.erase_bytes, &spliced.cell(block, 0));
     Ring ring;
     const Id id = Id().add("check", "spliced").add("block", block);
-    // Only the block that is not theirs may be another's. Page 0, the head, and 15 pages of a record: block 5 has the
-    // commit.
+    // Only the block that is not theirs may be another's. Page 0,
+    // the head, and 15 pages of a record: block 5 has the commit.
     check_equal(id, "answer", block < 6 ? SEGCAL_EMPTY : SEGCAL_OK, open(&ring, &spliced));
     segcal_store_info_t info;
     ring.fill(&info);
@@ -270,8 +270,8 @@ void test_blocks_of_another_state_do_not_count() {
   }
 }
 
-/// The stretch behind an interrupted save turns out too short because of a bad block: the save begins again where all
-/// is free.
+/// The stretch behind an interrupted save turns out too short
+/// because of a bad block: the save begins again where all is free.
 void test_a_stretch_that_is_too_short() {
   FakeFlash flash({16, 1024, 20});
   Ring ring;
@@ -319,8 +319,8 @@ std::vector<std::uint8_t> stored_cells(const char* file) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-/// Stores that earlier formats wrote, with three states in them, are read for ever. (1.1 differs from 1.0 by its number
-/// alone.)
+/// Stores that earlier formats wrote, with three states in them,
+/// are read for ever. (1.1 differs from 1.0 by its number alone.)
 void test_earlier_formats_are_read() {
   for (const char* file : {"format_1_0.bin", "format_1_2.bin"}) {
     FakeFlash flash({16, 512, 16});

@@ -1,6 +1,6 @@
-// A device across power-off: restored anywhere in memory it goes on with the same bits as one that never stopped; what
-// does not fit it is refused by name; power cuts leave the old or the new state of a real device; a save beside feeding
-// is whole or not at all.
+// A device across power-off: restored anywhere in memory it goes on with the same bits as
+// one that never stopped; what does not fit it is refused by name; power cuts leave the
+// old or the new state of a real device; a save beside feeding is whole or not at all.
 #include <functional>
 #include <memory>
 
@@ -213,8 +213,8 @@ void test_results_come_back() {
   TEST_ASSERT_EQUAL_INT(3, kept);
 }
 
-/// Each change of the configuration that gives stored numbers another meaning is refused, in words; the device is as
-/// created.
+/// Each change of the configuration that gives stored numbers
+/// another meaning is refused, in words; the device is as created.
 void test_another_configuration_is_refused() {
   Storage one(0);
   segcal_t* device = create(&one, config());
@@ -300,8 +300,8 @@ void test_calls_at_the_wrong_time() {
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_CONFIG, segcal_save(&store, create(&three, c)));
 }
 
-/// Power fails at each program and erasure of a device's second save: the restored one is the first state or the
-/// second, and goes on.
+/// Power fails at each program and erasure of a device's second save:
+/// the restored one is the first state or the second, and goes on.
 void test_power_cuts_of_a_device() {
   Storage one(0), two(0);
   segcal_t* device = create(&one, config());

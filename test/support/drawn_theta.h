@@ -22,8 +22,8 @@ struct DrawnTheta {
   }
   int n() const { return theta.columns(); }
 
-  /// R (theta [-] theta_0) = d with noise of that standard deviation; `entry(i, c)`: of R, in units of 1 / (sigma of
-  /// the prior).
+  /// R (theta [-] theta_0) = d with noise of that standard deviation;
+  /// `entry(i, c)`: of R, in units of 1 / (sigma of the prior).
   template <class Entry>
   SEGCAL_NS::SegmentInformation<S> information(double noise, Entry entry) {
     SEGCAL_NS::SegmentInformation<S> s;

@@ -1,5 +1,5 @@
-// A path with everything known in closed form: p from sines (with an overtone), R = Rz(yaw) Ry(pitch) Rx(roll) with
-// angles from sines.
+// A path with everything known in closed form: p from sines (with an
+// overtone), R = Rz(yaw) Ry(pitch) Rx(roll) with angles from sines.
 #pragma once
 
 #include <algorithm>

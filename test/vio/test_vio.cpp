@@ -84,12 +84,11 @@ Outcome run(const Scene& scene) {
 
 void note(const Scene& scene, const Outcome& out) {
   char line[200];
-  std::snprintf(line, sizeof line,
-                "seed %d: start %.1f s, mean NEES attitude %.2f position %.2f velocity %.2f yaw %.2f, "
-                "worst %.3f m, restarts %d",
-                static_cast<int>(scene.seed), out.first_tracking, out.attitude / out.samples,
-                out.position / out.samples, out.velocity / out.samples, out.yaw / out.samples, out.worst_position,
-                static_cast<int>(out.statistics.restarts));
+  std::snprintf(
+      line, sizeof line,
+      "seed %d: start %.1f s, mean NEES attitude %.2f position %.2f velocity %.2f yaw %.2f, worst %.3f m, restarts %d",
+      static_cast<int>(scene.seed), out.first_tracking, out.attitude / out.samples, out.position / out.samples,
+      out.velocity / out.samples, out.yaw / out.samples, out.worst_position, static_cast<int>(out.statistics.restarts));
   TEST_MESSAGE(line);
 }
 

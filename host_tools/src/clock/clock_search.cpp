@@ -127,8 +127,7 @@ ClockSearch search_clock(const Recording& recording, const CameraCalibration& ca
   if (peak.correlation < kLeastCorrelation) {
     out.words = in_words(
         "rotation of the images and of the gyroscope do not agree at any offset within 0.5 s (correlation %.2f at "
-        "best): "
-        "check R_CI, the axes and the units",
+        "best): check R_CI, the axes and the units",
         peak.correlation);
     return out;
   }

@@ -1,6 +1,6 @@
-// The camera's clock against the IMU's, before the filter starts: rotation seen by the images, matched with the
-// gyroscope over half a second either way. A filter that is fed with clocks 30 ms apart does not start, or settles on a
-// wrong answer.
+// The camera's clock against the IMU's, before the filter starts: rotation seen by
+// the images, matched with the gyroscope over half a second either way. A filter
+// that is fed with clocks 30 ms apart does not start, or settles on a wrong answer.
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@
 
 namespace host {
 
-/// What rotation alone is systematically wrong by (parallax, lenses, rolling shutter): offsets below are left to the
-/// effect time_offset, which the filter stands. By motion, not by chance: three sigmas of the search do not make it
-/// smaller.
+/// What rotation alone is systematically wrong by (parallax, lenses, rolling shutter):
+/// offsets below are left to the effect time_offset, which the filter stands. By
+/// motion, not by chance: three sigmas of the search do not make it smaller.
 constexpr double clock_systematic_s = 0.004;
 
 struct ClockSearch {

@@ -16,15 +16,15 @@ struct ParameterEstimate {
 };
 using ParameterList = std::vector<ParameterEstimate>;
 
-/// Of a folder: result.json; where that is missing or holds no parameters, camchain-imucam.yaml and imu.yaml, without
-/// sigmas. Throws InputError.
+/// Of a folder: result.json; where that is missing or holds no parameters,
+/// camchain-imucam.yaml and imu.yaml, without sigmas. Throws InputError.
 ParameterList read_parameters(const std::filesystem::path& dir);
 
 /// truth.json as `segcal simulate` writes it: {"format": 1, "parameters": [{name, value}]}. Throws InputError.
 ParameterList read_truth_parameters(const std::filesystem::path& file);
 
-/// Which sigma a difference is measured with. `a` and `b` are for results of the same data, whose difference is not
-/// noise.
+/// Which sigma a difference is measured with. `a` and `b` are
+/// for results of the same data, whose difference is not noise.
 enum class SigmaOf { difference, a, b };
 SigmaOf sigma_of_from_name(const std::string& name);  ///< difference, a, b. Throws InputError.
 
@@ -36,8 +36,8 @@ struct ParameterDifference {
   std::optional<double> judged(SigmaOf which) const;
 };
 
-/// Parameters that both have, in the order of `a`. Rotation vectors that differ by a full turn are brought together
-/// first.
+/// Parameters that both have, in the order of `a`. Rotation
+/// vectors that differ by a full turn are brought together first.
 std::vector<ParameterDifference> differences(const ParameterList& a, const ParameterList& b);
 
 }  // namespace host

@@ -8,8 +8,8 @@
 
 namespace host {
 
-/// What is unknown between the two worlds: nothing, yaw and position (gravity tells the rest: an odometry), all of
-/// SE(3).
+/// What is unknown between the two worlds: nothing, yaw and
+/// position (gravity tells the rest: an odometry), all of SE(3).
 enum class Alignment { none, yaw, se3 };
 Alignment alignment_from_name(const std::string& name);  ///< none, yaw, se3. Throws InputError.
 

@@ -58,8 +58,8 @@ std::vector<Beyond::Open> Beyond::scan() {
   return out;
 }
 
-/// The best term of each axis of a sensor, of the few that are asked. What an effect leaks into other axes goes again
-/// when it is in the fit.
+/// The best term of each axis of a sensor, of the few that are asked.
+/// What an effect leaks into other axes goes again when it is in the fit.
 std::vector<TermInfo> Beyond::best_that_hold(const std::vector<Open>& open) {
   std::vector<TermInfo> out;
   int asked = 0;
@@ -74,8 +74,8 @@ std::vector<TermInfo> Beyond::best_that_hold(const std::vector<Open>& open) {
   return out;
 }
 
-/// As for an effect of the catalogue: significant against its own scatter, the same in both halves, and of use to the
-/// other.
+/// As for an effect of the catalogue: significant against its own
+/// scatter, the same in both halves, and of use to the other.
 bool Beyond::holds(const Problem& problem, const Candidate& candidate) const {
   const std::vector<TermGroup> free = free_in(problem);
   if (!called(judge_effect(problem, candidate, free).log10_p, share())) return false;

@@ -103,8 +103,8 @@ bool minimise(Window& window, Vector7* x, double* offset_sigma) {
     if (std::abs(move[6]) < 1e-5 && round > 0) break;
   }
   differentiate(window, *x, &gradient, &hessian);
-  const Eigen::MatrixXd covariance =
-      2 * Eigen::MatrixXd(hessian).inverse();  // any size, as elsewhere: 7 x 7 would be compiled anew
+  // any size, as elsewhere: 7 x 7 would be compiled anew
+  const Eigen::MatrixXd covariance = 2 * Eigen::MatrixXd(hessian).inverse();
   *offset_sigma = std::sqrt(covariance(6, 6));
   return covariance(6, 6) > 0 && eigenvalues_of(hessian)[0] > 0;
 }

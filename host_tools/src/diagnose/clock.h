@@ -26,8 +26,8 @@ struct ClockDrift {
 std::vector<OffsetInWindow> offsets_over_time(const std::vector<FramePair>& pairs, const GyroPath& gyro,
                                               const Eigen::Matrix3d& R_CI, double start_offset);
 
-/// A line through the offsets, weighted; slope sigma grows with how badly the line fits. All zero for fewer than three
-/// windows.
+/// A line through the offsets, weighted; slope sigma grows with
+/// how badly the line fits. All zero for fewer than three windows.
 ClockDrift drift_of(const std::vector<OffsetInWindow>& offsets);
 
 }  // namespace host

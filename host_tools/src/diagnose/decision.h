@@ -14,11 +14,11 @@ namespace host::diagnosis::decision {
 /// log10 of the probability that a recording without any effect gets a name, over all looks at it: no name is expected
 /// in 200 recordings with probability 0.67 at 2e-3.
 constexpr double kLog10Level = -2.7;
-/// Shares of the level. Effects of the catalogue are what devices are known to do: nine tenths, shared equally among
-/// its 11 entries that columns stand for. Shocks are rarer, and each block at each instant is a hypothesis: a tenth
-/// over their number, less what a term of the dictionary has: it has no physics behind it, a hundredth over the number
-/// of terms. Rounds of noise look again, but a recording without any effect has none: a noise is asked for six of its
-/// sigmas (kNoiseSigmas).
+/// Shares of the level. Effects of the catalogue are what devices are known to do: nine tenths,
+/// shared equally among its 11 entries that columns stand for. Shocks are rarer, and each block at
+/// each instant is a hypothesis: a tenth over their number, less what a term of the dictionary has:
+/// it has no physics behind it, a hundredth over the number of terms. Rounds of noise look again, but
+/// a recording without any effect has none: a noise is asked for six of its sigmas (kNoiseSigmas).
 constexpr double kCatalogueShare = 0.9 / 11, kStepsShare = 0.09, kDictionaryShare = 0.01;
 /// Effects in one model; more are no diagnosis.
 constexpr int kMostEffects = 5;
@@ -31,13 +31,13 @@ constexpr double kWidePrior = 10;
 
 // ---- Is it the same throughout?
 
-/// log10 p below which the halves contradict each other: one right effect of a thousand is lost. And the share of a
-/// value by which they may differ because they are linearised far from it, before the fit that takes it in: not
-/// calibrated.
+/// log10 p below which the halves contradict each other: one right effect of a
+/// thousand is lost. And the share of a value by which they may differ because they
+/// are linearised far from it, before the fit that takes it in: not calibrated.
 constexpr double kLog10Disagree = -3, kCurvature = 0.1;
-/// Share of its statistic s by which a value must lower the other half's cost. The whole of s is expected, with a
-/// spread of about 2 sqrt(s): at the smallest s that is called, 16, half of it. A quarter is one and a half spreads
-/// below.
+/// Share of its statistic s by which a value must lower the other half's cost.
+/// The whole of s is expected, with a spread of about 2 sqrt(s): at the smallest
+/// s that is called, 16, half of it. A quarter is one and a half spreads below.
 constexpr double kHelps = 0.25;
 
 // ---- What else could it be?
@@ -53,13 +53,13 @@ constexpr double kStepOfOthers = 0.05;
 /// Share of the held-out excess that all effects together must remove for a name. The best wrong effect removes less:
 /// gyro_lag of a hysteresis 83 % (up to 98 % where it is large, which kMostRest refuses).
 constexpr double kNamesFrom = 0.9;
-/// Share of the excess that something else may clearly follow, for a name of the catalogue. Right effects leave up to
-/// 3e-3 (46 simulated recordings none, euroc_mh01 with shifted stamps 3e-3), gyro_lag in the place of a hysteresis 1.5
-/// to 3 %.
+/// Share of the excess that something else may clearly follow, for a name of the
+/// catalogue. Right effects leave up to 3e-3 (46 simulated recordings none, euroc_mh01
+/// with shifted stamps 3e-3), gyro_lag in the place of a hysteresis 1.5 to 3 %.
 constexpr double kMostRest = 0.01;
-/// log10 p, over all tests, of residuals that follow an effect's own cause with it in the model: one right name of a
-/// hundred is lost to chance. Beside the right effect p was above 0.1, beside gyro_lag in the place of a hysteresis
-/// 3e-3.
+/// log10 p, over all tests, of residuals that follow an effect's own cause with it
+/// in the model: one right name of a hundred is lost to chance. Beside the right
+/// effect p was above 0.1, beside gyro_lag in the place of a hysteresis 3e-3.
 constexpr double kLog10StructureLeft = -2;
 /// Two effects are a pair where, with one in the model, the other adds nothing at one in a hundred, and the fits with
 /// either differ by less than 6 in chi2, likelihoods of 20 : 1.

@@ -9,7 +9,7 @@
 
 #include "diagnose/answer.h"
 #include "diagnose/beyond.h"
-#include "diagnose/catalogue.h"
+#include "diagnose/candidates_report.h"
 #include "diagnose/clock_offset.h"
 #include "diagnose/evidence.h"
 #include "diagnose/held_out_report.h"
@@ -17,7 +17,6 @@
 #include "diagnose/noise_effects.h"
 #include "diagnose/searched_model.h"
 #include "diagnose/structure_report.h"
-#include "sensors/effect_terms.h"
 
 namespace host {
 namespace {
@@ -120,7 +119,7 @@ class Diagnoser {
     find_pixel_factor();
     if (!selection_.accepted.empty() || noisy_pixels_) out_.fit_after = evidence_.result();
     out_.cut_short = fits_left_.used_up();
-    collect();
+    report_candidates(selection_, has_temperature_, &out_);
   }
 
   void search() {
@@ -139,14 +138,7 @@ class Diagnoser {
     look_beyond();
   }
 
-  /// Polynomials come near a lens that has no name here; what is left looks like noise.
-  bool lens_has_no_name() const {
-    return std::any_of(selection_.accepted.begin(), selection_.accepted.end(), [this](const Accepted& a) {
-      const Candidate& c = selection_.candidates[a.candidate];
-      return c.name == "unlisted" &&
-             model_.terms[c.columns.first].term.kind >= static_cast<int>(SEGCAL_NS::TermKind::image_u);
-    });
-  }
+  bool lens_has_no_name() const { return model_.lens_has_no_name(selection_); }
 
   /// From now on, if they do, points are weighed by the white noise and the walk that their tracks show.
   bool tracks_drift() {
@@ -193,22 +185,6 @@ class Diagnoser {
     begin("terms beyond the catalogue");
     Beyond beyond(&evidence_, &model_.terms, &model_.start, &selection_, &fits_left_, has_temperature_);
     beyond.run([this](const std::vector<bool>& estimated) { return fit(estimated); });
-  }
-
-  void collect() {
-    for (const Rejected& r : selection_.rejected)
-      out_.rejected.push_back({selection_.candidates[r.candidate].name, r.why});
-    for (int c : selection_.cannot_tell) {
-      out_.cannot_tell.push_back({selection_.candidates[c].name, "needs " + needs(selection_.candidates[c].name)});
-    }
-    if (!has_temperature_) {
-      for (const char* name : {"gyro_temperature", "accel_temperature"})
-        out_.cannot_tell.push_back({name, "needs " + needs(name)});
-    }
-    for (std::size_t i = 0; i < selection_.alone.size(); ++i) {
-      const EffectTest& t = selection_.alone[i];
-      out_.scores.push_back({selection_.candidates[i].name, t.statistic, t.log10_p, t.seen});
-    }
   }
 
   void measure_gap() {

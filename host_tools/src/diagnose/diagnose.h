@@ -71,11 +71,11 @@ struct Diagnosis {
   std::string sentence;                ///< the answer, to read aloud
   bool cut_short = false;  ///< the number of fits was used up: something may be left that more would have found
   std::vector<DiagnosedEffect> effects;
-  SensorShares before, after,
-      noise_floor;         ///< excess over the own noise floor without and with the effects; chi2/dof of noise
+  /// excess over the own noise floor without and with the effects; chi2/dof of noise
+  SensorShares before, after, noise_floor;
   double after_sigma = 0;  ///< of after.total
-  SensorShares gap_sigma,
-      gap_dof;  ///< of each sensor's `before` and `after` by chance; degrees of freedom. No total of the sigmas
+  /// of each sensor's `before` and `after` by chance; degrees of freedom. No total of the sigmas
+  SensorShares gap_sigma, gap_dof;
   double gap_closed = 0;   ///< share of before.total: by nested folds where there are eight segments, named or not
   double open_excess = 0;  ///< part of before.total that the verdict counts as open: without a name, or refused one
   std::vector<diagnosis::Structure> where;

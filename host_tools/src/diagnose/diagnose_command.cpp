@@ -113,8 +113,8 @@ int run(DiagnoseArguments a) {
   if (!a.model.empty()) {
     EffectChoice model = read_model(a.model);
     expect_temperature(model, sessions);
-    a.diagnose.core.calibration.cameras.front().timeshift_cam_imu =
-        stated_offset(a.diagnose.core.calibration, model);  // once, not in both
+    // once, not in both
+    a.diagnose.core.calibration.cameras.front().timeshift_cam_imu = stated_offset(a.diagnose.core.calibration, model);
     if (model.enabled("time_offset")) model.set("time_offset.t_d", 0);
     model.apply(&a.diagnose.core);
   }

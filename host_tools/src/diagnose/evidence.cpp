@@ -15,10 +15,10 @@ using Eigen::VectorXd;
 /// are dropped. With larger noise they are taken, and what is missing in the model can be asked for.
 constexpr double kInflatePixels = 2, kInflateImu = 4;
 constexpr int kMostInflations = 3;
-/// Segments of a recording: as long as the core's, but not so long that a short recording has few of them. What is
-/// named must hold in each of them (Scatter), with the tail of F at 1 and n - 1 degrees of freedom: for p = 1e-4 an
-/// effect of one parameter needs 1.9 times the statistic that chi-square would ask for with 15 segments, 50 times with
-/// four.
+/// Segments of a recording: as long as the core's, but not so long that a short recording
+/// has few of them. What is named must hold in each of them (Scatter), with the tail of F
+/// at 1 and n - 1 degrees of freedom: for p = 1e-4 an effect of one parameter needs 1.9
+/// times the statistic that chi-square would ask for with 15 segments, 50 times with four.
 constexpr double kSegments = 15, kShortestSegment = 2;
 /// Segments dropped of all that tell something; with more the fit is made with larger noise.
 constexpr double kDroppedShare = 0.25;

@@ -1,5 +1,5 @@
-// Faults of the data that no model explains: found by direct checks before any fit, so that they are not taken for
-// effects.
+// Faults of the data that no model explains: found by direct
+// checks before any fit, so that they are not taken for effects.
 #pragma once
 
 #include <cstdint>

@@ -10,8 +10,8 @@ namespace host {
 namespace {
 
 constexpr std::size_t least_points = 1000;
-constexpr double most_beyond =
-    0.25;  // share of points outside: images of twice the size have 3/4 there, a lens far from its model 1/20
+// share of points outside: images of twice the size have 3/4 there, a lens far from its model 1/20
+constexpr double most_beyond = 0.25;
 constexpr double corner_share = 0.55;  // of width and height: images of half the size reach half of them
 constexpr double almost_all = 0.999;
 

@@ -73,8 +73,7 @@ void check_gravity(const Recording& recording, std::vector<Fault>& out) {
     fault.kind = "unit";
     fault.words = formatted(
         "accelerometer: readings have the size %.0f, which is raw counts. Multiply by what the data sheet says for the "
-        "range that is set, here "
-        "about 9.80665 / %.0f: a recording has m/s^2.",
+        "range that is set, here about 9.80665 / %.0f: a recording has m/s^2.",
         norm, norm);
   } else {
     fault.words = formatted("accelerometer: the specific force is %.2f m/s^2 ", norm) +

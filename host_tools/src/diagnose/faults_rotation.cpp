@@ -6,6 +6,7 @@
 #include "angles.h"
 #include "diagnose/axis_orders.h"
 #include "diagnose/clock.h"
+#include "diagnose/compared_rates.h"
 #include "diagnose/fault.h"
 #include "diagnose/gyro_path.h"
 #include "diagnose/image_rotation.h"
@@ -18,67 +19,26 @@ namespace {
 constexpr std::size_t least_frame_pairs = 30;
 constexpr double least_turning = 0.1;     // rad/s rms of the image: below it parallax looks the same
 constexpr double other_order_fits = 0.9;  // correlation of another order of axes
-// A start that is 0.05 rad askew and parallax leave 0.97; an axis that is turned about and holds a fortieth of the
-// power, 0.95.
+// A start that is 0.05 rad askew and parallax leave 0.97; an axis
+// that is turned about and holds a fortieth of the power, 0.95.
 constexpr double as_is_fits = 0.95;
 constexpr double better_by = 0.35;  // what is not explained, over that as it is
-// Share of gravity that is lost as it is. Right axes lose less than 0.0015 in all scenarios, in euroc_mh01 and along
-// five real recordings of drones and hands; wrong ones 0.008 to 0.06 in calm use (arvr, nav), 0.4 where the device is
-// shaken.
+// Share of gravity that is lost as it is. Right axes lose less than 0.0015 in all
+// scenarios, in euroc_mh01 and along five real recordings of drones and hands;
+// wrong ones 0.008 to 0.06 in calm use (arvr, nav), 0.4 where the device is shaken.
 constexpr double gravity_lost = 0.006;
-constexpr double least_unit =
-    28;  // times the image's rates, half of what deg/s make: no range or scale error is so large
+// Times the image's rates, half of what deg/s make: no range or scale error is so large.
+constexpr double least_unit = 28;
 constexpr double gravity_found = 0.05;  // how far from g the mean may be with the axes that are better
 constexpr double farthest_offset_s = 1.5, offset_step_s = 0.02;
-// An offset below this is an effect (time_offset), above it the log is put together wrongly: the core's clock search
-// ends here.
+// An offset below this is an effect (time_offset), above it the
+// log is put together wrongly: the core's clock search ends here.
 constexpr double largest_offset_s = 0.1;
 constexpr double clock_fits = 0.8;       // correlation at an offset that is believed
 constexpr double clock_better_by = 0.6;  // misfit at the best offset over the one at none
-// Quartz clocks differ by up to 50e-6: 3 ms in a minute. Two milliseconds are four times what an offset may be wrong
-// by.
+// Quartz clocks differ by up to 50e-6: 3 ms in a minute. 2 ms are four times what an offset may be wrong by.
 constexpr double largest_change_s = 0.002;
 constexpr double significant = 5;  // sigmas of the slope
-
-struct Rates {
-  std::vector<double> t1, t2;
-  std::vector<Eigen::Vector3d> image_C, gyro_I;  ///< rad/s, means taken off: a bias is no rotation
-};
-
-void take_mean_off(std::vector<Eigen::Vector3d>& values) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const auto& v : values) sum += v;
-  for (auto& v : values) v -= sum / static_cast<double>(values.size());
-}
-
-double rms(const std::vector<Eigen::Vector3d>& values) {
-  double sum = 0;
-  for (const auto& v : values) sum += v.squaredNorm();
-  return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
-}
-
-Rates rates_at(const std::vector<FramePair>& pairs, const std::vector<Eigen::Vector3d>& image, const GyroPath& gyro,
-               double offset) {
-  Rates out;
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (!gyro.covers(pairs[k].t1 + offset, pairs[k].t2 + offset)) continue;
-    out.t1.push_back(pairs[k].t1);
-    out.t2.push_back(pairs[k].t2);
-    out.image_C.push_back(image[k]);
-    out.gyro_I.push_back(gyro.mean_rate(pairs[k].t1 + offset, pairs[k].t2 + offset));
-  }
-  take_mean_off(out.image_C);
-  take_mean_off(out.gyro_I);
-  return out;
-}
-
-/// 1: the same motion, whatever the unit.
-double correlation(const Rates& rates, const Eigen::Matrix3d& R) {
-  double sum = 0;
-  for (std::size_t k = 0; k < rates.image_C.size(); ++k) sum += rates.image_C[k].dot(R * rates.gyro_I[k]);
-  const double norms = rms(rates.image_C) * rms(rates.gyro_I) * static_cast<double>(rates.image_C.size());
-  return norms > 0 ? sum / norms : 0;
-}
 
 Fault whole(const Recording& recording, const char* kind, const char* sensor) {
   Fault fault;
@@ -91,13 +51,13 @@ Fault whole(const Recording& recording, const char* kind, const char* sensor) {
 }
 
 /// Which order and signs of the gyroscope's axes agree with the images; the identity where none is clearly better.
-AxisOrder check_gyro_axes(const Recording& recording, const Rates& rates, const Eigen::Matrix3d& R_CI,
+AxisOrder check_gyro_axes(const Recording& recording, const ComparedRates& rates, const Eigen::Matrix3d& R_CI,
                           std::vector<Fault>& out) {
   AxisOrder best = axis_orders().front();
-  const double as_is = correlation(rates, R_CI);
+  const double as_is = rates.correlation(R_CI);
   double highest = as_is;
   for (const AxisOrder& order : axis_orders()) {
-    const double c = correlation(rates, R_CI * order.P);
+    const double c = rates.correlation(R_CI * order.P);
     if (c <= highest) continue;
     highest = c;
     best = order;
@@ -108,20 +68,19 @@ AxisOrder check_gyro_axes(const Recording& recording, const Rates& rates, const 
   fault.value = highest;
   fault.limit = as_is_fits;
   fault.unit = "-";
-  fault.words = formatted(
-                    "gyroscope: it agrees with the rotation of the images (correlation %.2f, as it is %.2f) when its "
-                    "axes are read as ",
-                    highest, as_is) +
-                best.name + (best.P.determinant() < 0 ? ", which is mirrored" : "") +
+  const bool mirrored = best.P.determinant() < 0;
+  fault.words = formatted("gyroscope: it agrees with the rotation of the images (correlation %.2f, as it is %.2f) ",
+                          highest, as_is) +
+                "when its axes are read as " + best.name + (mirrored ? ", which is mirrored" : "") +
                 ". Correct the axes in the driver" +
-                (best.P.determinant() < 0 ? "." : ", or the camera's rotation R_CI in the starting calibration.");
+                (mirrored ? "." : ", or the camera's rotation R_CI in the starting calibration.");
   out.push_back(fault);
   return best;
 }
 
-void check_gyro_scale(const Recording& recording, const Rates& rates, const Eigen::Matrix3d& R,
+void check_gyro_scale(const Recording& recording, const ComparedRates& rates, const Eigen::Matrix3d& R,
                       std::vector<Fault>& out) {
-  const double c = correlation(rates, R), ratio = c * rms(rates.gyro_I) / rms(rates.image_C);
+  const double c = rates.correlation(R), ratio = c * rates.gyro_rms() / rates.image_rms();
   if (c < 0.7 || ratio < least_unit) return;
   const auto is = [ratio](double unit) { return ratio > unit / 2 && ratio < unit * 2; };
   Fault fault = whole(recording, "unit", "gyro");
@@ -183,11 +142,9 @@ void check_accel_axes(const Recording& recording, const GyroPath& gyro, const Ei
   fault.value = share;
   fault.limit = gravity_lost;
   fault.unit = "-";
-  fault.words = formatted(
-                    "accelerometer: turned by the gyroscope it loses %.1f %% of gravity, which it does not when its "
-                    "axes are read as ",
-                    100 * share) +
-                axis_orders()[best].name + " (or as that with all signs changed). Correct the axes in the driver.";
+  fault.words = formatted("accelerometer: turned by the gyroscope it loses %.1f %% of gravity, ", 100 * share) +
+                "which it does not when its axes are read as " + axis_orders()[best].name +
+                " (or as that with all signs changed). Correct the axes in the driver.";
   out.push_back(fault);
 }
 
@@ -195,18 +152,18 @@ void check_accel_axes(const Recording& recording, const GyroPath& gyro, const Ei
 double coarse_offset(const Recording& recording, const std::vector<FramePair>& pairs,
                      const std::vector<Eigen::Vector3d>& image, const GyroPath& gyro, const Eigen::Matrix3d& R,
                      std::vector<Fault>& out) {
-  double best = 0, highest = correlation(rates_at(pairs, image, gyro, 0), R);
+  double best = 0, highest = rates_at(pairs, image, gyro, 0).correlation(R);
   const double as_is = highest;
   for (double offset = -farthest_offset_s; offset <= farthest_offset_s; offset += offset_step_s) {
-    const Rates rates = rates_at(pairs, image, gyro, offset);
-    if (rates.t1.size() < least_frame_pairs || 2 * rates.t1.size() < pairs.size()) continue;
-    const double c = correlation(rates, R);
+    const ComparedRates rates = rates_at(pairs, image, gyro, offset);
+    if (rates.size() < least_frame_pairs || 2 * rates.size() < pairs.size()) continue;
+    const double c = rates.correlation(R);
     if (c <= highest) continue;
     highest = c;
     best = offset;
   }
-  const bool small =
-      std::abs(best) <= largest_offset_s + 0.5 * offset_step_s;  // of the grid's two neighbours either may be best
+  // Of the grid's two neighbours either may be best.
+  const bool small = std::abs(best) <= largest_offset_s + 0.5 * offset_step_s;
   if (small || highest < clock_fits || 1 - highest > clock_better_by * (1 - as_is)) return small ? best : 0;
   Fault fault = whole(recording, "clock_offset", "cam0");
   fault.count = pairs.size();
@@ -214,8 +171,8 @@ double coarse_offset(const Recording& recording, const std::vector<FramePair>& p
   fault.limit = largest_offset_s;
   fault.unit = "s";
   fault.words = formatted(
-      "cam0: its stamps are %.2f s off the IMU's clock (t_imu = t_cam %+.2f s). Stamp both with one clock, or correct "
-      "the offset first.",
+      "cam0: its stamps are %.2f s off the IMU's clock (t_imu = t_cam %+.2f s). "
+      "Stamp both with one clock, or correct the offset first.",
       std::abs(best), best);
   out.push_back(fault);
   return best;
@@ -236,8 +193,8 @@ void check_drift(const Recording& recording, const std::vector<FramePair>& pairs
   out.push_back(fault);
 }
 
-/// Mean of gyroscope minus image over the frames: with the images' translation averaged out, good to a hundredth of a
-/// rad/s.
+/// Mean of gyroscope minus image over the frames: with the images'
+/// translation averaged out, good to a hundredth of a rad/s.
 Eigen::Vector3d rough_bias(const std::vector<FramePair>& pairs, const std::vector<Eigen::Vector3d>& image,
                            const GyroPath& gyro, const Eigen::Matrix3d& R) {
   std::vector<double> off[3];
@@ -259,8 +216,8 @@ std::vector<Fault> rotation_faults(const Recording& recording, const Calibration
   if (pairs.size() < least_frame_pairs) return out;
   std::vector<Eigen::Vector3d> image;
   for (const FramePair& pair : pairs) image.push_back(rate_by_rotation_alone(pair));
-  Rates rates = rates_at(pairs, image, gyro, 0);
-  if (rates.t1.size() < least_frame_pairs || rms(rates.image_C) < least_turning) return out;
+  const ComparedRates rates = rates_at(pairs, image, gyro, 0);
+  if (rates.size() < least_frame_pairs || rates.image_rms() < least_turning) return out;
   const Eigen::Matrix3d R_CI = start.cameras[0].R_CI;
   const AxisOrder order = check_gyro_axes(recording, rates, R_CI, out);
   const Eigen::Matrix3d R = R_CI * order.P;

@@ -12,8 +12,8 @@ using SEGCAL_NS::InertialReading;
 constexpr double gap_periods = 3;  // after which the readings before tell nothing
 constexpr double gyro_range = 35,
                  accel_range = 157;  // rad/s, m/s^2: at full scale the device leaves a sample out by itself
-constexpr double many =
-    0.25;  // per second, from which no segment is whole: they are a cause of what goes wrong, and not a remark
+// per second, from which no segment is whole: they are a cause of what goes wrong, and not a remark
+constexpr double many = 0.25;
 
 InertialReading<double> reading_of(const ImuSample& s) {
   return {{s.gyro[0], s.gyro[1], s.gyro[2]}, {s.accel[0], s.accel[1], s.accel[2]}};
@@ -55,8 +55,8 @@ std::vector<Fault> spike_faults(const Recording& recording, const std::vector<st
   return {{"spikes", "imu", samples[spikes.front()].t_ns, samples[spikes.back()].t_ns, spikes.size(),
            static_cast<double>(spikes.size()) / seconds, many, "1/s",
            formatted("IMU: %zu of %zu samples stand alone, or two in a row, far from the ones before and after, the "
-                     "first at stamp %lld ns. They are left out "
-                     "and end a segment: look at the sensor's bus, and at what knocks against it.",
+                     "first at stamp %lld ns. They are left out and end a segment: look at the sensor's bus, and at "
+                     "what knocks against it.",
                      spikes.size(), samples.size(), static_cast<long long>(samples[spikes.front()].t_ns))}};
 }
 

@@ -1,5 +1,5 @@
-// Corner tracks that cannot be of one scene: many that move unlike the rest, ids that change places, all that end at
-// once.
+// Corner tracks that cannot be of one scene: many that move
+// unlike the rest, ids that change places, all that end at once.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
@@ -18,17 +18,17 @@ constexpr double apart_s = 0.8;           // a corner that creeps at 20 px/s is 
 constexpr int most_pairs = 40;            // evenly over the recording: bounded work, about a millisecond each
 constexpr double tolerated_px = 4;        // beyond corner noise, a rolling shutter and a lens that is somewhat off
 constexpr double farthest = 2;            // tangent of 63 degrees from the axis, beyond which a pixel is little
-// Share of corners. Simulated, rendered, EuRoC's and a phone's images have 0 to 0.02; 0.07 are left by a lens that
-// odometry fails with.
+// Share of corners. Simulated, rendered, EuRoC's and a phone's images
+// have 0 to 0.02; 0.07 are left by a lens that odometry fails with.
 constexpr double most_unlike = 0.08;
 constexpr double a_jump = 0.2;  // of the image's diagonal, beside the other corners' motion, from one image to the next
 constexpr double most_jumping = 0.3;  // share of corners: a few wrong matches are no mixed-up ids
-constexpr double shared_at_least =
-    0.05;  // of an image's corners with the one before; where half are usual, fewer are a loss
+// of an image's corners with the one before; where half are usual, fewer are a loss
+constexpr double shared_at_least = 0.05;
 constexpr double usually_shared = 0.5;
 constexpr double longest_step_s = 0.25;  // beyond, corners have reason to be others
-constexpr double longest_step =
-    1.5;  // intervals of the camera: beyond, an image is missing, and corners move further than from one to the next
+// intervals of the camera: beyond, an image is missing, and corners move further than from one to the next
+constexpr double longest_step = 1.5;
 
 using Points = std::unordered_map<std::uint32_t, Eigen::Vector2d>;
 
@@ -108,9 +108,8 @@ bool check_motion(const std::vector<Frame>& frames, const CameraCalibration& cam
   if (pairs < most_pairs / 4 || sum.value() <= most_unlike) return false;
   out.push_back({"outlier_tracks", name, frames.front().t_ns, frames.back().t_ns, sum.of, sum.value(), most_unlike, "-",
                  formatted("%s: %.0f %% of the corners move by over %.0f px unlike the rest within %.1f s, which no "
-                           "motion of the camera explains. Check matches "
-                           "forwards and backwards in the tracker, mask what moves by itself, and look at the lens "
-                           "model if the tracks are good.",
+                           "motion of the camera explains. Check matches forwards and backwards in the tracker, mask "
+                           "what moves by itself, and look at the lens model if the tracks are good.",
                            name.c_str(), 100 * sum.value(), tolerated_px, apart_s)});
   return true;
 }
@@ -137,8 +136,8 @@ double usual_interval(const std::vector<Frame>& frames) {
   return quantile(std::move(all), 0.5);
 }
 
-/// From one image to the next: where ids change places, where every track ends, and what share of corners neighbours
-/// usually have in common.
+/// From one image to the next: where ids change places, where every track
+/// ends, and what share of corners neighbours usually have in common.
 struct Continuity {
   std::vector<std::size_t> mixed, lost;
   double shared = 0;  ///< median
@@ -183,8 +182,7 @@ void check_continuity(const std::vector<Frame>& frames, double diagonal_px, bool
   if (c.lost.empty() || c.shared <= usually_shared) return;
   const char* const words =
       "%s: at %zu images every track ends and others begin, though neighbouring images usually share %.0f %% of them. "
-      "Did the tracker start "
-      "anew? Recordings joined end to end are sessions of their own.";
+      "Did the tracker start anew? Recordings joined end to end are sessions of their own.";
   out.push_back(fault_of_images("lost_tracks", name, frames, c.lost,
                                 formatted(words, name.c_str(), c.lost.size(), 100 * c.shared)));
 }

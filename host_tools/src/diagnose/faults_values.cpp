@@ -1,5 +1,5 @@
-// Values of samples: stuck at an extreme, repeated, not a number. Those that stand alone are looked at first
-// (faults_spikes.cpp).
+// Values of samples: stuck at an extreme, repeated, not a number.
+// Those that stand alone are looked at first (faults_spikes.cpp).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,9 +12,9 @@ namespace host {
 namespace {
 
 constexpr std::size_t least_stuck = 8;  // samples at one extreme
-// Near its largest value a signal thins out: the last thousandth of its range holds fewer samples than the one before,
-// and so does the last digit of one that is coarser. A pile at exactly one value, three times what lies just below, a
-// limit made.
+// Near its largest value a signal thins out: the last thousandth of its range holds
+// fewer samples than the one before, and so does the last digit of one that is coarser.
+// A pile at exactly one value, three times what lies just below, a limit made.
 constexpr double pile_ratio = 3;
 constexpr double pile_width = 0.001;       // of the range
 constexpr double pile_digits = 5.5;        // last digits
@@ -156,8 +156,8 @@ void check_frozen(const std::vector<ImuSample>& samples, const Sensor& sensor, d
   if (fault.count) out.push_back(fault);
 }
 
-/// One axis that keeps its value to the last bit while the others go on: a channel of the sensor or of the driver is
-/// dead.
+/// One axis that keeps its value to the last bit while the others
+/// go on: a channel of the sensor or of the driver is dead.
 void check_frozen_axis(const std::vector<ImuSample>& samples, const Sensor& sensor, std::size_t axis, double rate_hz,
                        std::vector<Fault>& out) {
   Fault fault{"frozen", std::string(sensor.name) + "." + "xyz"[axis], 0, 0, 0, 0, least_axis_frozen_s, "s", ""};

@@ -1,5 +1,5 @@
-// How much of the disagreement between model and measurements do the named effects remove, on data that they were not
-// fitted to?
+// How much of the disagreement between model and measurements do
+// the named effects remove, on data that they were not fitted to?
 //
 // Each half k of the recording (selection.h) is held against effects c_j from the other half j. In both halves theta is
 // free: it is a nuisance like the states, and what is left, R_k c = d_k with d_k = R_k c_true + e, e ~ N(0, noise I),

@@ -53,8 +53,8 @@ AxisNoise axis_noise(const Levels& levels, double* unsteady) {
   const double power = quantile(quiet, 0.5), spread = quantile(quiet, 0.75) / quantile(quiet, 0.25);
   axis.density = std::sqrt(power);
   axis.median_density = std::sqrt(quantile(levels.noise, 0.5));
-  // Normal: the quartiles are 1.35 deviations apart; the median of n scatters by 1.25 / sqrt(n), windows overlap by
-  // half.
+  // Normal: the quartiles are 1.35 deviations apart; the median
+  // of n scatters by 1.25 / sqrt(n), windows overlap by half.
   axis.sigma = 0.5 * axis.density * std::log(spread) / 1.35 * 1.25 * std::sqrt(1.5 / static_cast<double>(quiet.size()));
   *unsteady = std::max(*unsteady, spread);
   return axis;

@@ -1,12 +1,12 @@
-// White noise of an IMU from its raw samples, without any model of the motion, against what sensor.yaml states. A fit
-// over keyframes cannot tell it: between two keyframes a hundred samples are summed, and the model's own noise hides in
-// the rest.
+// White noise of an IMU from its raw samples, without any model of the motion, against
+// what sensor.yaml states. A fit over keyframes cannot tell it: between two keyframes
+// a hundred samples are summed, and the model's own noise hides in the rest.
 //
-// Assumed: the noise is white from a fifth of the rate up to nearly half of it, the band that is looked at; motion of a
-// hand, a head or a vehicle stays below it for some of the time; quantisation is part of the noise (its variance
-// quantum^2 / 12 is). A sensor that filters within the band seems quieter than it is; the Allan deviation, where the
-// device rests for eight seconds, does not have that fault. Vibration of rotors fills the band: it comes and goes,
-// noise does not.
+// Assumed: the noise is white from a fifth of the rate up to nearly half of it, the band that is
+// looked at; motion of a hand, a head or a vehicle stays below it for some of the time;
+// quantisation is part of the noise (its variance quantum^2 / 12 is). A sensor that filters within
+// the band seems quieter than it is; the Allan deviation, where the device rests for eight seconds,
+// does not have that fault. Vibration of rotors fills the band: it comes and goes, noise does not.
 #pragma once
 
 #include <array>

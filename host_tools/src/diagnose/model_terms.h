@@ -1,5 +1,5 @@
-// Terms that diagnosis can add to the model: the effects of the core's catalogue, and a dictionary of simple terms
-// beyond it.
+// Terms that diagnosis can add to the model: the effects of the
+// core's catalogue, and a dictionary of simple terms beyond it.
 #pragma once
 
 #include "diagnose/selection.h"

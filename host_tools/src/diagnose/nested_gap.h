@@ -1,11 +1,11 @@
 // The held-out gap on segments that were used neither to choose the effects nor to fit them.
 //
-// Four folds, every fourth segment one of them. For each fold the whole selection (selection.h) runs again on the other
-// three quarters, by linear algebra on the rows of the last fit, and what it takes is fitted to these. Against the
-// fold's own rows the change that it predicts is measured as in gap.h. A fold for which nothing is chosen closes
-// nothing: its excess is measured along what the whole recording says, and stays. So the figure holds the chance to
-// miss an effect, which a gap that is only measured for given names does not, and it is measured whether or not a name
-// was given.
+// Four folds, every fourth segment one of them. For each fold the whole selection (selection.h) runs
+// again on the other three quarters, by linear algebra on the rows of the last fit, and what it takes
+// is fitted to these. Against the fold's own rows the change that it predicts is measured as in
+// gap.h. A fold for which nothing is chosen closes nothing: its excess is measured along what the
+// whole recording says, and stays. So the figure holds the chance to miss an effect, which a gap that
+// is only measured for given names does not, and it is measured whether or not a name was given.
 //
 // What all folds share is the point of linearisation (with its outliers) and the instant of a step.
 #pragma once

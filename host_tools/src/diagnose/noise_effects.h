@@ -1,5 +1,5 @@
-// Noise above the stated one, as an effect with a name: a factor on the sigma of the raw samples or of the image
-// points.
+// Noise above the stated one, as an effect with a name: a factor
+// on the sigma of the raw samples or of the image points.
 #pragma once
 
 #include <array>
@@ -23,8 +23,8 @@ NoiseEffect noise_effect(const std::string& name, const std::vector<DiagnosedPar
                          const std::vector<std::array<double, 2>>& halves);
 /// From the raw samples, where their noise is above the stated one; the densities in `noise` grow by the factors.
 std::optional<NoiseEffect> imu_noise_effect(const Recording& recording, const RawNoise& raw, ImuNoise* noise);
-/// Of the image points at a fit. `segments`: its kept ones in the order of time; `ratio`: the fit's pixel sigma over
-/// the stated one.
+/// Of the image points at a fit. `segments`: its kept ones in the
+/// order of time; `ratio`: the fit's pixel sigma over the stated one.
 NoiseEffect pixel_noise_effect(const PixelNoise& noise, const std::vector<CoreKept>& segments, double ratio);
 
 /// Variances of camera, gyroscope and accelerometer as measured apart from the fit, over those that the fit's `weights`

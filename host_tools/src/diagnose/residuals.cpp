@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/raw_motion.h"
 #include "replay/track_residuals.h"
 
 namespace host::diagnosis {
 namespace {
 
 using Eigen::Vector2d;
-using Eigen::Vector3d;
 
 constexpr struct {
   const char *words, *unit;
@@ -33,55 +33,13 @@ constexpr struct {
                           {"image motion y", "px/s"},
                           {"image row times rate", "px rad/s"}};
 
-/// Means over about 50 ms of the raw samples around a moment.
-class MotionAt {
- public:
-  explicit MotionAt(const std::vector<ImuData>& imu) {
-    for (const ImuData& data : imu) {
-      has_temperature_ |= data.has_temperature;
-      samples_.insert(samples_.end(), data.samples.begin(), data.samples.end());
-    }
-  }
-  bool has_temperature() const { return has_temperature_; }
-
-  struct Motion {
-    Vector3d rate{0, 0, 0}, rate_change{0, 0, 0}, force{0, 0, 0};
-    double temperature = 0;
-  };
-  /// Over [from, to] ns; at least one sample.
-  Motion over(std::int64_t from, std::int64_t to) const {
-    Motion out;
-    auto first = std::lower_bound(samples_.begin(), samples_.end(), from,
-                                  [](const ImuSample& s, std::int64_t t) { return s.t_ns < t; });
-    if (first == samples_.end()) return out;
-    auto last = first;
-    int n = 0;
-    for (; last != samples_.end() && (n == 0 || last->t_ns <= to); ++last, ++n) {
-      out.rate += Vector3d(last->gyro[0], last->gyro[1], last->gyro[2]);
-      out.force += Vector3d(last->accel[0], last->accel[1], last->accel[2]);
-      out.temperature += last->temperature_degC;
-    }
-    --last;
-    const double seconds = 1e-9 * static_cast<double>(last->t_ns - first->t_ns);
-    for (int i = 0; i < 3 && seconds > 0; ++i) out.rate_change(i) = (last->gyro[i] - first->gyro[i]) / seconds;
-    out.rate /= n;
-    out.force /= n;
-    out.temperature /= n;
-    return out;
-  }
-
- private:
-  std::vector<ImuSample> samples_;
-  bool has_temperature_ = false;
-};
-
 struct Entry {
   double value = 0;
   int series = 0;
   double cause[kCauses] = {};
 };
 
-void set_motion(const MotionAt::Motion& m, Entry* e) {
+void set_motion(const RawMotion::Means& m, Entry* e) {
   e->cause[static_cast<int>(Cause::temperature)] = m.temperature;
   for (int i = 0; i < 3; ++i) {
     e->cause[static_cast<int>(Cause::rate_x) + i] = m.rate(i);
@@ -129,8 +87,8 @@ std::vector<Vector2d> predicted_points(const CoreKept& kept, const std::vector<S
   return out;
 }
 
-/// Of the same landmark from the keyframe before to the one after, px/s; at the ends of a track from or to the point
-/// itself.
+/// Of the same landmark from the keyframe before to the one after,
+/// px/s; at the ends of a track from or to the point itself.
 Vector2d image_motion(const std::vector<SeenPoint>& seen, const std::vector<Vector2d>& predicted, std::size_t i,
                       const CoreKept& kept) {
   const auto same_track = [&seen, i](std::size_t j) {
@@ -144,9 +102,9 @@ Vector2d image_motion(const std::vector<SeenPoint>& seen, const std::vector<Vect
   return (predicted[to] - predicted[from]) / dt;
 }
 
-void add_camera(const CoreKept& kept, const CoreModel& model, const MotionAt& motion, const Vector2d& middle,
+void add_camera(const CoreKept& kept, const CoreModel& model, const RawMotion& motion, const Vector2d& middle,
                 std::int64_t zero_ns, int* series, ResidualList* u, ResidualList* v, ResidualList* radial) {
-  std::vector<MotionAt::Motion> at;
+  std::vector<RawMotion::Means> at;
   for (const CoreState& x : kept.keyframes) at.push_back(motion.over(x.t_ns - 25000000, x.t_ns + 25000000));
   const std::vector<SeenPoint> seen = seen_points(kept);
   const std::vector<Vector2d> predicted = predicted_points(kept, seen, model);
@@ -177,7 +135,7 @@ void add_camera(const CoreKept& kept, const CoreModel& model, const MotionAt& mo
   }
 }
 
-void add_imu(const CoreKept& kept, const MotionAt& motion, std::int64_t zero_ns, int series, ResidualList* gyro,
+void add_imu(const CoreKept& kept, const RawMotion& motion, std::int64_t zero_ns, int series, ResidualList* gyro,
              ResidualList* accel) {
   for (std::size_t k = 0; k < kept.imu.size(); ++k) {
     const CoreImuResidual& r = kept.imu[k];
@@ -222,7 +180,7 @@ std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, cons
     for (const char* axis : {"x", "y", "z"}) out.push_back({sensor, axis, {}, {}, {}});
   }
   if (kept.empty()) return out;
-  const MotionAt motion(imu);
+  const RawMotion motion(imu);
   const Vector2d middle = middle_of(kept);
   std::int64_t zero_ns = kept.front().segment.start_ns;
   for (const CoreKept& k : kept) zero_ns = std::min(zero_ns, k.segment.start_ns);

@@ -27,8 +27,8 @@ Span longest_rest(const std::array<std::vector<double>, 6>& axes, double rate_hz
 /// Overlapping Allan deviation of three axes over a span, at a dozen averaging times up to a ninth of it.
 std::vector<AllanPoint> allan_deviation(const std::vector<double>* axes, const Span& span, double rate_hz);
 
-/// White noise has deviation = density / sqrt(tau): the median of deviation sqrt(tau) over averaging times in the
-/// range; 0 if none.
+/// White noise has deviation = density / sqrt(tau): the median of
+/// deviation sqrt(tau) over averaging times in the range; 0 if none.
 double white_density(const std::vector<AllanPoint>& points, std::size_t axis, double from_s, double to_s);
 
 }  // namespace host

@@ -30,8 +30,8 @@ Eigen::MatrixXd triangle_of(const Eigen::MatrixXd& rows);
 /// The sum of sets over the same columns.
 Rows sum_of(const std::vector<const Rows*>& sets);
 
-/// The same rows with the rhs for terms counted from zero: rhs + J at, where `at` holds the values at which the core
-/// linearised, one per term.
+/// The same rows with the rhs for terms counted from zero: rhs + J at,
+/// where `at` holds the values at which the core linearised, one per term.
 void count_terms_from_zero(int n_theta, const Eigen::VectorXd& at, Rows* rows);
 
 /// A Gaussian on theta's corrections.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sensors/effect_terms.h"
+
 namespace host::diagnosis {
 
 SearchedModel::SearchedModel(const CoreOptions& given, bool has_temperature) {
@@ -58,6 +60,13 @@ std::vector<bool> SearchedModel::columns_of(const std::vector<int>& accepted) co
     for (int i = 0; i < candidates[c].columns.count; ++i) out[candidates[c].columns.first + i] = true;
   }
   return out;
+}
+
+bool SearchedModel::lens_has_no_name(const Selection& selection) const {
+  return std::any_of(selection.accepted.begin(), selection.accepted.end(), [this, &selection](const Accepted& a) {
+    const Candidate& c = selection.candidates[a.candidate];
+    return c.name == "unlisted" && terms[c.columns.first].term.kind >= static_cast<int>(SEGCAL_NS::TermKind::image_u);
+  });
 }
 
 }  // namespace host::diagnosis

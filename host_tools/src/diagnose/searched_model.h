@@ -6,8 +6,8 @@
 namespace host::diagnosis {
 
 struct SearchedModel {
-  /// The catalogue's terms, and the effects and terms of `given`: those are estimated in every fit but the first, from
-  /// their values.
+  /// The catalogue's terms, and the effects and terms of `given`: those
+  /// are estimated in every fit but the first, from their values.
   SearchedModel(const CoreOptions& given, bool has_temperature);
 
   std::vector<TermInfo> terms;  ///< columns of the fits
@@ -17,11 +17,14 @@ struct SearchedModel {
 
   /// Terms that a search has put behind the others.
   void forget_additions();
-  /// The next fit begins at what the rows of the last one say about these candidates: its odometry knows the effects
-  /// then.
+  /// The next fit begins at what the rows of the last one say
+  /// about these candidates: its odometry knows the effects then.
   void begin_at(const Problem& last, const std::vector<int>& accepted);
   /// Of each term: does one of these candidates own it?
   std::vector<bool> columns_of(const std::vector<int>& accepted) const;
+  /// Was a term on the image accepted that the catalogue has not? Polynomials come near a lens that has no name here;
+  /// what is left looks like noise.
+  bool lens_has_no_name(const Selection& selection) const;
 
  private:
   void begin_with(const CoreOptions& given);

@@ -2,19 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
-#include "diagnose/chi_square.h"
 #include "diagnose/shift.h"
+#include "formatted.h"
 
 namespace host::diagnosis {
 namespace {
-
-std::string number(const char* format, double value) {
-  char text[80];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 class Search {
  public:
@@ -57,7 +50,6 @@ class Search {
 
   /// log10 p over the share of the level: what hypotheses of different shares are compared by.
   double weighed(int c, const EffectTest& test) const { return test.log10_p - std::log10(candidates_[c].share); }
-  static double share_of(const Shift& step) { return decision::kStepsShare / std::max(1, step.trials); }
   bool significant(int c, const EffectTest& test) const {
     return test.seen > 0 && called(test.log10_p, candidates_[c].share);
   }
@@ -91,8 +83,7 @@ class Search {
     for (const auto& [p, c] : order) {
       const HalvesTest halves = test_halves(out_.problem, candidates_[c], groups_but(-1));
       if (halves.log10_p_disagree < decision::kLog10Disagree) {
-        why_[c] =
-            "the halves of the recording disagree about it (p = 1e" + number("%.0f", halves.log10_p_disagree) + ")";
+        why_[c] = formatted("the halves of the recording disagree about it (p = 1e%.0f)", halves.log10_p_disagree);
       } else if (!helps(halves, test_effect(out_.problem, candidates_[c], groups_but(-1)))) {
         why_[c] = "its value from one half of the recording does not help the other";
       } else if (dropped_before(c)) {
@@ -133,7 +124,7 @@ class Search {
     const Candidate candidate = shift_candidate(out_.problem, *step);
     const Scatter scatter = scatter_over_time(out_.problem, candidate, groups_but(-1));
     const HalvesTest halves = test_halves(out_.problem, candidate, groups_but(-1));
-    if (!called(calmed(*step, scatter), share) || halves.log10_p_disagree < decision::kLog10Disagree ||
+    if (!called(log10_p_of(*step, scatter), share) || halves.log10_p_disagree < decision::kLog10Disagree ||
         !helps(halves, step->test)) {
       out_.problem = without;
       shift_refused_ = true;
@@ -155,11 +146,6 @@ class Search {
     return step.statistic < decision::kStepOfOthers * others;
   }
 
-  /// log10 p of a step: by F where it scatters.
-  static double calmed(const Shift& step, const Scatter& scatter) {
-    const bool by_chance = log10_upper_tail(scatter.factor * scatter.dof, scatter.dof) > decision::kLog10Scatters;
-    return by_chance ? step.test.log10_p : scatter.log10_p(step.test.statistic, step.test.seen);
-  }
   static bool helps(const HalvesTest& halves, const EffectTest& test) {
     return halves.gain > decision::kHelps * test.statistic;
   }

@@ -1,14 +1,14 @@
 // Which of the candidate effects do the rows call for? Forward steps with a refit, a backward step, pairs that this
 // motion does not tell apart, and "cannot tell" where an effect would not have shown.
 //
-// Statistics. With theta and the accepted effects free, the rows of a candidate e are R_ee c = d_e (rows.h, Marginal).
-// In units of the candidate's plausible sizes, R_ee diag(size) = U diag(g) V': a direction with gain g has been seen g
-// times better than the effect is large. Only directions with g >= kSeen count: s = sum (u_i' d)^2 over these,
-// chi-square with as many degrees of freedom. None: cannot tell. s is divided by the dispersion, chi2/dof of the model
-// so far, where that is above the known noise: errors that nobody has a name for must not look like an effect. And it
-// is judged against the scatter of the effect's own value from segment to segment, when it is taken and each time that
-// it is asked whether it stays (judge_effect): with values c + w_k, w_k ~ N(0, W), the mean square of c over that of
-// the scatter is Fisher's F.
+// Statistics. With theta and the accepted effects free, the rows of a candidate e are R_ee c = d_e (rows.h,
+// Marginal). In units of the candidate's plausible sizes, R_ee diag(size) = U diag(g) V': a direction with
+// gain g has been seen g times better than the effect is large. Only directions with g >= kSeen count: s =
+// sum (u_i' d)^2 over these, chi-square with as many degrees of freedom. None: cannot tell. s is divided by
+// the dispersion, chi2/dof of the model so far, where that is above the known noise: errors that nobody has
+// a name for must not look like an effect. And it is judged against the scatter of the effect's own value
+// from segment to segment, when it is taken and each time that it is asked whether it stays (judge_effect):
+// with values c + w_k, w_k ~ N(0, W), the mean square of c over that of the scatter is Fisher's F.
 //
 // A name needs more than a large s:
 //  - log10 p below the recording's error level, shared out among all hypotheses beforehand (decision.h);
@@ -51,8 +51,8 @@ struct Block {
   std::vector<double> size;  ///< plausible step
 };
 
-/// The rows of a recording, linearised at one fit. `train` and `held_out` are interleaved halves of it, joined in
-/// themselves.
+/// The rows of a recording, linearised at one fit. `train` and
+/// `held_out` are interleaved halves of it, joined in themselves.
 struct Problem {
   int n_theta = 0;
   Prior prior;

@@ -30,8 +30,8 @@ Rows rows_of(const Fold& fold, const std::vector<Piece>& pieces, const std::vect
   return with_groups(sum_of(rows), own.n_theta, groups);
 }
 
-/// The prior of theta is no measurement: wide, it holds directions that the rows do not show, and hardly pulls
-/// (sensor_gap.h).
+/// The prior of theta is no measurement: wide, it holds directions
+/// that the rows do not show, and hardly pulls (sensor_gap.h).
 Prior wide(Prior prior) {
   prior.sigma *= decision::kWidePrior;
   return prior;

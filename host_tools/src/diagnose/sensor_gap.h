@@ -16,15 +16,15 @@
 // held against what images tell with their noise. Dof add up to residuals minus unknowns. Theta, fitted to the fold as
 // well, takes its share: with A_s = R^-T E_s'E_s R^-1 and R'R = sum_s E_s'E_s + P, P of theta's prior,
 //     D_st <- D_st - 2 tr A_s D_st / dof_s + sum_u tr A_s A_u D_ut / dof_u.
-// (How tr A_s is shared out among noises t is not known without the rows, and is taken as D_st is: exact where all f
-// are alike.) The prior has no place there: how far a device is from its data sheet is one draw for all folds. A prior
-// that pulls would open the gap of a sensor that knows a direction no better than the prior by tr A_s R^-T P R^-1, up
-// to a quarter in chi2 for each. It is taken ten times as wide as it is (kWidePrior): then a direction adds a 400th at
-// most.
+// (How tr A_s is shared out among noises t is not known without the rows, and is taken as D_st is:
+// exact where all f are alike.) The prior has no place there: how far a device is from its data
+// sheet is one draw for all folds. A prior that pulls would open the gap of a sensor that knows a
+// direction no better than the prior by tr A_s R^-T P R^-1, up to a quarter in chi2 for each. It
+// is taken ten times as wide as it is (kWidePrior): then a direction adds a 400th at most.
 //
-// The trained effects' own error, of covariance C, adds tr B'E_s'E_s B C to q_s with them, B = dx/dc along the best
-// theta: it is taken off. Squares over floor and dof, less one, are the excess. It has the spread sqrt(2 / dof_s), and
-// that of the measured f.
+// The trained effects' own error, of covariance C, adds tr B'E_s'E_s B C to q_s with
+// them, B = dx/dc along the best theta: it is taken off. Squares over floor and dof, less
+// one, are the excess. It has the spread sqrt(2 / dof_s), and that of the measured f.
 #pragma once
 
 #include "diagnose/gap.h"

@@ -1,5 +1,6 @@
 #include "diagnose/shift.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "diagnose/chi_square.h"
@@ -141,6 +142,13 @@ Problem with_shift(const Problem& problem, const Shift& shift) {
   out.train = sum_where(out.pieces, [](const Piece& p) { return !p.held_out; });
   out.held_out = sum_where(out.pieces, [](const Piece& p) { return p.held_out; });
   return out;
+}
+
+double share_of(const Shift& shift) { return decision::kStepsShare / std::max(1, shift.trials); }
+
+double log10_p_of(const Shift& shift, const Scatter& scatter) {
+  const bool by_chance = log10_upper_tail(scatter.factor * scatter.dof, scatter.dof) > decision::kLog10Scatters;
+  return by_chance ? shift.test.log10_p : scatter.log10_p(shift.test.statistic, shift.test.seen);
 }
 
 Candidate shift_candidate(const Problem& shifted, const Shift& shift) {

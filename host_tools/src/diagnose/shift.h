@@ -19,6 +19,12 @@ std::optional<Shift> best_shift(const Problem& problem, const std::vector<TermGr
 /// The problem with the step's columns behind the terms, made of its pieces: their links with each other are lost.
 Problem with_shift(const Problem& problem, const Shift& shift);
 
+/// Of the recording's error level: what steps have of it, over the trials.
+double share_of(const Shift& shift);
+
+/// log10 p of a step, not corrected for the trials: by F where it scatters.
+double log10_p_of(const Shift& shift, const Scatter& scatter);
+
 /// What those columns are called and how large a step may be.
 Candidate shift_candidate(const Problem& shifted, const Shift& shift);
 

@@ -48,8 +48,8 @@ std::vector<double> band_levels(const std::vector<double>& signal, double rate_h
     for (auto bin = static_cast<std::size_t>(std::ceil(band.from * window_size));
          static_cast<double>(bin) <= band.to * window_size; ++bin)
       powers.push_back(power_at(x, two_pi * static_cast<double>(bin) / window_size));
-    // A sample of density N has the variance N^2 rate; its power at a bin is exponentially distributed about that times
-    // norm.
+    // A sample of density N has the variance N^2 rate; its power
+    // at a bin is exponentially distributed about that times norm.
     const double level = quantile(powers, 0.5) / (median_of_exponential * norm * rate_hz);
     if (std::isfinite(level)) levels.push_back(level);
   }

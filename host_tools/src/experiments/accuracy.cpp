@@ -89,10 +89,9 @@ Findings accuracy_gather(const std::vector<CellResult>& cells) {
   }
   Findings out;
   Table table{"Odometry with each calibration",
-              "RMSE against the simulated truth from 15 s on after alignment of yaw and position: median and "
-              "standard deviation over all evaluation sessions and the calibrations after each session. Ratio: median "
-              "over the same "
-              "pairs, to `all`.",
+              "RMSE against the simulated truth from 15 s on after alignment of yaw and position: median and standard "
+              "deviation over all evaluation sessions and the calibrations after each session. Ratio: median over the "
+              "same pairs, to `all`.",
               {{"dataset", ""},
                {"method", ""},
                {"position", "cm"},

@@ -1,5 +1,5 @@
-// Motions that cannot tell everything: is what is released right within its sigma, and is what the motion cannot tell
-// held back and named?
+// Motions that cannot tell everything: is what is released right within
+// its sigma, and is what the motion cannot tell held back and named?
 #include <algorithm>
 #include <map>
 #include <set>
@@ -30,8 +30,8 @@ const std::vector<Motion>& motions() {
         "accel.mx", "accel.my", "accel.mz", "cam0.p_CI.x", "cam0.p_CI.y", "cam0.p_CI.z"}},
       // Turning about the IMU: the camera, which sits beside it, moves, but nothing gives the size of that motion.
       {"rotation", {"cam0.p_CI.x"}},
-      // Turning about z alone: what belongs to rates about x and y, to the acceleration along z, and the lever arm
-      // along the axis.
+      // Turning about z alone: what belongs to rates about x and y, to
+      // the acceleration along z, and the lever arm along the axis.
       {"planar", {"cam0.p_CI.y", "gyro.sx", "gyro.sy", "gyro.mx", "accel.sz"}},
       {"still", {}},
   };

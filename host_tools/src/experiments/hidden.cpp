@@ -1,5 +1,5 @@
-// Hidden effects: devices, motions and a truth that the diagnosis does not see. Does it name what is there, and only
-// that?
+// Hidden effects: devices, motions and a truth that the diagnosis
+// does not see. Does it name what is there, and only that?
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -164,8 +164,7 @@ Json hidden_run(const Json& parameters) {
 Findings hidden_gather(const std::vector<CellResult>& cells) {
   Table table{"Hidden effects",
               "named exactly: what is there and nothing else. As a pair: the same, but with another effect that the "
-              "motion does not tell "
-              "from it. Sigmas count recordings named exactly.",
+              "motion does not tell from it. Sigmas count recordings named exactly.",
               {{"group", ""},
                {"there", ""},
                {"recordings", "-"},

@@ -18,9 +18,9 @@ Json diagnosed(const Recording& session, const Calibration& start);
 /// The truth of a session: {"names": [...], "values": {"effect.parameter": value}}.
 Json hidden_truth(const std::vector<sim::EffectTruth>& effects);
 
-/// An effect is visible where its score statistic at the fit without effects, chi-square where it is not there, is at
-/// least this: the smallest sizes of the study have about that in 60 s of rich motion. Below it a name may be missing,
-/// but none may be wrong.
+/// An effect is visible where its score statistic at the fit without effects, chi-square
+/// where it is not there, is at least this: the smallest sizes of the study have about
+/// that in 60 s of rich motion. Below it a name may be missing, but none may be wrong.
 constexpr double kVisibleStatistic = 60;
 
 /// One answer against its truth.
@@ -31,8 +31,8 @@ struct Judged {
   bool false_name = false;  ///< an effect of the catalogue that is not there
   bool in_three_sigma = true;
   double worst_sigmas = 0;
-  double statistic =
-      0;  ///< the least of the score statistics of what is there; NaN where nothing has one (steps, noises, no effect)
+  /// the least of the score statistics of what is there; NaN where nothing has one (steps, noises, no effect)
+  double statistic = 0;
   bool visible = true;  ///< the statistic is at least kVisibleStatistic, or NaN
   double gap_closed = 0, seconds = 0;
   bool judged = true, unlisted = false, cannot_tell = false;

@@ -153,8 +153,8 @@ std::vector<Cell> spread(const std::vector<Cell>& cells) {
   return out;
 }
 
-/// "saturation=0,0.9" as shares of what the session would reach without a limit: a fixed range clips nothing in a
-/// gentle session.
+/// "saturation=0,0.9" as shares of what the session would reach
+/// without a limit: a fixed range clips nothing in a gentle session.
 std::string range_from_shares(const std::string& text, const SimulationOptions& without) {
   double largest[2] = {0, 0};
   for (const ImuSample& s : simulate(without).recording.imu.samples) {

@@ -37,8 +37,8 @@ enum class HiddenGroup { none, one, fault, two, outside, weak };
 const char* name_of(HiddenGroup group);
 HiddenGroup group_of(const std::string& name);
 
-/// The cells of the study; each has all that it depends on: group, scenario, distortion, seconds, seed, effects as
-/// text.
+/// The cells of the study; each has all that it depends on:
+/// group, scenario, distortion, seconds, seed, effects as text.
 std::vector<Cell> hidden_cases(const StudyOptions& options);
 
 /// The simulated session of a cell.

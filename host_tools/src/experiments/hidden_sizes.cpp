@@ -4,8 +4,8 @@ namespace host::experiments {
 
 const std::vector<HiddenSize>& hidden_sizes() {
   static const std::vector<HiddenSize> all = {
-      // Scaled from measured statistics, s grows with the square: 0.5 ms of time offset gave 3435, 4 us/row 4804, a
-      // radial residual
+      // Scaled from measured statistics, s grows with the square: 0.5
+      // ms of time offset gave 3435, 4 us/row 4804, a radial residual
       // of 4e-3 55, and so on. The largest are what real devices show at worst: 5 ms, 32 us/row, 0.7 deg.
       {"time_offset", 1, 7e-5, "s", 70},
       {"rolling_shutter", 1, 5e-7, "s/row", 64},

@@ -1,5 +1,5 @@
-// What the cells of the study `measured` do: one calibration each, of data between simulation and reality, as a user
-// would.
+// What the cells of the study `measured` do: one calibration
+// each, of data between simulation and reality, as a user would.
 #pragma once
 
 #include <filesystem>
@@ -12,8 +12,8 @@ namespace host::experiments {
 /// Rendered images of a drawn device, the real tracker: {scenario, seconds, rate_hz, seed, line_delay_s}.
 Json calibrate_rendered(const Json& parameters);
 
-/// Landmarks simulated along a recorded path, with that recording's IMU samples or simulated ones: {sequence, data,
-/// seconds, seed, real_imu}.
+/// Landmarks simulated along a recorded path, with that recording's IMU
+/// samples or simulated ones: {sequence, data, seconds, seed, real_imu}.
 Json calibrate_imu_gt(const Json& parameters);
 
 /// A real recording tracked with the start under test: {data, start, factor}, start 0 to 10 in directions of their own,

@@ -39,8 +39,8 @@ class ScratchFolder {
   fs::path path_;
 };
 
-/// `segcal track ARGUMENTS`, in this process and without its lines: the study must go the user's way, not one of its
-/// own.
+/// `segcal track ARGUMENTS`, in this process and without its
+/// lines: the study must go the user's way, not one of its own.
 void track(std::vector<std::string> arguments) {
   std::ostringstream unread;
   std::streambuf *const out = std::cout.rdbuf(unread.rdbuf()), *const err = std::cerr.rdbuf(unread.rdbuf());
@@ -155,8 +155,8 @@ Json calibrate_imu_gt(const Json& parameters) {
   const bool real = parameters.at("real_imu");
   if (real) options.imu_file = folder / "imu.csv";
   const SimulationResult session = simulate(options);
-  // The truth of a real IMU is not known: it was calibrated in the factory or by the data's makers, which is what 1
-  // means.
+  // The truth of a real IMU is not known: it was calibrated in
+  // the factory or by the data's makers, which is what 1 means.
   Json out = judged(session.recording, session.nominal, truth_of(session.truth, !real));
   return out;
 }

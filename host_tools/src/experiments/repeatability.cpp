@@ -113,15 +113,14 @@ Findings repeatability_gather(const std::vector<CellResult>& cells) {
                {"scatter against all", "-"},
                {"sessions", "-"}},
               {}};
-  Table summary{
-      "Methods",
-      "Scatter: standard deviation over the sessions, against that of `all`, geometric mean over the parameters. "
-      "Mean (error/sigma)^2 over parameters and sessions: 1 is honest.",
-      {{"method", ""},
-       {"scatter against all", "-"},
-       {"scatter against stated sigma", "-"},
-       {"mean (error/sigma)^2", "-"}},
-      {}};
+  Table summary{"Methods",
+                "Scatter: standard deviation over the sessions, against that of `all`, geometric mean over the "
+                "parameters. Mean (error/sigma)^2 over parameters and sessions: 1 is honest.",
+                {{"method", ""},
+                 {"scatter against all", "-"},
+                 {"scatter against stated sigma", "-"},
+                 {"mean (error/sigma)^2", "-"}},
+                {}};
   Figure figure{"Scatter against that of all segments", "bars", "parameter", "ratio [-]", true, {}};
   for (const Method& m : methods()) {
     const Scatter of = scatter_of(records, m.name, &table);

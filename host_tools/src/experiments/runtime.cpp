@@ -55,19 +55,18 @@ Findings runtime_gather(const std::vector<CellResult>& cells) {
     g.segments.push_back(c.result.at("segments"));
   }
   Findings out;
-  Table table{
-      "Times",
-      "Medians over sessions and repeats, one thread. mcu and mobile keep 8 segments, host keeps all, up to 64. The "
-      "paper's table IV, in ms: each image 3, each segment 156, each calibration 12050, batch 27028.",
-      {{"use case", ""},
-       {"profile", ""},
-       {"each image", "ms"},
-       {"each image, 95 %", "ms"},
-       {"each segment", "ms"},
-       {"calibration", "ms"},
-       {"iterations", "-"},
-       {"segments", "-"}},
-      {}};
+  Table table{"Times",
+              "Medians over sessions and repeats, one thread. mcu and mobile keep 8 segments, host keeps all, up to "
+              "64. The paper's table IV, in ms: each image 3, each segment 156, each calibration 12050, batch 27028.",
+              {{"use case", ""},
+               {"profile", ""},
+               {"each image", "ms"},
+               {"each image, 95 %", "ms"},
+               {"each segment", "ms"},
+               {"calibration", "ms"},
+               {"iterations", "-"},
+               {"segments", "-"}},
+              {}};
   for (const auto& [key, g] : groups) {
     table.rows.push_back({key.first, key.second, median(g.vio), median(g.p95), median(g.score), median(g.calibrate),
                           median(g.iterations), median(g.segments)});

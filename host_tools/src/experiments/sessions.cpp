@@ -117,10 +117,9 @@ Findings sessions_gather(const std::vector<CellResult>& cells) {
   }
   Findings out;
   Table table{"After each session",
-              "RMSE: median over evaluation sessions, devices and rooms. Ratios: medians over the same pairs; "
-              "sigmas: geometric mean over the parameters. `all_of_session`: every segment of that session alone, the "
-              "paper's batch; "
-              "`all_so_far`: every segment of all sessions until then, the best 64 where there are more.",
+              "RMSE: median over evaluation sessions, devices and rooms. Ratios: medians over the same pairs; sigmas: "
+              "geometric mean over the parameters. `all_of_session`: every segment of that session alone, the paper's "
+              "batch; `all_so_far`: every segment of all sessions until then, the best 64 where there are more.",
               {{"session", "-"},
                {"strategy", ""},
                {"position", "cm"},

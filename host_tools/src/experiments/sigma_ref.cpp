@@ -62,8 +62,8 @@ Json sigma_ref_run(const Json& parameters) {
 Findings sigma_ref_gather(const std::vector<CellResult>& cells) {
   Findings out;
   Table table{"Sigma of one segment",
-              "Quartiles over all segments. sigma_ref is the median; a parameter that most segments do not "
-              "tell has its prior's sigma.",
+              "Quartiles over all segments. sigma_ref is the median; a parameter that most segments do not tell has "
+              "its prior's sigma.",
               {{"parameter", ""},
                {"unit", ""},
                {"sigma_ref", "unit"},

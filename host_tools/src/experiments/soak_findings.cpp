@@ -19,28 +19,27 @@ std::string calibrated_of(const Json& of) {
 }  // namespace
 
 Findings soak_gather(const std::vector<CellResult>& cells) {
-  Table table{"A day of stream",
-              "Times are CPU times of this machine. Errors: mean (error / sigma)^2 of the released entries of a "
-              "session's calibration, "
-              "sessions without and with faults. Tilt and speed: medians of the odometry's error, sessions without "
-              "faults. Condition: of the "
-              "last triangle of a calibration, in units of the prior.",
-              {{"profile", ""},
-               {"seed", "-"},
-               {"from", "h"},
-               {"frame", "ms"},
-               {"frame, 99.9 %", "ms"},
-               {"segment", "ms"},
-               {"calibration", "ms"},
-               {"calibrated, clean", ""},
-               {"errors, clean", "-"},
-               {"calibrated, faults", ""},
-               {"errors, faults", "-"},
-               {"beyond 5 sigma", ""},
-               {"log10 condition", "-"},
-               {"tilt", "mrad"},
-               {"speed", "mm/s"}},
-              {}};
+  Table table{
+      "A day of stream",
+      "Times are CPU times of this machine. Errors: mean (error / sigma)^2 of the released entries of a session's "
+      "calibration, sessions without and with faults. Tilt and speed: medians of the odometry's error, sessions "
+      "without faults. Condition: of the last triangle of a calibration, in units of the prior.",
+      {{"profile", ""},
+       {"seed", "-"},
+       {"from", "h"},
+       {"frame", "ms"},
+       {"frame, 99.9 %", "ms"},
+       {"segment", "ms"},
+       {"calibration", "ms"},
+       {"calibrated, clean", ""},
+       {"errors, clean", "-"},
+       {"calibrated, faults", ""},
+       {"errors, faults", "-"},
+       {"beyond 5 sigma", ""},
+       {"log10 condition", "-"},
+       {"tilt", "mrad"},
+       {"speed", "mm/s"}},
+      {}};
   double squares = 0, entries = 0, slowest = 0, grown_kb = 0;
   int wrong_clean = 0;
   for (const CellResult& c : cells) {

@@ -55,13 +55,12 @@ Json json_of(const ManifestRun& run) {
 
 [[noreturn]] void refuse_changed(const fs::path& folder, const ManifestRun& run, const ManifestFile& file) {
   throw InputError((folder / file.name).string() + ": expected the file that `segcal " + run.command +
-                   "` wrote with the others of this "
-                   "folder, found another one; run it again, or remove " +
+                   "` wrote with the others of this folder, found another one; run it again, or remove " +
                    (folder / manifest_name).string() + " if you changed the file yourself");
 }
 
-/// A stopped run refuses a file that it may have written, and one of its own command: report and export refuse the
-/// folder as well.
+/// A stopped run refuses a file that it may have written, and one
+/// of its own command: report and export refuse the folder as well.
 void check_as_listed(const fs::path& folder, const Manifest& manifest, const std::string& name) {
   const auto& writing = manifest.writing;
   if (std::find(writing.files.begin(), writing.files.end(), name) != writing.files.end())

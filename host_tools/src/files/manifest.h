@@ -1,5 +1,5 @@
-// manifest.json: which files of a folder belong together (docs/formats.md). files/output_run.h writes it, readers check
-// it.
+// manifest.json: which files of a folder belong together
+// (docs/formats.md). files/output_run.h writes it, readers check it.
 #pragma once
 
 #include <cstdint>

@@ -17,16 +17,16 @@ namespace host {
 /// guest: the files are added to a folder that others have made, as tracks are to a recording.
 enum class FolderRole { owner, guest };
 
-/// Throws InputError if `command` cannot have `folder` as its own: it is no folder, or holds a recording or the files
-/// of another command. For the beginning of a command, so that no work is lost. `makes_recordings`: an earlier
-/// recording is replaced.
+/// Throws InputError if `command` cannot have `folder` as its own: it is no folder, or
+/// holds a recording or the files of another command. For the beginning of a command,
+/// so that no work is lost. `makes_recordings`: an earlier recording is replaced.
 void expect_output_folder(const std::filesystem::path& folder, const std::string& command,
                           bool makes_recordings = false);
 
 class OutputRun : private WriteListener {
  public:
-  /// Begins: from here on all that write_file writes below `folder` belongs to this run. Removes the temporary files of
-  /// killed runs.
+  /// Begins: from here on all that write_file writes below `folder`
+  /// belongs to this run. Removes the temporary files of killed runs.
   OutputRun(std::filesystem::path folder, std::string command, FolderRole role = FolderRole::owner);
 
   /// All files are written. A run that does not come here (an exception, a full disk, a kill) stays known as stopped.

@@ -34,8 +34,8 @@ void CeresProblem::fill() {
   for (const Point& z : problem_.points) points_of_[static_cast<std::size_t>(z.landmark)] += z.rejected ? 0 : 1;
 }
 
-/// The drift of a point, and its step from the point of the track before; null at the track's beginning, from where it
-/// counts.
+/// The drift of a point, and its step from the point of the track
+/// before; null at the track's beginning, from where it counts.
 double* CeresProblem::add_drift(std::size_t point) {
   const Point& z = problem_.points[point];
   if (!(problem_.model.track_walk > 0)) return nullptr;

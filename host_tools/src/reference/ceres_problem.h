@@ -20,8 +20,8 @@ class CeresProblem {
   /// Landmarks first, then the rest: the Schur complement's order.
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering();
   std::vector<const double*> theta_blocks() const;
-  /// The unknowns one after the other: landmarks, states (pose, then motion), theta. Without drifts of tracks
-  /// (CoreModel::track_walk).
+  /// The unknowns one after the other: landmarks, states (pose, then
+  /// motion), theta. Without drifts of tracks (CoreModel::track_walk).
   std::vector<double*> blocks();
   /// Residual blocks of the links, then of the walks over gaps, in the problem's order.
   const std::vector<ceres::ResidualBlockId>& motion_residuals() const { return motion_residuals_; }

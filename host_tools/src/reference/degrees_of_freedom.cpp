@@ -35,8 +35,8 @@ Eigen::MatrixXd CeresProblem::point_covariance(const std::vector<std::size_t>& p
   return C;
 }
 
-/// Part of what is known of a landmark's inverse distance that comes from its prior: so much of an unknown is not
-/// fitted.
+/// Part of what is known of a landmark's inverse distance that
+/// comes from its prior: so much of an unknown is not fitted.
 double CeresProblem::prior_share(std::size_t landmark) const {
   const double sigma = problem_.landmarks[landmark].prior_sigma, prior = 1 / (sigma * sigma);
   const std::vector<std::size_t>& points = used_points_[landmark];

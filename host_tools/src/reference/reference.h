@@ -1,5 +1,5 @@
-// An independent solution of what the core solves: Ceres, double precision, residuals written a second time with
-// automatic derivatives.
+// An independent solution of what the core solves: Ceres, double
+// precision, residuals written a second time with automatic derivatives.
 #pragma once
 
 #include <functional>

@@ -84,10 +84,9 @@ void add_reference_command(CLI::App& app, int& exit_code) {
   sub->add_option("recordings", a->recordings, "recordings in ASL layout; several are sessions of one device");
   sub->add_option("--segments-from", a->segments_from,
                   "folder that `segcal replay --out` wrote; the recordings are not read then");
-  sub->add_option(
-      "--calib", a->calibration,
-      "batch: starting calibration and mean of the prior (default: the recording's own); with --segments-from: where "
-      "the iterations start (default: the prior's mean)");
+  sub->add_option("--calib", a->calibration,
+                  "batch: starting calibration and mean of the prior (default: the recording's own); with "
+                  "--segments-from: where the iterations start (default: the prior's mean)");
   sub->add_option("--out", a->out, "folder for the result")->required();
   sub->add_option("--cameras", a->cameras, "cameras to use in a batch, cam0 first")
       ->capture_default_str()

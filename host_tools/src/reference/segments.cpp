@@ -100,8 +100,8 @@ ReferenceResult reference_segments(const KeptSegments& kept, const ReferenceOpti
   }
   if (kept.condensed > 0) {
     throw InputError("kept_segments.json: " + std::to_string(kept.condensed) +
-                     " more segments took part in that calibration as epochs, of which no samples "
-                     "and points are left to solve it again from; expected a replay without --condense");
+                     " more segments took part in that calibration as epochs, of which no samples and points are left "
+                     "to solve it again from; expected a replay without --condense");
   }
   reference::Problem problem = reference::problem_of(kept);
   if (options.start) problem.theta = *options.start;

@@ -1,5 +1,5 @@
-// First places of landmarks: the ray of the first image point, and the inverse distance that fits the other points
-// best.
+// First places of landmarks: the ray of the first image point,
+// and the inverse distance that fits the other points best.
 #include <cmath>
 
 #include "reference/imu_residual.h"

@@ -9,8 +9,8 @@
 
 namespace host::render {
 
-/// Places in a pixel at which its light is gathered, px from its centre: each in a row and a column of its own (a
-/// rotated grid).
+/// Places in a pixel at which its light is gathered, px from its
+/// centre: each in a row and a column of its own (a rotated grid).
 constexpr int places_per_pixel = 4;
 constexpr float place_u[places_per_pixel] = {-0.375f, 0.125f, -0.125f, 0.375f};
 constexpr float place_v[places_per_pixel] = {-0.125f, -0.375f, 0.375f, 0.125f};

@@ -14,8 +14,8 @@ constexpr float tile_margin = 0.03f;  // rad, beside what the three views of a f
 constexpr int fewest_moments = 4, most_moments = 24;
 constexpr double px_per_moment = 0.5;  // of motion: with longer steps corners of a blurred checker scatter by 0.06 px
 constexpr double usual_distance_m = 1.5;  // turns speed into image motion, for the number of moments
-// A sample stands for half a pixel across the slope of a face and, as the places lie in rows of their own, for a third
-// along it.
+// A sample stands for half a pixel across the slope of a face and,
+// as the places lie in rows of their own, for a third along it.
 constexpr float share_across = 0.5f, share_along = 0.33f;
 
 /// floor(log2(x)) for x >= 1: the exponent of the float.

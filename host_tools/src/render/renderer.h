@@ -11,10 +11,10 @@
 
 namespace host::render {
 
-/// One camera in one room. Rows are exposed at their own time (Effect::exposure_time: time offset, rolling shutter),
-/// for `exposure_s` around it; motion blur is the mean of 4 to 24 moments. Each moment looks from another place in the
-/// pixel, so that these are the samples against aliasing too; a sample reads the mip level whose texels are as large as
-/// it is.
+/// One camera in one room. Rows are exposed at their own time (Effect::exposure_time: time
+/// offset, rolling shutter), for `exposure_s` around it; motion blur is the mean of 4 to 24
+/// moments. Each moment looks from another place in the pixel, so that these are the samples
+/// against aliasing too; a sample reads the mip level whose texels are as large as it is.
 class Renderer {
  public:
   /// `room`, `truth` and `effects` must outlive this.

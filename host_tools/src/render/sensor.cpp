@@ -12,8 +12,8 @@ constexpr double wanted_mean_grey = 105;
 constexpr double control_time_s = 0.15;
 constexpr double shortest = 0.5, longest = 2;  // of the usual exposure
 constexpr double least_gain = 0.5, most_gain = 4;
-constexpr std::size_t normal_table =
-    1u << 16;  // a table read from random places is as good as fresh draws here, and ten times as fast
+// a table read from random places is as good as fresh draws here, and ten times as fast
+constexpr std::size_t normal_table = 1u << 16;
 
 }  // namespace
 
@@ -34,8 +34,8 @@ void Sensor::control(double mean_light, double since_last_s) {
 cv::Mat Sensor::image_of(cv::Mat light, double since_last_s) {
   if (options_.lens_blur_px > 0) cv::GaussianBlur(light, light, {5, 5}, options_.lens_blur_px);
   const auto grey_of_light = static_cast<float>(grey_per_light * gain_ * exposure_s_ / options_.exposure_s);
-  // Half of the variance at grey 128 is the read-out's, half the photons', which grows with the light; the gain acts on
-  // both.
+  // Half of the variance at grey 128 is the read-out's, half the
+  // photons', which grows with the light; the gain acts on both.
   const auto variance = static_cast<float>(options_.noise_grey * options_.noise_grey / 2);
   const auto read_out = static_cast<float>(variance * gain_ * gain_),
              photons = static_cast<float>(variance * gain_ / 128);

@@ -15,8 +15,8 @@ class Texture {
 
   int levels() const { return static_cast<int>(levels_.size()); }
 
-  /// Grey value, 0 to 255, at (s, t) in texels of level 0, where texel k covers k - 0.5 to k + 0.5; bilinear in
-  /// `level`.
+  /// Grey value, 0 to 255, at (s, t) in texels of level 0, where
+  /// texel k covers k - 0.5 to k + 0.5; bilinear in `level`.
   float at(float s, float t, int level) const {
     const Level& picture = levels_[static_cast<std::size_t>(level)];
     const float scale = picture.scale;

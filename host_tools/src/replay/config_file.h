@@ -19,8 +19,8 @@ struct SensorConfig {
   void apply(CoreOptions* options) const;
 };
 
-/// Throws InputError with file and line: another format, an entry of a name that there is not, a number outside its
-/// range, two gravities.
+/// Throws InputError with file and line: another format, an entry of a
+/// name that there is not, a number outside its range, two gravities.
 SensorConfig read_config_file(const std::filesystem::path& file);
 
 /// All that the options state or take by default, so that a replay with it repeats the run.

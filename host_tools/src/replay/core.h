@@ -43,8 +43,8 @@ struct CoreOptions {
   double pixel_sigma = 0.5;        ///< px, white noise of a corner per axis
   double track_walk = 0;           ///< px/sqrt(s), random walk of its error along the track, per axis
   std::uint64_t seed = 1;
-  double outdated_level =
-      1e-3;  ///< probability that a calibration drops segments of an unchanged device; -1: it never drops any
+  /// probability that a calibration drops segments of an unchanged device; -1: it never drops any
+  double outdated_level = 1e-3;
   double trigger_fraction = 0;    ///< sigmas over the prior's at which the device calibrates of its own; 0: it does not
   bool hold_calibration = false;  ///< the filter runs with the calibration as it is, without estimates of its own
   std::vector<double> sigma_ref;  ///< normalises the metrics, per parameter; empty: the prior sigmas
@@ -93,8 +93,8 @@ struct CoreEpoch {
   std::vector<double> value, sigma;
 };
 
-/// A step of the calibration between what was known and a release that dropped it; steps in the order of the
-/// parameters.
+/// A step of the calibration between what was known and a release
+/// that dropped it; steps in the order of the parameters.
 struct CoreChange {
   bool open = false;  ///< not decided: no steps
   unsigned before_session = 0, after_session = 0;
@@ -109,8 +109,8 @@ struct CoreResult {
   int iterations = 0, segments = 0, partitions = 0, image_points = 0;
   bool converged = false;
   double chi2 = 0, dof = 0, noise_scale = 1, reprojection_rms_px = 0, reprojection_median_px = 0;
-  std::vector<double> mean,
-      covariance;  ///< of the parameters with nothing held (segcal_get_posterior), row-major; empty: not known
+  /// of the parameters with nothing held (segcal_get_posterior), row-major; empty: not known
+  std::vector<double> mean, covariance;
   std::vector<CoreEpoch> epochs;    ///< oldest first
   std::vector<CoreChange> changes;  ///< oldest first, an open one last
 };
@@ -170,16 +170,16 @@ struct CoreRows {
   std::vector<double> triangle;       ///< packed, row-major, n_theta + n_candidates + 1 columns
 };
 
-/// What one kept segment says through its camera, then through its gyroscope (rotation, its bias' walk) beside the
-/// camera, then through its accelerometer (velocity, position, its bias' walk) beside both; with the states at their
-/// best.
+/// What one kept segment says through its camera, then through its gyroscope
+/// (rotation, its bias' walk) beside the camera, then through its accelerometer
+/// (velocity, position, its bias' walk) beside both; with the states at their best.
 struct CoreSensorRows {
   int n_theta = 0, n_candidates = 0;  ///< as CoreRows
-  /// What a sensor adds to the squares at (theta, candidates) = x is |root (x, -1)|^2. They add up to CoreRows of the
-  /// same segment.
+  /// What a sensor adds to the squares at (theta, candidates) = x is
+  /// |root (x, -1)|^2. They add up to CoreRows of the same segment.
   std::array<Eigen::MatrixXd, 3> root;
-  /// (s, t): how much the variance of sensor t adds to what s adds, expected. Sums of rows are degrees of freedom,
-  /// theta not counted.
+  /// (s, t): how much the variance of sensor t adds to what s adds,
+  /// expected. Sums of rows are degrees of freedom, theta not counted.
   Eigen::Matrix3d shared = Eigen::Matrix3d::Zero();
 };
 
@@ -226,9 +226,9 @@ class Core {
   /// Data faults and other counters, by name.
   virtual std::vector<std::pair<std::string, std::uint32_t>> counters() const = 0;
   virtual CoreMemory memory() const = 0;
-  /// Before anything is pushed: goes on, in a new session, where the device that saved into this flash ended. Throws
-  /// InputError without a file's name if that device's configuration or capacities were others, or if nothing whole is
-  /// stored.
+  /// Before anything is pushed: goes on, in a new session, where the device that
+  /// saved into this flash ended. Throws InputError without a file's name if that
+  /// device's configuration or capacities were others, or if nothing whole is stored.
   virtual void restore(FlashImage* flash) = 0;
   /// After flush() or calibrate(): what outlives power. An empty image is made as large as this profile needs.
   virtual void save(FlashImage* flash) = 0;
@@ -236,8 +236,8 @@ class Core {
   virtual std::uint64_t result_hash() const = 0;
 };
 
-/// `profile`: mcu, mobile, host or mobile_double. Throws InputError for another name or a configuration that the core
-/// refuses.
+/// `profile`: mcu, mobile, host or mobile_double. Throws InputError
+/// for another name or a configuration that the core refuses.
 std::unique_ptr<Core> make_core(const std::string& profile, const CoreOptions& options);
 
 }  // namespace host

@@ -21,8 +21,8 @@ inline std::uint32_t count_of(const Counters& counters, const char* name) {
 
 Counters difference(Counters now, const Counters& before);
 
-/// Adds the images that the reader set aside (stamps/stray_frames.h): they were offered, and are of no clock of their
-/// log. A rig's count once.
+/// Adds the images that the reader set aside (stamps/stray_frames.h): they
+/// were offered, and are of no clock of their log. A rig's count once.
 void count_strays(const std::vector<Recording>& sessions, Counters* counters);
 
 }  // namespace host

@@ -15,10 +15,10 @@ struct KeptSegments {
   Calibration start;                ///< mean of the prior
   std::vector<double> prior_sigma;  ///< per parameter, in the order of parameter_names()
   ImuNoise noise;
-  double scatter =
-      1;  ///< variance that the segments' disagreement put into the sigmas; 1: no more than their residuals did
-  std::vector<std::string>
-      effects;        ///< parameters of effects that the calibration estimated as well; none is in `start`
+  /// variance that the segments' disagreement put into the sigmas; 1: no more than their residuals did
+  double scatter = 1;
+  /// parameters of effects that the calibration estimated as well; none is in `start`
+  std::vector<std::string> effects;
   int condensed = 0;  ///< further segments that took part as epochs: of these nothing is left to repeat it from
   std::vector<CoreKept> segments;  ///< in the order of the calibration
 };

@@ -15,8 +15,8 @@ struct ReplayPass {
   int segments = 0, segments_scored = 0;
   std::uint32_t frames_used = 0, filter_restarts = 0;
   double chi2_per_dof = 0;
-  double step_sigmas =
-      0;              ///< the largest step from the pass before (of the first: from the start), in this pass' sigmas
+  /// the largest step from the pass before (of the first: from the start), in this pass' sigmas
+  double step_sigmas = 0;
   std::string moved;  ///< the parameter that made it; empty: none was released
 
   bool settled() const { return status == "calibrated" && step_sigmas < kPassSettled; }

@@ -1,5 +1,5 @@
-// Where a result comes from: which device, which log, which program, which configuration. With it a result stands
-// alone.
+// Where a result comes from: which device, which log, which
+// program, which configuration. With it a result stands alone.
 #pragma once
 
 #include <nlohmann/json.hpp>

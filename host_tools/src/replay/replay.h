@@ -17,17 +17,17 @@ struct ReplayOptions {
   bool joint_ekf = false;  ///< no segments: the filter gives the calibration itself, at the end of each session
   bool review = false;     ///< judge the result and name causes (review/review.h)
   std::vector<ClockSearch> clocks;  ///< what was found of the sessions' clocks, one each; may be empty
-  bool estimate_track_noise =
-      false;  ///< replays twice: pixel_sigma and track_walk are what the first one's tracks show
-  int passes =
-      1;  ///< at most so many times over all recordings, each from the result of the one before; single-session only
+  /// replays twice: pixel_sigma and track_walk are what the first one's tracks show
+  bool estimate_track_noise = false;
+  /// at most so many times over all recordings, each from the result of the one before; single-session only
+  int passes = 1;
   bool calibrate = true;  ///< false: odometry only, the calibration stays as it is
   /// Called after each session with what has been found so far; may be empty. The number counts from 0.
   std::function<void(std::size_t, const CoreResult&, const Calibration&)> after_session;
-  StateFile* state =
-      nullptr;  ///< the first session goes on from there; at the end it has this device's state, not written yet
-  std::unique_ptr<Core>* keep_core =
-      nullptr;                           ///< takes the core over when the replay is done, to ask it further things
+  /// the first session goes on from there; at the end it has this device's state, not written yet
+  StateFile* state = nullptr;
+  /// takes the core over when the replay is done, to ask it further things
+  std::unique_ptr<Core>* keep_core = nullptr;
   std::function<void(double)> progress;  ///< called with the fraction done, 0..1; may be empty
 };
 
@@ -94,8 +94,8 @@ struct ReplayResult {
   std::vector<CoreState> trajectory;  ///< at each processed frame
   std::vector<CoreSegment> segments;  ///< every segment scored, `kept` as at the end
   std::vector<CoreKept> kept;
-  std::vector<std::pair<std::string, std::uint32_t>>
-      counters;  ///< of these sessions, not of those before a restored state
+  /// of these sessions, not of those before a restored state
+  std::vector<std::pair<std::string, std::uint32_t>> counters;
   CoreMemory memory;
   TrackNoise track_noise;  ///< that the kept segments' tracks show
   ReplayTiming timing;

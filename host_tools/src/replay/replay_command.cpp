@@ -19,8 +19,8 @@
 namespace host {
 namespace {
 
-/// A device's log is replayed as the device was: its configuration, and its capacities if they are not chosen
-/// otherwise.
+/// A device's log is replayed as the device was: its configuration,
+/// and its capacities if they are not chosen otherwise.
 void take_device(const std::vector<Recording>& sessions, ReplayArguments* a) {
   const DeviceSession& device = *sessions.front().device;
   for (const CLI::Option* option : a->of_device) {
@@ -40,8 +40,8 @@ void take_device(const std::vector<Recording>& sessions, ReplayArguments* a) {
   if (a->profile->count() > 0) return;
   if (device.profile.empty()) {
     throw InputError(sessions.front().root.string() +
-                     ": expected the capacities of profile mcu, mobile or host, found others; "
-                     "--profile chooses one, and the bits will differ");
+                     ": expected the capacities of profile mcu, mobile or host, found others; --profile chooses one, "
+                     "and the bits will differ");
   }
   a->replay.profile = device.profile;
 }

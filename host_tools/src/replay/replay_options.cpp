@@ -28,12 +28,10 @@ void add_files(CLI::App* sub, ReplayArguments* a) {
 /// What is kept, and when a calibration is due.
 void add_database_options(CLI::App* sub, ReplayArguments* a) {
   CoreOptions& core = a->replay.core;
-  a->profile =
-      sub->add_option(
-             "--profile", a->replay.profile,
-             "capacities of the core, as compiled for firmware: mcu, mobile, host; mobile_double: mobile in double "
-             "precision, to check float; of a device log: the device's")
-          ->capture_default_str();
+  a->profile = sub->add_option("--profile", a->replay.profile,
+                               "capacities of the core, as compiled for firmware: mcu, mobile, host; mobile_double: "
+                               "mobile in double precision, to check float; of a device log: the device's")
+                   ->capture_default_str();
   sub->add_option("--metric", core.metric,
                   "how segments are rated: A, D, E or random; set_d: the most informative set as a whole")
       ->capture_default_str();
@@ -58,10 +56,10 @@ void add_database_options(CLI::App* sub, ReplayArguments* a) {
   sub->add_flag("--condense", core.condense,
                 "condense segments that end after a release into epochs, so that their information is kept; sessions "
                 "follow one another (--strategy multi)");
-  sub->add_option("--passes", a->replay.passes,
-                  "over the recordings up to so many times, each from the calibration that the one before gave, until "
-                  "no entry moves by 0.1 of its sigma; "
-                  "segments and the prior stay those of one pass from the start that was given")
+  sub->add_option(
+         "--passes", a->replay.passes,
+         "over the recordings up to so many times, each from the calibration that the one before gave, until no entry "
+         "moves by 0.1 of its sigma; segments and the prior stay those of one pass from the start that was given")
       ->capture_default_str()
       ->check(CLI::Range(1, 20));
   sub->add_flag("--keep-outdated", a->keep_outdated,
@@ -112,8 +110,7 @@ void add_hash_options(CLI::App* sub, ReplayArguments* a) {
                 "print one number over all bits of theta, its sigmas, the trajectory and the kept segments");
   sub->add_option("--verify-hash", a->verify_hash,
                   "compare that number with the one in FILE: a device log (at the places where the device wrote it), "
-                  "or a text that "
-                  "holds 'result_hash' and the number")
+                  "or a text that holds 'result_hash' and the number")
       ->type_name("FILE");
 }
 

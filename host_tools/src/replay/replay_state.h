@@ -6,8 +6,8 @@
 
 namespace host {
 
-/// Throws InputError if a session is a device log, or has the rotation rates of one that the state has seen, or of
-/// another one here.
+/// Throws InputError if a session is a device log, or has the rotation
+/// rates of one that the state has seen, or of another one here.
 void expect_new_sessions(const std::vector<Recording>& sessions, const StateFile& state);
 
 /// Before the replay: the logs that the state has seen, for the result.

@@ -45,8 +45,8 @@ double rounded(double value, double parts) { return std::round(value * parts) / 
 
 using Tracks = std::vector<std::vector<TrackResidual>>;
 
-/// One column per quantity: an object per point is four times as long. Tracks are left out whole, so that the others
-/// can be followed.
+/// One column per quantity: an object per point is four times as long.
+/// Tracks are left out whole, so that the others can be followed.
 Json camera_json(const ReplayResult& out, std::int64_t start) {
   constexpr std::size_t kMostPoints = 12000;
   Tracks tracks;

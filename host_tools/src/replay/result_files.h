@@ -1,6 +1,6 @@
-// Writes what a replay found: result.json (format 2, docs/formats.md), calibration.jsonl, camchain-imucam.yaml,
-// imu.yaml, trajectory.tum, model.yaml, config.yaml (where it was not a device's own), and report_data.json with what
-// the report draws.
+// Writes what a replay found: result.json (format 2, docs/formats.md), calibration.jsonl,
+// camchain-imucam.yaml, imu.yaml, trajectory.tum, model.yaml, config.yaml (where it was
+// not a device's own), and report_data.json with what the report draws.
 #pragma once
 
 #include <nlohmann/json.hpp>

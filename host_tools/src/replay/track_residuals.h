@@ -14,8 +14,8 @@ struct TrackResidual {
   const CorePointResidual* residual;
 };
 
-/// Of each landmark and camera, in the order of time. Points that the last calibration left out have no residual and
-/// are missing.
+/// Of each landmark and camera, in the order of time. Points that
+/// the last calibration left out have no residual and are missing.
 std::map<std::pair<int, int>, std::vector<TrackResidual>> tracks_of_segment(const CoreKept& kept);
 
 /// px, predicted minus measured: whitening along the track (white noise and a random walk) undone.

@@ -58,8 +58,8 @@ std::string change_words(const CoreChange& c, const CoreResult& result) {
                                                                : "between session " + before + " and " + after;
   if (c.open) {
     return "segments contradict what was known (noticed " + when +
-           "): the device may have changed, and too few have come since to tell. "
-           "Go on with lively motion, as for a first calibration";
+           "): the device may have changed, and too few have come since to tell. Go on with lively motion, as for a "
+           "first calibration";
   }
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < c.step.size() && i < result.parameters.size(); ++i) order.push_back(i);

@@ -164,8 +164,7 @@ std::optional<Suspect> bias_step(const std::vector<Recording>& sessions, const R
   const std::pair<int, int> link = links[found.link];
   out.words = formatted(
       "the %s's bias steps by %.3g +- %.1g %s (%c) %s, and with that step %s moves by %.1f sigma: calibrate what was "
-      "before and after it by "
-      "themselves, and look for what trims or restarts the sensor",
+      "before and after it by themselves, and look for what trims or restarts the sensor",
       gyro ? "gyroscope" : "accelerometer", found.test.size, found.test.sigma * noise_scale, gyro ? "rad/s" : "m/s^2",
       "xyz"[found.axis % 3], when(sessions, t_ns(link.first), t_ns(link.second)).c_str(), out.moves.c_str(),
       out.bias_sigmas);

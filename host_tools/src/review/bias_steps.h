@@ -1,5 +1,5 @@
-// Did a bias change at once? A driver that trims a sensor anew, a sensor that starts again, a shock: the model lets
-// biases walk and no more.
+// Did a bias change at once? A driver that trims a sensor anew, a sensor
+// that starts again, a shock: the model lets biases walk and no more.
 #pragma once
 
 #include <optional>

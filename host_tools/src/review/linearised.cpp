@@ -33,8 +33,8 @@ Vector3d three(const std::vector<CoreParameter>& p, std::size_t i, double CorePa
   return {p[i].*member, p[i + 1].*member, p[i + 2].*member};
 }
 
-/// J_l^-1(v): the rotation vector of Exp(d) Exp(v) is v + J_l^-1(v) d to first order (Sola et al., "A micro Lie
-/// theory", eq. 146).
+/// J_l^-1(v): the rotation vector of Exp(d) Exp(v) is v + J_l^-1(v)
+/// d to first order (Sola et al., "A micro Lie theory", eq. 146).
 Matrix3d left_jacobian_inverse(const Vector3d& v) {
   Matrix3d K;
   K << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;

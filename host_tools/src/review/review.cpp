@@ -10,6 +10,7 @@
 #include "replay/counters.h"
 #include "replay/words.h"
 #include "review/bias_steps.h"
+#include "review/followed.h"
 #include "review/linearised.h"
 #include "review/missing_effects.h"
 #include "review/segment_scatter.h"
@@ -18,21 +19,19 @@
 namespace host::review {
 namespace {
 
-constexpr double kLeastUsed = 0.5;                         // of the images that the odometry was offered
-constexpr double kMostUnsettled = 0.5, kFewUnsettled = 3;  // of the newer half of the segments; fewer are no sign
-constexpr double kImplausible = -6;                        // log10 p of the step from the start
-constexpr double kMostBias = 3;                            // sigmas that a missing effect may move a released value by
-constexpr double kMostStepBias =
-    2;  // the same of a step of a bias: chance moves one of 26 entries by 3 more, which makes 5
+constexpr double kImplausible = -6;  // log10 p of the step from the start
+constexpr double kMostBias = 3;      // sigmas that a missing effect may move a released value by
+// The same of a step of a bias: chance moves one of 26 entries by 3 more, which makes 5.
+constexpr double kMostStepBias = 2;
 constexpr SEGCAL_NS::ReleaseRules<double> kRelease;
 
 /// chi2/dof beyond which residuals are not the stated noise made larger (a factor of two), but something else: drones,
 /// phones and effects of the catalogue's sizes stay below 3. The core goes on to 6, since a fit that failed shows no
 /// residuals, and it is they that tell what was stated wrong.
 constexpr double kMostRatio = 4;
-/// Of what the segments say, over what noise leaves: segments that are five times as far apart do not tell of one
-/// calibration. Real recordings have 2 to 13 with the noise of use and 11 to 20 with a tenth of it, a camera that
-/// turned late 32 to 62.
+/// Of what the segments say, over what noise leaves: segments that are five times as
+/// far apart do not tell of one calibration. Real recordings have 2 to 13 with the
+/// noise of use and 11 to 20 with a tenth of it, a camera that turned late 32 to 62.
 constexpr double kMostScatter = 25;
 const char* const kOneSegment =
     "one segment alone cannot show whether what is left in it is noise: two that agree are needed";
@@ -82,25 +81,25 @@ class Review {
     health_.suspects.insert(health_.suspects.end(), missing.begin(), missing.end());
     widen_sigmas();
     if (out_.result.status != "calibrated") return;
-    if (!odometry_stayed()) return refuse("insufficient", used_words());
+    if (!odometry_stayed(health_)) return refuse("insufficient", used_words(health_));
     if (const std::string step = stepping_bias(missing); !step.empty()) return refuse("failed", step);
     if (out_.result.chi2 > kMostRatio * out_.result.dof) return refuse("failed", "");
     const std::string step = implausible_step();
     if (!step.empty()) return refuse("failed", step);
     if (most_moved(missing) > kMostBias) return refuse("failed", missing.front().words);
-    if (!segments_followed()) return refuse("insufficient", followed_words());
+    if (!segments_followed(out_.segments)) return refuse("insufficient", followed_words(out_.segments));
     if (health_.segment_scatter > kMostScatter)
-      return refuse("insufficient", formatted("the segments disagree with each other by %.1f times their noise, so "
-                                              "that no one calibration fits them: the device changed "
-                                              "on the way (calibrate what was before and after by themselves), or an "
-                                              "effect is missing (segcal diagnose)",
-                                              std::sqrt(health_.segment_scatter)));
+      return refuse("insufficient",
+                    formatted("the segments disagree with each other by %.1f times their noise, so that no one "
+                              "calibration fits them: the device changed on the way (calibrate what was before and "
+                              "after by themselves), or an effect is missing (segcal diagnose)",
+                              std::sqrt(health_.segment_scatter)));
     const auto observed = std::count_if(out_.result.parameters.begin(), out_.result.parameters.end(),
                                         [](const CoreParameter& p) { return p.verdict == "observed"; });
     if (2 * static_cast<std::size_t>(observed) < out_.result.parameters.size())
       refuse("insufficient",
-             formatted("the segments disagree with each other by %.1f times their noise: with that in the sigmas, %d "
-                       "of %zu parameters are observed",
+             formatted("the segments disagree with each other by %.1f times their noise: "
+                       "with that in the sigmas, %d of %zu parameters are observed",
                        std::sqrt(health_.segment_scatter), static_cast<int>(observed), out_.result.parameters.size()));
   }
 
@@ -142,42 +141,6 @@ class Review {
     }
   }
 
-  bool odometry_stayed() const { return health_.frames_used >= kLeastUsed * health_.frames_offered; }
-
-  /// Segments that do not follow their own IMU samples are never kept; where a device changes on the way and the
-  /// odometry does not, those since then are such, and what is left agrees on what the device was before.
-  bool segments_followed() const {
-    const auto lost = static_cast<double>(unsettled());
-    return lost < kFewUnsettled || lost <= kMostUnsettled * static_cast<double>(newer());
-  }
-
-  /// How many segments are the newer half of the last session: until the first calibration many may not follow.
-  std::size_t newer() const {
-    const std::vector<CoreSegment>& all = out_.segments;
-    return static_cast<std::size_t>(std::count_if(
-               all.begin(), all.end(), [&all](const CoreSegment& s) { return s.session == all.back().session; })) /
-           2;
-  }
-
-  std::size_t unsettled() const {
-    const auto end = out_.segments.end();
-    return static_cast<std::size_t>(std::count_if(end - static_cast<std::ptrdiff_t>(newer()), end,
-                                                  [](const CoreSegment& s) { return !s.settled; }));
-  }
-
-  std::string followed_words() const {
-    return formatted(
-        "%zu of the last %zu segments do not follow their own IMU samples with what the odometry believed: a start "
-        "that is far off, or a "
-        "device that changed on the way (a camera that moved); calibrate what was before and after by themselves",
-        unsettled(), newer());
-  }
-
-  std::string used_words() const {
-    return formatted("odometry used %u of %u images that it was offered (%u restarts)", health_.frames_used,
-                     health_.frames_offered, health_.filter_restarts);
-  }
-
   /// The prior says where the truth may be; a step far beyond it was not made by noise.
   std::string implausible_step() {
     const std::vector<CoreParameter>& p = out_.result.parameters;
@@ -198,9 +161,8 @@ class Review {
     health_.step_dof = n;
     if (diagnosis::log10_upper_tail(sum, n) > kImplausible) return "";
     return formatted(
-        "the result is too far from the start to be believed: %s from %.5g to %.5g is %.1f of the start's sigmas (chi2 "
-        "%.0f of %d); "
-        "start nearer, or state a clock or lens error first (segcal diagnose)",
+        "the result is too far from the start to be believed: %s from %.5g to %.5g is %.1f of the start's sigmas "
+        "(chi2 %.0f of %d); start nearer, or state a clock or lens error first (segcal diagnose)",
         p[which].name.c_str(), p[which].initial, p[which].value, largest, sum, n);
   }
 
@@ -219,15 +181,15 @@ class Review {
       what = r.dof > 0 && r.converged ? formatted("the fit leaves %.1f times the stated noise (chi2/dof %.2f)",
                                                   std::sqrt(r.chi2 / r.dof), r.chi2 / r.dof)
                                       : "the fit did not settle";
-    } else if (!odometry_stayed()) {
-      what = used_words();
-    } else if (!segments_followed()) {
-      what = followed_words();
+    } else if (!odometry_stayed(health_)) {
+      what = used_words(health_);
+    } else if (!segments_followed(out_.segments)) {
+      what = followed_words(out_.segments);
     } else if (out_.kept.empty()) {
       what = !core_.outdated().empty()
                  ? formatted(
-                       "the calibration changed: %zu kept segments contradict later ones, which had been condensed at "
-                       "the old one; the next session shows the new one",
+                       "the calibration changed: %zu kept segments contradict later ones, which had been condensed "
+                       "at the old one; the next session shows the new one",
                        core_.outdated().size())
                  : formatted("no segment told enough to be kept: %zu scored", out_.segments.size());
     } else {
@@ -237,7 +199,7 @@ class Review {
                        static_cast<int>(observed), r.parameters.size());
     }
     if (faults_ > 0) return what + ": " + health_.suspects.front().words;
-    const std::string trouble = odometry_stayed() ? "" : core_.trouble();
+    const std::string trouble = odometry_stayed(health_) ? "" : core_.trouble();
     // Clocks that could not be compared are no cause where another one is known.
     const bool compared = clock.correlation != 0;
     if (!clock.words.empty() && (compared || trouble.empty())) return what + ": " + clock.words;
@@ -248,8 +210,8 @@ class Review {
     return what;
   }
 
-  /// What the images and the gyroscope say of the clocks; without words where that is not why odometry or fit went
-  /// wrong.
+  /// What the images and the gyroscope say of the clocks; without
+  /// words where that is not why odometry or fit went wrong.
   ClockSearch clocks() const {
     const bool moved = !out_.clocks.empty();  // the stamps, to what was found
     ClockSearch found =

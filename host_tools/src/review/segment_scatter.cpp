@@ -13,8 +13,8 @@ using diagnosis::Rows;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Eight segments tell a variance to a half: only scatter that chance does not explain once in a thousand parameters is
-/// taken.
+/// Eight segments tell a variance to a half: only scatter that
+/// chance does not explain once in a thousand parameters is taken.
 constexpr double kChance = -3;
 
 }  // namespace

@@ -99,23 +99,20 @@ std::vector<Note> notes_on_gravity(const CoreOptions& options, const ReplayResul
     if (std::abs(g * (1 + common) - kStandardGravity) > 2 * kTypicalError)
       return {{"gravity", 1 + common,
                formatted("all three accelerometer scales left the start by %+.2f +- %.2f %%, which gravity does not "
-                         "explain (it would be %.2f m/s^2): check the accelerometer's "
-                         "unit, range and noise",
+                         "explain (it would be %.2f m/s^2): check the accelerometer's unit, range and noise",
                          100 * common, 100 * sigma, g * (1 + common))}};
     return {{"gravity", 1 + common,
              formatted("all three accelerometer scales left the start by %+.2f +- %.2f %%, which sensors seldom do "
-                       "together: with gravity %.4f m/s^2 in place "
-                       "of %.5g they would have stayed. No residual tells the two apart. State gravity in --config, by "
-                       "m_s2 or by latitude_deg and height_m",
+                       "together: with gravity %.4f m/s^2 in place of %.5g they would have stayed. No residual tells "
+                       "the two apart. State gravity in --config, by m_s2 or by latitude_deg and height_m",
                        100 * common, 100 * sigma, g * (1 + common), g)}};
   }
   const double share = kTypicalError / g;
   if (options.gravity > 0 || sigma > share) return {};
   return {{"gravity", 1,
            formatted("gravity is not stated, %.5f m/s^2 is taken: where it is off by %.2f (Earth has 9.76 to 9.83), "
-                     "accel.s* and all lengths, p_CI too, are off by "
-                     "%.2f %%, %.1f sigma of accel.s*, and no residual shows it. State it in --config, by latitude_deg "
-                     "and height_m",
+                     "accel.s* and all lengths, p_CI too, are off by %.2f %%, %.1f sigma of accel.s*, and no residual "
+                     "shows it. State it in --config, by latitude_deg and height_m",
                      kStandardGravity, kTypicalError, 100 * share, share / sigma)}};
 }
 

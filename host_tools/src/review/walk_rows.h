@@ -23,8 +23,8 @@ class WalkRows {
   bool solved() const { return factor_.info() == Eigen::Success; }
   /// Sum of squares at the minimum, priors included.
   double cost() const { return residual_.squaredNorm(); }
-  /// `link` counts the problem's links, then its walks over gaps; `axis` is b_a's x, y, z, then b_g's. Sigma 0: nothing
-  /// shows such a step.
+  /// `link` counts the problem's links, then its walks over gaps; `axis`
+  /// is b_a's x, y, z, then b_g's. Sigma 0: nothing shows such a step.
   StepTest test(std::size_t link, int axis) const;
   /// What theta's columns move by when that step is taken into the model.
   Eigen::VectorXd moves(std::size_t link, int axis, double size) const;
@@ -38,8 +38,8 @@ class WalkRows {
   Rows J_;
   Eigen::VectorXd residual_;
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factor_;
-  std::vector<int> first_row_, rows_,
-      to_bias_;  ///< of each link: its rows, and the column of b_a in the state that it ends at
+  /// of each link: its rows, and the column of b_a in the state that it ends at
+  std::vector<int> first_row_, rows_, to_bias_;
   int n_theta_ = 0;
 };
 

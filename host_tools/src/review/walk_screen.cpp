@@ -8,13 +8,13 @@
 namespace host::review {
 namespace {
 
-/// Of 30 recordings without a step 27 are below, and 2.0 is the largest; of steps that made an answer wrong by 5 sigmas
-/// the smallest had 2.5. The test's own z is 2 to 20 times as large: images hold attitude and place loosely where
-/// corners are few.
+/// Of 30 recordings without a step 27 are below, and 2.0 is the largest; of steps that
+/// made an answer wrong by 5 sigmas the smallest had 2.5. The test's own z is 2 to 20
+/// times as large: images hold attitude and place loosely where corners are few.
 constexpr double kScreen = 1.8;
 
-/// Of one sensor, per state: the walk's variance since the one before (0: none), and what the link that begins there
-/// says of the bias.
+/// Of one sensor, per state: the walk's variance since the one before
+/// (0: none), and what the link that begins there says of the bias.
 struct Smoother {
   std::vector<double> walk, information;
 

@@ -21,8 +21,8 @@ struct TrackOptions {
   DepthRange depth;
 };
 
-/// As the corner tracks of a real camera (euroc_mh01): hardly any white noise, most of it a random walk along the
-/// track.
+/// As the corner tracks of a real camera (euroc_mh01): hardly
+/// any white noise, most of it a random walk along the track.
 inline TrackOptions drifting_tracks() {
   TrackOptions out;
   out.pixel_noise_px = 0.1;
@@ -33,8 +33,8 @@ inline TrackOptions drifting_tracks() {
 /// One camera with its true calibration in the scene. Calls of `next_frame` go forward in time at a fixed rate.
 class CameraSimulator {
  public:
-  /// `period` in s between frames; it is used to look ahead, so that no track begins that could not live `shortest`
-  /// frames.
+  /// `period` in s between frames; it is used to look ahead, so
+  /// that no track begins that could not live `shortest` frames.
   CameraSimulator(const CameraCalibration& camera, std::size_t index, const Trajectory& truth,
                   const std::vector<Eigen::Vector3d>& scene, const Effects& effects, const TrackOptions& options,
                   double period, std::uint64_t seed);

@@ -18,8 +18,8 @@ void clip(Recording& recording, double gyro_limit, double accel_limit);
 /// Takes out every n-th IMU sample, from the n-th on.
 void drop_imu_samples(Recording& recording, int every_n);
 
-/// Adds normal errors to the stamps, s per standard deviation; stamps stay in order (at least 1 us apart), values as
-/// they were.
+/// Adds normal errors to the stamps, s per standard deviation;
+/// stamps stay in order (at least 1 us apart), values as they were.
 void jitter_stamps(Recording& recording, double imu_sigma_s, double camera_sigma_s, std::uint64_t seed);
 
 /// From `t_ns` on a sensor repeats its last reading for `seconds`.

@@ -1,9 +1,7 @@
 #include "effect_names.h"
 
-#include <cmath>
-#include <cstdlib>
-
 #include "angles.h"
+#include "effect_values.h"
 #include "effects_camera.h"
 #include "effects_imu.h"
 #include "effects_log.h"
@@ -14,41 +12,9 @@
 namespace host::sim {
 namespace {
 
-using Values = std::vector<std::string>;
+using effect_values::number, effect_values::numbers, effect_values::positive, effect_values::three;
+using effect_values::Values, effect_values::expect, effect_values::split;
 using Made = std::shared_ptr<const Effect>;
-
-double number(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !(std::abs(value) < 1e12))
-    throw InputError("expected a number, found '" + text + "'");
-  return value;
-}
-
-double positive(const std::string& text) {
-  const double value = number(text);
-  if (!(value > 0)) throw InputError("expected a number above 0, found '" + text + "'");
-  return value;
-}
-
-std::vector<double> numbers(const Values& values, std::size_t from = 0) {
-  std::vector<double> out;
-  for (std::size_t i = from; i < values.size(); ++i) out.push_back(number(values[i]));
-  return out;
-}
-
-void expect(const Values& values, std::size_t least, std::size_t most) {
-  if (values.size() >= least && values.size() <= most) return;
-  const std::string range =
-      least == most ? std::to_string(least) : std::to_string(least) + " to " + std::to_string(most);
-  throw InputError("expected " + range + (most == 1 ? " value, found " : " values, found ") +
-                   std::to_string(values.size()));
-}
-
-Eigen::Vector3d three(const Values& values) {
-  expect(values, 3, 3);
-  return {number(values[0]), number(values[1]), number(values[2])};
-}
 
 /// One value is the factor of both sensors.
 Made make_imu_noise(const Values& v) {
@@ -174,19 +140,12 @@ Made make_decentred(const Values& v) {
   return std::make_shared<DecentredDistortion>(number(v[0]), number(v[1]), number(v[2]));
 }
 
-std::vector<std::string> split(const std::string& text) {
-  std::vector<std::string> parts;
-  std::size_t begin = 0;
-  for (std::size_t comma; (comma = text.find(',', begin)) != std::string::npos; begin = comma + 1)
-    parts.push_back(text.substr(begin, comma - begin));
-  parts.push_back(text.substr(begin));
-  return parts;
-}
-
 }  // namespace
 
 const std::vector<EffectEntry>& effect_entries() {
   using K = EffectKind;
+  // Each effect on one line where it fits.
+  // clang-format off
   static const std::vector<EffectEntry> all = {
       {K::catalogue, "time_offset", "t_d [s]: t_imu = t_cam + t_d", "0.003", make_one<TimeOffset>},
       {K::catalogue, "rolling_shutter", "line_delay [s/row]", "15e-6", make_one<RollingShutter>},
@@ -199,14 +158,11 @@ const std::vector<EffectEntry>& effect_entries() {
       {K::catalogue, "gyro_temperature", "x,y,z [rad/s/degC] from 25 degC", "3e-4,0,0", make_three<GyroTemperature>},
       {K::catalogue, "accel_temperature", "x,y,z [m/s^2/degC] from 25 degC", "5e-3,0,0", make_three<AccelTemperature>},
       {K::catalogue, "gyro_lag", "tau [s]: first-order low-pass", "0.004", make_lag},
-      {K::catalogue, "accel_axis_offset", "yx,yy,yz,zx,zy,zz [m], places of the y and z accelerometers from x's",
-       "0.01,0,0,0,0.01,0", make_axis_offset},
+      {K::catalogue, "accel_axis_offset", "yx,yy,yz,zx,zy,zz [m], places of the y and z accelerometers from x's", "0.01,0,0,0,0.01,0", make_axis_offset},
       {K::catalogue, "imu_noise", "factor(,factor of the accelerometer) [-] on the stated noise", "3", make_imu_noise},
       {K::catalogue, "pixel_noise", "factor [-] on --pixel-noise", "2", make_pixel_noise},
       {K::catalogue, "calibration_shift",
-       "BLOCK,time [s],step: from then on. cam0.r_CI [rad], cam0.p_CI [m], cam0.f, cam0.c [px], gyro.s, gyro.m, "
-       "accel.s, "
-       "accel.m [-], accel.r_AI [rad]",
+       "BLOCK,time [s],step: from then on. cam0.r_CI [rad], cam0.p_CI [m], cam0.f, cam0.c [px], gyro.s, gyro.m, accel.s, accel.m [-], accel.r_AI [rad]",
        "cam0.r_CI,30,0.012,0,0", make_shift},
       {K::catalogue, "saturation", "gyro [rad/s],accel [m/s^2], 0: none", "2,14", make_saturation},
       {K::catalogue, "dropped_samples", "n: every n-th IMU sample is missing", "50", make_dropped},
@@ -216,21 +172,17 @@ const std::vector<EffectEntry>& effect_entries() {
       {K::fault, "axes", "gyro|accel,order such as yxz or x-yz", "gyro,yxz", make_axes},
       {K::fault, "clock_drift", "drift [s/s](,shift [s]) of the camera's clock", "1e-4", make_clock},
       {K::outside, "outside:gyro_hysteresis", "width [rad/s] of the play", "0.01", make_one<GyroHysteresis>},
-      {K::outside, "outside:vibration_rectification", "k [s^2/m] times the variance of the force over 0.5 s", "0.02",
-       make_one<VibrationRectification>},
+      {K::outside, "outside:vibration_rectification", "k [s^2/m] times the variance of the force over 0.5 s", "0.02", make_one<VibrationRectification>},
       {K::outside, "outside:attitude_error", "k [m/s^2] times sin 2 roll, sin 2 pitch", "0.1", make_one<AttitudeError>},
-      {K::outside, "outside:heading_error", "k [rad/s] times cos yaw, sin yaw, sin 2 yaw", "0.01",
-       make_one<HeadingError>},
-      {K::outside, "outside:decentred_distortion", "k,cx,cy [-]: k r^6 about (cx, cy)", "0.02,0.2,-0.1",
-       make_decentred},
+      {K::outside, "outside:heading_error", "k [rad/s] times cos yaw, sin yaw, sin 2 yaw", "0.01", make_one<HeadingError>},
+      {K::outside, "outside:decentred_distortion", "k,cx,cy [-]: k r^6 about (cx, cy)", "0.02,0.2,-0.1", make_decentred},
       {K::outside, "outside:focus_hunting", "k [-]: f (1 + k sin(2 pi t / 7 s))", "0.002", make_one<FocusHunting>},
-      {K::outside, "outside:loose_mount", "angle [rad] to either side, drawn every 1.7 s", "0.002",
-       make_one<LooseMount>},
+      {K::outside, "outside:loose_mount", "angle [rad] to either side, drawn every 1.7 s", "0.002", make_one<LooseMount>},
       {K::outside, "outside:wandering_stamps", "k [s] times sin(2 pi t / 11 s)", "0.001", make_one<WanderingStamps>},
       {K::outside, "outside:gyro_hum", "k [rad/s] of a tone at 1.3 Hz", "0.005", make_one<GyroHum>},
-      {K::outside, "outside:two_way_shutter", "k [s/row] from the middle row to both edges", "5e-6",
-       make_one<TwoWayShutter>},
+      {K::outside, "outside:two_way_shutter", "k [s/row] from the middle row to both edges", "5e-6", make_one<TwoWayShutter>},
   };
+  // clang-format on
   return all;
 }
 

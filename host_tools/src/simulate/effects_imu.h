@@ -1,5 +1,5 @@
-// Catalogue effects on the IMU (docs/diagnosis.md, section 4), added to the reading after scale, misalignment and
-// rotation.
+// Catalogue effects on the IMU (docs/diagnosis.md, section 4),
+// added to the reading after scale, misalignment and rotation.
 #pragma once
 
 #include "effect.h"

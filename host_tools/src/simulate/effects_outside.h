@@ -19,8 +19,8 @@ class GyroHysteresis : public ImuEffect {
   mutable bool began_ = false;
 };
 
-/// Each axis of the accelerometer shifts by k times the variance of the specific force along it over the last half
-/// second.
+/// Each axis of the accelerometer shifts by k times the variance
+/// of the specific force along it over the last half second.
 class VibrationRectification : public ImuEffect {
  public:
   explicit VibrationRectification(double k) : k_(k) {}

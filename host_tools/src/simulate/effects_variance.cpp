@@ -25,8 +25,8 @@ std::pair<std::string, const Block*> find_block(const std::string& name) {
   for (const Block& block : imu_blocks)
     if (name == block.name) return {name, &block};
   throw InputError(
-      "calibration_shift: expected a block cam0.r_CI, cam0.p_CI, cam0.f, cam0.c, gyro.s, gyro.m, accel.s, "
-      "accel.m or accel.r_AI, found '" +
+      "calibration_shift: expected a block cam0.r_CI, cam0.p_CI, cam0.f, cam0.c, gyro.s, gyro.m, accel.s, accel.m or "
+      "accel.r_AI, found '" +
       name + "'");
 }
 

@@ -17,9 +17,9 @@ class NoiseFactor : public Effect {
   NoiseFactors factors_;
 };
 
-/// From time t on, s since the first frame, one block of the calibration is another. Rotations: R <- Exp(step) R, rad;
-/// everything else: plus step. Blocks: cam0.r_CI, cam0.p_CI, cam0.f, cam0.c, gyro.s, gyro.m, accel.s, accel.m,
-/// accel.r_AI.
+/// From time t on, s since the first frame, one block of the calibration is another.
+/// Rotations: R <- Exp(step) R, rad; everything else: plus step. Blocks: cam0.r_CI,
+/// cam0.p_CI, cam0.f, cam0.c, gyro.s, gyro.m, accel.s, accel.m, accel.r_AI.
 class CalibrationShift : public Effect {
  public:
   /// Throws InputError for an unknown block or a wrong number of values.

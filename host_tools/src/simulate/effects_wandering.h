@@ -29,8 +29,8 @@ class LooseMount : public Effect {
   double angle_;
 };
 
-/// Stamps of the camera that wander about the right ones, as those of a driver under a load that changes: k sin(2 pi t
-/// / 11 s).
+/// Stamps of the camera that wander about the right ones, as those
+/// of a driver under a load that changes: k sin(2 pi t / 11 s).
 class WanderingStamps : public Effect {
  public:
   explicit WanderingStamps(double k_s) : k_(k_s) {}
@@ -52,8 +52,8 @@ class GyroHum : public ImuEffect {
   double k_;
 };
 
-/// A sensor that is read from the middle to both edges at once; the stamp is the mean over all rows: t = t_stamp + k
-/// (|v - h / 2| - h / 4).
+/// A sensor that is read from the middle to both edges at once; the stamp
+/// is the mean over all rows: t = t_stamp + k (|v - h / 2| - h / 4).
 class TwoWayShutter : public Effect {
  public:
   explicit TwoWayShutter(double k) : k_(k) {}

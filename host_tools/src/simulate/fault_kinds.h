@@ -22,8 +22,8 @@ struct FaultKind {
 /// The first one is no fault: what a clean recording gives.
 const std::vector<FaultKind>& fault_kinds();
 const FaultKind& fault_kind(const std::string& name);  ///< throws InputError
-/// Of the faults themselves, for a help text, in lines: without the clean recording and other ways to replay the same
-/// fault.
+/// Of the faults themselves, for a help text, in lines: without
+/// the clean recording and other ways to replay the same fault.
 std::string fault_kind_names();
 
 }  // namespace host::sim

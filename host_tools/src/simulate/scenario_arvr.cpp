@@ -1,12 +1,12 @@
 // The scenario `arvr`: sessions with a headset or tablet in one room (the paper's AR/VR use case, Sec. VI).
 //
-// The paper: two minutes in a single room, "mostly fast rotations, only slow and minor translation and stationary
-// phases"; means over its sessions 0.20 m/s and 20.3 deg/s (office room), 0.29 m/s and 29.6 deg/s (class room). Here,
-// over 120 s and seeds 1 to 10: 0.26 m/s and 26 deg/s (0.23 to 0.31, 22 to 32), 26 % of the time at rest, a box of 2 m
-// x 2 m x 0.6 m. Those metres want nearly half of the time at half a metre per second, which is why strolling is the
-// longest phase; the turning is in the bursts: over windows of 4 s the median rate is 18 deg/s, one in ten turns faster
-// than 60, the fastest at 103. (`nav`, "only slow rotations" and nearly the same mean: median 21, one in ten faster
-// than 31.)
+// The paper: two minutes in a single room, "mostly fast rotations, only slow and minor translation and
+// stationary phases"; means over its sessions 0.20 m/s and 20.3 deg/s (office room), 0.29 m/s and 29.6
+// deg/s (class room). Here, over 120 s and seeds 1 to 10: 0.26 m/s and 26 deg/s (0.23 to 0.31, 22 to
+// 32), 26 % of the time at rest, a box of 2 m x 2 m x 0.6 m. Those metres want nearly half of the time
+// at half a metre per second, which is why strolling is the longest phase; the turning is in the bursts:
+// over windows of 4 s the median rate is 18 deg/s, one in ten turns faster than 60, the fastest at 103.
+// (`nav`, "only slow rotations" and nearly the same mean: median 21, one in ten faster than 31.)
 #include "scenarios.h"
 #include "wander.h"
 

@@ -20,8 +20,8 @@ struct Scenario {
 /// All scenarios, in the order in which --help lists them.
 const std::vector<Scenario>& scenarios();
 
-/// The motion of a scenario for times from 0 to `seconds` and 1 s on either side. Throws InputError for an unknown
-/// name.
+/// The motion of a scenario for times from 0 to `seconds` and
+/// 1 s on either side. Throws InputError for an unknown name.
 Trajectory make_trajectory(const std::string& scenario, double seconds, std::uint64_t seed);
 
 std::vector<MotionSample> arvr_motion(std::uint64_t seed, double t0, double step, std::size_t n);

@@ -9,8 +9,7 @@
 #include "../csv.h"
 #include "../files/output_run.h"
 #include "../render/render_images.h"
-#include "effect_model.h"
-#include "effect_names.h"
+#include "effect_options.h"
 #include "fault_kinds.h"
 #include "scenarios.h"
 #include "simulate.h"
@@ -24,9 +23,7 @@ struct Command {
   render::ImageOptions images;
   std::filesystem::path out;
   std::string distortion = "fov";
-  std::vector<std::string> effects, faults;
-  std::filesystem::path model;
-  std::vector<double> temperature;
+  sim::EffectOptions effects;
   std::vector<const sim::FaultKind*> spoil;
 };
 
@@ -47,7 +44,7 @@ std::vector<std::string> scenario_names() {
 void check_output(const Command& command) {
   namespace fs = std::filesystem;
   const fs::path out = fs::weakly_canonical(command.out);
-  for (const fs::path& input : {command.options.trajectory_file, command.options.imu_file, command.model}) {
+  for (const fs::path& input : {command.options.trajectory_file, command.options.imu_file, command.effects.model}) {
     if (input.empty()) continue;
     const fs::path inside = fs::weakly_canonical(input).lexically_relative(out);
     if (!inside.empty() && *inside.begin() != "..")
@@ -156,8 +153,7 @@ void add_sensor_options(CLI::App& app, Command& command) {
   app.add_option_function<std::string>(
       "--track-noise", [&options](const std::string& what) { set_track_noise(what, &options.tracks); },
       "white: --pixel-noise alone; drift: as the corner tracks of a real camera, most of it a random walk along the "
-      "track "
-      "(0.1 px and 0.9 px/sqrt(s)); or the result.json of a replay: what its tracks showed");
+      "track (0.1 px and 0.9 px/sqrt(s)); or the result.json of a replay: what its tracks showed");
   app.add_option("--rate-camera", options.camera_rate_hz, "Hz")->capture_default_str();
   app.add_option("--rate-imu", noise.rate_hz, "Hz")->capture_default_str();
   app.add_option("--gyro-noise", noise.gyro_noise_density, "rad/s/sqrt(Hz)")->check(positive)->capture_default_str();
@@ -169,10 +165,10 @@ void add_sensor_options(CLI::App& app, Command& command) {
 void add_image_options(CLI::App& app, Command& command) {
   render::SensorOptions& sensor = command.images.sensor;
   app.add_flag("--images", command.options.images,
-               "images instead of tracks: camN/data.csv and camN/data, as EuRoC has them. A room of textured planes "
-               "with furniture,\n"
-               "through the lens of --distortion. A stamp is the middle of the exposure, with rolling_shutter that of "
-               "the middle row");
+               "images instead of tracks: camN/data.csv and camN/data, as EuRoC has them. "
+               "A room of textured planes with furniture,\n"
+               "through the lens of --distortion. "
+               "A stamp is the middle of the exposure, with rolling_shutter that of the middle row");
   app.add_option("--exposure", sensor.exposure_s,
                  "usual exposure time, s; the exposure control goes from half of it to twice")
       ->check(CLI::Range(0.0, 0.1))
@@ -189,53 +185,6 @@ void add_image_options(CLI::App& app, Command& command) {
                  "folder of the photographs on the walls (default: those that host_tools/setup.sh installs)");
 }
 
-void add_effect_options(CLI::App& app, Command& command) {
-  app.add_option("--effect", command.effects,
-                 "NAME=v1,v2,...: an effect that the calibrated model has no parameter for; repeatable. Sizes that are "
-                 "visible\n"
-                 "in a minute of rich motion, with names and units of the values:\n" +
-                     sim::effect_help(sim::EffectKind::catalogue))
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option("--model", command.model,
-                 "model.yaml of a diagnosis or a replay: its effects, with its values, before those of --effect");
-  app.add_option("--fault", command.faults,
-                 "NAME=v1,...: a fault of wiring, units or clocks; repeatable:\n" +
-                     sim::effect_help(sim::EffectKind::fault) +
-                     "or one of `segcal experiments faults`, at its size: " + sim::fault_kind_names())
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option(
-         "--temperature", command.temperature,
-         "BEGIN,END[,TIME CONSTANT]: degC, degC, s: temperature column of an IMU that warms up; without it effects\n"
-         "that need one take 25,40 and a third of the recording")
-      ->expected(1, 3)
-      ->delimiter(',')
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-}
-
-/// A fault without values is one of the study's.
-void take_effect(const std::string& text, bool is_fault, Command* command) {
-  if (!is_fault || text.find('=') != std::string::npos)
-    return command->options.effects.push_back(sim::parse_effect(text));
-  const sim::FaultKind& kind = sim::fault_kind(text);
-  if (command->options.images)
-    throw InputError("--fault " + text + ": changes tracks and samples, which --images has none of; leave one away");
-  if (!kind.effect.empty()) command->options.effects.push_back(sim::parse_effect(kind.effect));
-  command->spoil.push_back(&kind);
-}
-
-void take_effects(Command& command) {
-  if (!command.model.empty()) command.options.effects = sim::effects_of_model(command.model);
-  for (const auto* list : {&command.effects, &command.faults})
-    for (const std::string& text : *list) take_effect(text, list == &command.faults, &command);
-  const std::vector<double>& t = command.temperature;
-  if (t.empty()) return;
-  if (t.size() < 2 || (t.size() == 3 && !(t[2] > 0)))
-    throw InputError("--temperature: expected BEGIN,END[,TIME CONSTANT], degC, degC, s above 0");
-  command.options.temperature = sim::WarmUp{t[0], t[1], t.size() == 3 ? t[2] : command.options.seconds / 3};
-}
-
 }  // namespace
 
 void add_simulate_command(CLI::App& app, int& exit_code) {
@@ -247,10 +196,10 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
   add_device_options(*sub, *command);
   add_sensor_options(*sub, *command);
   add_image_options(*sub, *command);
-  add_effect_options(*sub, *command);
+  sim::add_effect_options(*sub, &command->effects);
   sub->callback([command, &exit_code] {
     command->options.distortion = distortion_from_name(command->distortion);
-    take_effects(*command);
+    command->spoil = sim::take_effects(command->effects, &command->options);
     run(*command);
     exit_code = 0;
   });

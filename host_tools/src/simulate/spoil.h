@@ -1,5 +1,5 @@
-// What faults do to a recording in memory; their sizes are in fault_kinds.cpp. Places are shares of the recording's
-// samples.
+// What faults do to a recording in memory; their sizes are in
+// fault_kinds.cpp. Places are shares of the recording's samples.
 #pragma once
 
 #include <cstdint>
@@ -28,8 +28,8 @@ void halve_camera_rate(Recording& r);
 
 /// A random axis of the accelerometer in a share of the samples, m/s^2.
 void spikes(Recording& r, double share, double value, std::uint64_t seed);
-/// Readings as 16-bit numbers over +-2000 deg/s and +-16 g, one bit of one axis of which is wrong in a `share` of the
-/// samples.
+/// Readings as 16-bit numbers over +-2000 deg/s and +-16 g, one
+/// bit of one axis of which is wrong in a `share` of the samples.
 void flip_bits(Recording& r, double share, std::uint64_t seed);
 /// The gyroscope clips at a share of its largest reading. `known`: clipped readings are at full scale (35 rad/s), as of
 /// a sensor whose range the configuration states.

@@ -23,9 +23,9 @@ struct MotionSample {
   Eigen::Vector3d roll_pitch_yaw = Eigen::Vector3d::Zero();  ///< rad; R = Rz(yaw) Ry(pitch) Rx(roll) R_reference
 };
 
-/// R_GI(t) = Rz(yaw) Ry(pitch) Rx(roll) R_reference. The map from angles to attitude and rate is smooth everywhere, so
-/// large tilts are no trouble; only the way back from attitude to angles would be singular, and a simulation goes
-/// forward.
+/// R_GI(t) = Rz(yaw) Ry(pitch) Rx(roll) R_reference. The map from angles to attitude
+/// and rate is smooth everywhere, so large tilts are no trouble; only the way back
+/// from attitude to angles would be singular, and a simulation goes forward.
 class Trajectory {
  public:
   Trajectory() = default;

@@ -22,10 +22,10 @@ struct FittedTrajectory {
   double rotation_rms_rad = 0;
 };
 
-/// Reads a groundtruth.csv (timestamp [ns], p_xyz [m], q_wxyz, more columns ignored) and fits quintic splines with a
-/// knot each `knot_step`, s: 0.1 keeps motion up to about 3 Hz, 0.05 up to about 6 Hz. Throws InputError for a
-/// malformed file, stamps that do not increase, less than 3 s of poses, or a tilt of 85 degrees away from the attitude
-/// in the middle.
+/// Reads a groundtruth.csv (timestamp [ns], p_xyz [m], q_wxyz, more columns ignored) and fits
+/// quintic splines with a knot each `knot_step`, s: 0.1 keeps motion up to about 3 Hz, 0.05
+/// up to about 6 Hz. Throws InputError for a malformed file, stamps that do not increase,
+/// less than 3 s of poses, or a tilt of 85 degrees away from the attitude in the middle.
 FittedTrajectory fit_trajectory(const std::filesystem::path& file, double knot_step);
 
 }  // namespace host::sim

@@ -7,10 +7,10 @@
 
 namespace host {
 
-/// Reads FOLDER/gyro.csv and FOLDER/accel.csv (`timestamp [ns], x, y, z`) into samples at the gyroscope's stamps; the
-/// specific force is interpolated linearly between the accelerometer's events, and samples outside its span are left
-/// out. `smooth`: both streams' stamps are smoothed first (smooth_stamps.h), and `notes` says by how much. Throws
-/// InputError.
+/// Reads FOLDER/gyro.csv and FOLDER/accel.csv (`timestamp [ns], x, y, z`) into samples at the
+/// gyroscope's stamps; the specific force is interpolated linearly between the accelerometer's
+/// events, and samples outside its span are left out. `smooth`: both streams' stamps are
+/// smoothed first (smooth_stamps.h), and `notes` says by how much. Throws InputError.
 std::vector<ImuSample> read_imu_streams(const std::filesystem::path& folder, bool smooth,
                                         std::vector<std::string>* notes);
 

@@ -69,8 +69,8 @@ class SmoothedStream {
     return slopes.empty() ? 0 : middle_of(std::move(slopes));
   }
 
-  /// Earliest stamp, less its number's share, of events from `first` on for `envelope_s`; numbers as if none was
-  /// missing.
+  /// Earliest stamp, less its number's share, of events from
+  /// `first` on for `envelope_s`; numbers as if none was missing.
   double phase_after(std::size_t first, double number, double period) const {
     double earliest = std::numeric_limits<double>::infinity();
     for (std::size_t j = first; j < t_.size() && (j < first + least_envelope || t_[j] < t_[first] + envelope_s); ++j) {

@@ -11,8 +11,8 @@ namespace {
 constexpr double nearest_stray = 1.5;       // of the usual interval, ahead
 constexpr double most_strays = 0.1;         // of the images; more are a clock that was set back, or a log out of order
 constexpr double most_ahead_of_imu = 0.01;  // of the IMU's samples; more are a clock that was set back for all sensors
-constexpr std::int64_t beyond_imu_ns =
-    2000000000;  // after the IMU's last sample: the core takes no such image (device_stream.h)
+// after the IMU's last sample: the core takes no such image (device_stream.h)
+constexpr std::int64_t beyond_imu_ns = 2000000000;
 
 using Stamps = std::vector<std::int64_t>;
 
@@ -41,8 +41,8 @@ double usual_interval(const Stamps& t, const std::vector<std::size_t>& chain) {
   return dt.size() < 3 ? 0 : quantile(std::move(dt), 0.5);
 }
 
-/// Places that the chain leaves out, between two of it, ahead of both by `apart`; those after `last` wherever the chain
-/// goes on, or behind a jump.
+/// Places that the chain leaves out, between two of it, ahead of both by
+/// `apart`; those after `last` wherever the chain goes on, or behind a jump.
 std::vector<std::size_t> places_ahead(const Stamps& t, std::int64_t last) {
   const std::vector<std::size_t> chain = chain_of(t, last);
   const double apart = nearest_stray * usual_interval(t, chain);
@@ -53,8 +53,8 @@ std::vector<std::size_t> places_ahead(const Stamps& t, std::int64_t last) {
     const auto is_apart = [&](std::size_t from, std::size_t to) {
       return static_cast<double>(t[to] - t[from]) > apart;
     };
-    const bool jumps =
-        begin == 0 || (begin < next && is_apart(begin - 1, begin));  // else a clock that was set back after them
+    // else a clock that was set back after them
+    const bool jumps = begin == 0 || (begin < next && is_apart(begin - 1, begin));
     for (std::size_t i = begin; i < next; ++i)
       if (t[i] > last || (jumps && is_apart(next, i))) out.push_back(i);
     begin = next + 1;

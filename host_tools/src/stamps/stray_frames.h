@@ -1,5 +1,5 @@
-// Images whose stamps lie apart: ahead of those that follow them in the log, which come back to where the ones before
-// were.
+// Images whose stamps lie apart: ahead of those that follow them
+// in the log, which come back to where the ones before were.
 #pragma once
 
 #include "recording.h"

@@ -1,5 +1,5 @@
-// Flash of a device's store (segcal/store.h) in memory, as bytes that a file can hold: blocks of 4 KiB, erased ones
-// 0xFF.
+// Flash of a device's store (segcal/store.h) in memory, as bytes
+// that a file can hold: blocks of 4 KiB, erased ones 0xFF.
 #pragma once
 
 #include <cstdint>

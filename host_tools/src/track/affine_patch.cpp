@@ -7,10 +7,10 @@ namespace host {
 namespace {
 
 constexpr int max_steps = 20;  // it settles within 4 to 8 or not at all
-constexpr float settled_px =
-    0.02F;  // a third of the noise of a step of a track; 0.003 px is not reached in a third of the patches
-constexpr float least_correlation =
-    0.8F;  // below it the patch shows something else; 0.9 gives rendered tracks as good, and shorter real ones
+// a third of the noise of a step of a track; 0.003 px is not reached in a third of the patches
+constexpr float settled_px = 0.02F;
+// below it the patch shows something else; 0.9 gives rendered tracks as good, and shorter real ones
+constexpr float least_correlation = 0.8F;
 constexpr float most_scale = 2;   // beyond it one of the two images has no detail that the other could show
 constexpr float most_gain = 5;    // of brightness: a patch in a shadow
 constexpr double damping = 1e-6;  // a patch of one grey level has no gradient, and no answer
@@ -33,8 +33,8 @@ float at(const cv::Mat& image, const Eigen::Vector2f& point) {
          ay * ((1 - ax) * at(image, x, y + 1) + ax * at(image, x + 1, y + 1));
 }
 
-/// Neither mirrored nor stretched or shrunk by more than the limit: singular values s1 >= s2 have s1^2 + s2^2 = |A|^2
-/// and s1 s2 = det A.
+/// Neither mirrored nor stretched or shrunk by more than the limit:
+/// singular values s1 >= s2 have s1^2 + s2^2 = |A|^2 and s1 s2 = det A.
 bool plausible(const Eigen::Matrix2f& A) {
   const float area = A.determinant(), squares = A.squaredNorm(), limit = 2 * most_scale * most_scale;
   return area > 0 && squares < limit && squares < limit * area * area;
@@ -70,8 +70,8 @@ void AffinePatch::sample(const cv::Mat& image, const Map& W, Eigen::VectorXf& se
       seen[i] = at(image, W.t + W.A * Eigen::Vector2f(static_cast<float>(dx), static_cast<float>(dy)));
 }
 
-/// seen(x) = gain * patch(D x) + offset with D near 1, to first order in D; the map is then W D^-1 (equation 37 of the
-/// source).
+/// seen(x) = gain * patch(D x) + offset with D near 1, to first
+/// order in D; the map is then W D^-1 (equation 37 of the source).
 bool AffinePatch::step(const Eigen::VectorXf& seen, Map& W) const {
   const Eigen::Matrix<float, kUnknowns, 1> u = step_ * seen;
   const float gain = u[kGain];

@@ -12,18 +12,18 @@ struct PatchPose {
   Eigen::Matrix2f shape = Eigen::Matrix2f::Identity();
 };
 
-/// A square of an image around a point, and its affine map to other images, with gain and offset of brightness. As a
-/// corner moves through the image, lens and perspective bend what is around it. A tracker that only shifts its patch
-/// errs by what that does to the pattern. Inverse compositional (Baker, Matthews: Lucas-Kanade 20 years on, IJCV 56,
-/// 2004, section 3.2): the derivatives are the patch's own, so that a step is one product with a matrix that is known
-/// beforehand.
+/// A square of an image around a point, and its affine map to other images, with gain and offset of
+/// brightness. As a corner moves through the image, lens and perspective bend what is around it. A
+/// tracker that only shifts its patch errs by what that does to the pattern. Inverse compositional
+/// (Baker, Matthews: Lucas-Kanade 20 years on, IJCV 56, 2004, section 3.2): the derivatives are the
+/// patch's own, so that a step is one product with a matrix that is known beforehand.
 class AffinePatch {
  public:
   /// `image`: 8-bit grey. `side_px` is odd; a patch over the image's edge repeats the rim.
   AffinePatch(const cv::Mat& image, const Eigen::Vector2f& point, int side_px);
 
-  /// Moves `pose`, a guess within some 2 px, onto the patch in `image`. False, and `pose` as it was, where the patch
-  /// does not look like that.
+  /// Moves `pose`, a guess within some 2 px, onto the patch in `image`.
+  /// False, and `pose` as it was, where the patch does not look like that.
   bool align(const cv::Mat& image, PatchPose& pose) const;
 
  private:

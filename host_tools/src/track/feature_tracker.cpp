@@ -9,8 +9,8 @@ namespace host {
 namespace {
 
 constexpr float rim_px = 8;  // closer to the edge than this the patch is mostly outside
-constexpr float max_alignment_px =
-    1.5F;  // from a step of Lucas-Kanade, which errs by 0.1 to 0.4 px: farther off it is another corner
+// from a step of Lucas-Kanade, which errs by 0.1 to 0.4 px: farther off it is another corner
+constexpr float max_alignment_px = 1.5F;
 constexpr int most_missed = 3;   // images in a row: one or two may be blurred
 constexpr double merged_px = 4;  // closer to each other than this two tracks share most of their patch
 
@@ -100,9 +100,9 @@ void FeatureTracker::follow(const std::vector<cv::Mat>& pyramid, const cv::Mat& 
   drop_merged();
 }
 
-/// Lucas-Kanade has put it near: from there onto what the corner looked like at first. False where it has not looked
-/// like that for some images. The grey values are those of the camera: local contrast changes with the place in the
-/// image.
+/// Lucas-Kanade has put it near: from there onto what the corner looked like at
+/// first. False where it has not looked like that for some images. The grey values
+/// are those of the camera: local contrast changes with the place in the image.
 bool FeatureTracker::align(Track& track, const cv::Point2f& before, const cv::Mat& image) const {
   const bool first = !track.anchor;
   if (first)

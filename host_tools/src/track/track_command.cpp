@@ -1,7 +1,6 @@
 // `segcal track`: images of a recording to feature tracks.
 #include <unistd.h>
 
-#include <algorithm>
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -15,6 +14,7 @@
 #include "feature_tracker.h"
 #include "recording_view.h"
 #include "stereo_matcher.h"
+#include "track_statistics.h"
 
 namespace host {
 namespace {
@@ -102,36 +102,6 @@ class RigTracker {
   std::vector<std::vector<Frame>> frames;
 };
 
-/// What a user wants to know of the tracks: how many at a time, and how long they live.
-/// Half of the points belong to tracks of so many images or more: corners of one image, of which there are many, hardly
-/// count. `lengths`: sorted.
-int length_of_half_the_points(const std::vector<int>& lengths, std::size_t points) {
-  std::size_t beyond = 0;
-  for (auto length = lengths.rbegin(); length != lengths.rend(); ++length) {
-    beyond += static_cast<std::size_t>(*length);
-    if (2 * beyond >= points) return *length;
-  }
-  return 0;
-}
-
-nlohmann::json statistics(const std::vector<Frame>& frames) {
-  std::map<std::uint32_t, int> length;
-  std::size_t points = 0;
-  for (const Frame& frame : frames) {
-    points += frame.points.size();
-    for (const TrackPoint& point : frame.points) ++length[point.track_id];
-  }
-  std::vector<int> lengths;
-  for (const auto& [id, frames_seen] : length) lengths.push_back(frames_seen);
-  std::sort(lengths.begin(), lengths.end());
-  return {{"images", frames.size()},
-          {"tracks", lengths.size()},
-          {"tracks_per_image_mean",
-           frames.empty() ? 0.0 : static_cast<double>(points) / static_cast<double>(frames.size())},
-          {"track_length_median", lengths.empty() ? 0 : lengths[lengths.size() / 2]},
-          {"track_length_of_half_the_points", length_of_half_the_points(lengths, points)}};
-}
-
 fs::path tracks_file(const fs::path& root, int camera) {
   return root / "mav0" / ("cam" + std::to_string(camera)) / "tracks.csv";
 }
@@ -183,7 +153,7 @@ void report(const std::vector<std::vector<Frame>>& tracks, const TrackSettings& 
   nlohmann::json result = nlohmann::json::array();
   const fs::path root = settings.out;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
-    result.push_back(statistics(tracks[i]));
+    result.push_back(track_statistics(tracks[i]));
     result.back()["file"] = tracks_file(root, static_cast<int>(i)).string();
   }
   if (settings.json) {

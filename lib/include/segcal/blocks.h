@@ -4,8 +4,9 @@
  * more than half of all, holds segments, the open one too, and what a calibration needs. An image reads a few words of
  * it and a keyframe is copied there: slower RAM will do, but it must be on. `segcal_create` has both in one block.
  *
- *     static char hot[SEGCAL_HOT_BYTES] IN_TIGHTLY_COUPLED_RAM, cold[SEGCAL_COLD_BYTES];   both aligned to
- * SEGCAL_STORAGE_ALIGNMENT segcal_create_in_blocks(&device, &config, hot, sizeof hot, cold, sizeof cold);
+ *     static char hot[SEGCAL_HOT_BYTES] IN_TIGHTLY_COUPLED_RAM;   aligned to SEGCAL_STORAGE_ALIGNMENT
+ *     static char cold[SEGCAL_COLD_BYTES];                        so is this
+ *     segcal_create_in_blocks(&device, &config, hot, sizeof hot, cold, sizeof cold);
  *
  * No part holds an address. After its bytes were copied to other places, or to a file and back into RAM, segcal_attach
  * gives the device, which goes on with the same bits; the program and its library must be those that wrote the bytes.

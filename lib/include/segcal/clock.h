@@ -14,8 +14,8 @@
  *       while (segcal_clock_background(&clock, 1) == 1) {}         in a task of low priority
  *       segcal_clock_get(&clock, &found);
  *     } while (found.status != SEGCAL_CLOCK_FOUND);
- *     offset_ns = (int64_t)(1e9 * found.offset_s);                 then: segcal_push_tracks(device, image_ns +
- * offset_ns, points, n)
+ *     offset_ns = (int64_t)(1e9 * found.offset_s);
+ *     segcal_push_tracks(device, image_ns + offset_ns, points, n); as all images from then on
  *
  * Calls return SEGCAL_OK (0), a positive event, or a negative error of segcal.h; after an error the state is valid and,
  * counters apart, as if the call had not been made. Not for two threads at a time on the same search. The same calls
@@ -101,15 +101,13 @@ static inline const char* segcal_clock_words(int32_t status) {
     case SEGCAL_CLOCK_FOUND: return "found: add offset_s to the stamps of all images, then start the device";
     case SEGCAL_CLOCK_FEW_IMAGES:
       return "too few images with common corners: they should come 40 to 250 ms apart, share 12 tracks, be stamped "
-             "within 2 s of the IMU's samples, "
-             "and segcal_clock_background must be done with one before the next";
+             "within 2 s of the IMU's samples, and segcal_clock_background must be done with one before the next";
     case SEGCAL_CLOCK_STILL:
       return "the device turns too little to compare clocks: turn it about, by half a radian a second or more, now "
              "faster and now slower";
     case SEGCAL_CLOCK_NO_AGREEMENT:
       return "rotation of the images and of the gyroscope do not agree at any offset within 0.5 s of the start: check "
-             "q_CI, the gyroscope's axes and "
-             "units (rad/s), the focal length, and the stamps; or state another start";
+             "q_CI, the gyroscope's axes and units (rad/s), the focal length, and the stamps; or state another start";
     case SEGCAL_CLOCK_REPEATS:
       return "the motion repeats itself, so that offsets are not told apart: turn the device now faster and now slower";
     default: return "unknown";

@@ -140,8 +140,7 @@
 #define SEGCAL_START_DELAY_MS SEGCAL_DEFAULT_START_DELAY_MS
 #endif
 #if SEGCAL_START_DELAY_MS > 1500
-#error \
-    "SEGCAL_START_DELAY_MS: 0 to 1500; the filter begins anew after 2 s without a feature, and a start that takes effect later never stays"
+#error "SEGCAL_START_DELAY_MS: 0 to 1500; the filter begins anew after 2 s without a feature: a later start never stays"
 #endif
 
 /* Frames that may wait for the IMU samples of their time, which come late from sensors with a FIFO: a block may last

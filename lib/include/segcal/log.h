@@ -4,10 +4,19 @@
  * caller's function when the block is full or another kind of data comes. Call the function here first, then the one of
  * segcal.h that it stands for:
  *
- *     segcal_log_begin(&log, &config, block, sizeof block, write, context);   segcal_create(&device, &config, ...);
- *     segcal_log_imu(&log, &sample);          segcal_push_imu(device, &sample);             segcal_log_fed(&log,
- * device); segcal_log_tracks(&log, t_ns, points, n);   segcal_push_tracks(device, t_ns, points, n);
- * segcal_log_fed(&log, device); segcal_log_mark(&log, SEGCAL_LOG_CALIBRATE); segcal_calibrate(device);
+ *     segcal_log_begin(&log, &config, block, sizeof block, write, context);
+ *     segcal_create(&device, &config, ...);
+ *
+ *     segcal_log_imu(&log, &sample);
+ *     segcal_push_imu(device, &sample);
+ *     segcal_log_fed(&log, device);
+ *
+ *     segcal_log_tracks(&log, t_ns, points, n);
+ *     segcal_push_tracks(device, t_ns, points, n);
+ *     segcal_log_fed(&log, device);
+ *
+ *     segcal_log_mark(&log, SEGCAL_LOG_CALIBRATE);
+ *     segcal_calibrate(device);
  *     segcal_log_hash(&log, segcal_result_hash(device));
  *     segcal_log_end(&log);
  *

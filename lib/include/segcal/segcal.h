@@ -60,23 +60,22 @@ enum {
   SEGCAL_ERROR_CONFIG = -4,     /* a configuration value out of its range */
   SEGCAL_ERROR_NOT_FINITE = -5, /* NaN or infinity in a sample, dropped and counted; a keyframe whose state is out of
                                    range, or with a point that is no number, dropped */
-  SEGCAL_ERROR_STAMP =
-      -6, /* a stamp that repeats, goes back, is far from the others, or outside +-2^62 ns; dropped and counted */
+  SEGCAL_ERROR_STAMP = -6,  /* a stamp that repeats, goes back, is far from the others, or outside +-2^62 ns; dropped
+                               and counted */
   SEGCAL_ERROR_CAMERA = -7, /* camera index out of range */
   SEGCAL_ERROR_STATE = -8,  /* call not possible now (no segment, not created) */
   SEGCAL_ERROR_BUSY = -9,   /* background work is under way and moves what was asked for: again when segcal_background
-                               returns 0   and the calibration has taken effect, or after segcal_flush */
-  SEGCAL_ERROR_CAPACITY =
-      -10, /* header and library have other capacities (config.h): segcal_explain_capacities says which */
-  SEGCAL_ERROR_STORAGE = -11, /* store.h: the medium failed */
-  SEGCAL_ERROR_FULL = -12,    /* store.h: too few good blocks */
-  SEGCAL_ERROR_VERSION = -13  /* store.h: stored by a newer major format */
+                               returns 0 and the calibration has taken effect, or after segcal_flush */
+  SEGCAL_ERROR_CAPACITY = -10, /* header and library have other capacities (config.h): see
+                                  segcal_explain_capacities */
+  SEGCAL_ERROR_STORAGE = -11,  /* store.h: the medium failed */
+  SEGCAL_ERROR_FULL = -12,     /* store.h: too few good blocks */
+  SEGCAL_ERROR_VERSION = -13   /* store.h: stored by a newer major format */
 };
 
 /* ---- configuration: a struct of zeroes means all defaults, except for the camera itself ----
  * [a, b] is the range of a value; one outside it, or not a number, makes segcal_create return SEGCAL_ERROR_CONFIG.
- * Where 0 stands for a default, 0 is allowed beside the range. The square of a quaternion's length is in [0.98, 1.02].
- */
+ * Where 0 stands for a default, 0 is allowed beside the range. The square of a quaternion's length: [0.98, 1.02]. */
 enum { SEGCAL_FOV = 0, SEGCAL_RADTAN = 1, SEGCAL_EQUIDISTANT = 2 };
 enum {
   SEGCAL_METRIC_A = 0,
@@ -360,21 +359,21 @@ enum {
   SEGCAL_HEALTH_FRAMES_REFUSED = 5, /* most frames' stamps do not grow */
   SEGCAL_HEALTH_FEW_TRACKS = 6,     /* most frames have too few points that go on */
   SEGCAL_HEALTH_STARTING = 7,       /* nothing is wrong yet: the filter collects frames */
-  SEGCAL_HEALTH_FRAMES_TOO_FAR =
-      8, /* over 0.6 s apart, or too far for the IMU samples that the profile keeps: no start was tried */
-  SEGCAL_HEALTH_NO_START = 9,    /* several starts were tried and none fits the motion */
-  SEGCAL_HEALTH_LOST_OFTEN = 10, /* the filter starts, and is lost again within ten seconds on average */
-  SEGCAL_HEALTH_SATURATED = 11,  /* most IMU samples are at full scale; or it runs, but more than one in a hundred is */
-  SEGCAL_HEALTH_FRAMES_CROWDED =
-      12, /* does not run: most frames find no place to wait for their IMU samples, which come in long blocks */
+  SEGCAL_HEALTH_FRAMES_TOO_FAR = 8, /* over 0.6 s apart, or too far for the IMU samples that the profile keeps: no
+                                       start was tried */
+  SEGCAL_HEALTH_NO_START = 9,       /* several starts were tried and none fits the motion */
+  SEGCAL_HEALTH_LOST_OFTEN = 10,    /* the filter starts, and is lost again within ten seconds on average */
+  SEGCAL_HEALTH_SATURATED = 11, /* most IMU samples are at full scale; or it runs, but more than one in a hundred is */
+  SEGCAL_HEALTH_FRAMES_CROWDED = 12, /* does not run: most frames find no place to wait for their IMU samples, which
+                                        come in long blocks */
   SEGCAL_HEALTH_SPIKES = 13, /* an IMU sample in four seconds, or more, stands alone or with one other, far from its
                                 neighbours: they end segments */
-  SEGCAL_HEALTH_STARTS_LATE =
-      14, /* does not run: starts in motion are due before segcal_background has done their slices */
-  SEGCAL_HEALTH_IMU_RATE =
-      15, /* IMU samples come at another rate than imu_rate_hz: most are a gap apart, or far more than stated */
-  SEGCAL_HEALTH_NO_SEGMENTS =
-      16 /* runs, but of five segments or more none is of use: too few points, or far from the IMU's motion */
+  SEGCAL_HEALTH_STARTS_LATE = 14, /* does not run: starts in motion are due before segcal_background has done their
+                                     slices */
+  SEGCAL_HEALTH_IMU_RATE = 15,   /* IMU samples come at another rate than imu_rate_hz: most are a gap apart, or far more
+                                    than stated */
+  SEGCAL_HEALTH_NO_SEGMENTS = 16 /* runs, but of five segments or more none is of use: too few points, or far from the
+                                    IMU's motion */
 };
 
 /* A whitened residual of the last calibration. */

@@ -47,7 +47,7 @@
 #define SEGCAL_CHAIN_COLUMNS (49u + SEGCAL_MAX_EFFECT_COLUMNS + 6u * SEGCAL_MAX_KEYFRAMES)
 #define SEGCAL_CHAIN_NUMBERS                                                                            \
   (9u * SEGCAL_CHAIN_COLUMNS + SEGCAL_LARGER(15u * SEGCAL_CHAIN_COLUMNS, 9u * SEGCAL_REDUCED_COLUMNS) + \
-   6u * SEGCAL_REDUCED_COLUMNS + 486u)
+   SEGCAL_LARGER(690u, 6u * SEGCAL_REDUCED_COLUMNS) + 486u)
 #define SEGCAL_LENT_NUMBERS                                                                      \
   (2u * SEGCAL_THETA_COLUMNS * SEGCAL_THETA_COLUMNS + SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) + \
    8u * SEGCAL_THETA_COLUMNS + 300u)

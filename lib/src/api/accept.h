@@ -6,8 +6,8 @@
 
 namespace SEGCAL_NS {
 
-/// The value in the core's type; false, and nothing stored, unless it is in [least, most], which must be numbers of
-/// that type.
+/// The value in the core's type; false, and nothing stored, unless
+/// it is in [least, most], which must be numbers of that type.
 template <class S>
 bool accept(double value, double least, double most, S* out) {
   if (!(value >= least && value <= most)) return false;  // not-a-number too

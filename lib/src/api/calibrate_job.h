@@ -2,8 +2,10 @@
 // then what of it is released. Nobody sees anything of it before it is published, whole (report.h).
 #pragma once
 
+#include "api/length_histogram.h"
 #include "api/parts.h"
 #include "api/report.h"
+#include "calibration/agreement.h"
 #include "calibration/scatter.h"
 
 namespace SEGCAL_NS {
@@ -23,7 +25,7 @@ class CalibrateJob {
   void begin(const Calibration<S>& theta, DeviceParts<S>* d) {
     ++d->faults.calibrations;
     d->slices.begin_job();
-    d->work.take(WorkOwner::calibration);
+    d->work.begin_lease(WorkOwner::calibration, &work_);
     theta_ = theta;
     n_ = d->database().in_order(segment_);
     place_ = inner_ = 0;
@@ -38,14 +40,14 @@ class CalibrateJob {
   }
   /// What was found, when no slices are left. True if segments left the database.
   bool publish(DeviceParts<S>* d, CalibrationReport<S>* report) {
-    report->release = *d->work.release();
+    report->release = *work_.release();
     report->theta = d->calibrator().theta();
     report->fit = d->calibrator().fit();
     report->segments = d->database().size();
     report->partitions = d->calibrator().partitions();
     report->reprojection = reprojection_;
-    report->directions.copy(d->work.analysis());
-    d->work.give_back();
+    report->directions.copy(*work_.analysis());
+    work_.end();
     stage_ = Stage::idle;
     return dropped_any_;
   }
@@ -76,6 +78,7 @@ class CalibrateJob {
 
   Stage stage_ = Stage::idle;
   Place place_ = 0, inner_ = 0;
+  typename Workspace<S>::Lease work_;
   Calibration<S> theta_;                    ///< where it begins
   Near<Segment<S>> segment_[kMaxSegments];  ///< that take part, in order of time
   std::int32_t n_ = 0, i_ = 0, epoch_ = 0, round_ = 0;
@@ -103,11 +106,11 @@ template <class S>
     SEGCAL_PAUSE(place_);
     SEGCAL_AWAIT(place_, measure_scatter_step(d));
     SEGCAL_AWAIT(place_, measure_residuals_step(d));
-    begin_analysis_with_prior(d->calibrator().theta_triangle(), d->prior().sigma, d->work.new_analysis());
-    SEGCAL_AWAIT(place_, analyse_with_prior_step(theta_.columns(), d->work.analysis_under_way()));
+    begin_analysis_with_prior(d->calibrator().theta_triangle(), d->prior().sigma, work_.new_analysis());
+    SEGCAL_AWAIT(place_, analyse_with_prior_step(theta_.columns(), work_.analysis()));
     SEGCAL_PAUSE(place_);
-    judge(&d->calibrator(), d->prior(), ReleaseRules<S>{}, scatter_.variance(), d->work.release());
-    if (d->work.release()->status == Status::failed) SEGCAL_AWAIT(place_, drop_misfits_step(d));
+    judge(&d->calibrator(), d->prior(), ReleaseRules<S>{}, scatter_.variance(), work_.release());
+    if (work_.release()->status == Status::failed) SEGCAL_AWAIT(place_, drop_misfits_step(d));
   }
   SEGCAL_SLICES_END(place_);
 }
@@ -123,21 +126,21 @@ bool CalibrateJob<S>::fit_step(DeviceParts<S>* d) {
     SEGCAL_PAUSE(inner_);
     calibrator.accept_all();
     SEGCAL_PAUSE(inner_);
-    SEGCAL_AWAIT(inner_, calibrator.run_step(rough, &d->work.eliminator()));
+    SEGCAL_AWAIT(inner_, calibrator.run_step(rough, &work_.eliminator()));
     SEGCAL_PAUSE(inner_);
     // Corners that are still far off once the model fits are no noise: they are left out, and the rest fits again.
     SEGCAL_AWAIT(inner_, calibrator.reject_outliers_step(S(5)));
     SEGCAL_PAUSE(inner_);
-    SEGCAL_AWAIT(inner_, calibrator.run_step(CalibratorOptions{}, &d->work.eliminator()));
+    SEGCAL_AWAIT(inner_, calibrator.run_step(CalibratorOptions{}, &work_.eliminator()));
   }
   SEGCAL_SLICES_END(inner_);
 }
 
-/// All segments' information at the calibrated theta, each alone: what a segment says must not come from its
-/// neighbours.
+/// All segments' information at the calibrated theta, each
+/// alone: what a segment says must not come from its neighbours.
 template <class S>
 bool CalibrateJob<S>::score_alone_step(DeviceParts<S>* d) {
-  SegmentEliminator<S>& eliminator = d->work.eliminator();
+  SegmentEliminator<S>& eliminator = work_.eliminator();
   SEGCAL_SLICES(inner_) {
     for (i_ = 0; d->calibrator().fit().converged && i_ < n_; ++i_) {
       SEGCAL_AWAIT(inner_, eliminator.eliminate_step(*segment_[i_], GuestLink<S>{}, d->calibrator().theta(),
@@ -153,7 +156,8 @@ bool CalibrateJob<S>::score_alone_step(DeviceParts<S>* d) {
 template <class S>
 [[gnu::cold]] bool CalibrateJob<S>::measure_scatter_step(DeviceParts<S>* d) {
   SEGCAL_SLICES(inner_) {
-    scatter_ = SegmentScatter<S>(d->calibrator().theta_triangle(), theta_.columns(), d->work.scatter_scratch());
+    scatter_ = SegmentScatter<S>(d->calibrator().theta_triangle(), theta_.columns(),
+                                 work_.template numbers<SegmentScatter<S>::kScratch>());
     for (i_ = 0; d->calibrator().fit().converged && n_ >= 2 && i_ < n_; ++i_) {
       SEGCAL_AWAIT(inner_, scatter_.take_step(segment_[i_]->information));
     }
@@ -168,14 +172,15 @@ template <class S>
 /// After a failed calibration: segments that do not fit even alone leave the database, and collecting goes on.
 template <class S>
 bool CalibrateJob<S>::drop_misfits_step(DeviceParts<S>* d) {
-  CostSteps<S>& cost = d->calibrator().cost_steps();
   SEGCAL_SLICES(inner_) {
-    d->calibrator().lend_cost_steps();
+    d->calibrator().begin_costs();
     for (i_ = 0; i_ < Database<S>::kSlots; ++i_) {
       if (!d->database().kept(i_)) continue;
-      SEGCAL_AWAIT(inner_,
-                   cost.step(d->database().slot(i_), GuestLink<S>{}, d->calibrator().theta(), d->options.model));
-      if (cost.total() <= ReleaseRules<S>{}.most_chi2_per_dof * S(d->database().slot(i_).information.dof)) continue;
+      SEGCAL_AWAIT(inner_, d->calibrator().costs().step(d->database().slot(i_), GuestLink<S>{}, d->calibrator().theta(),
+                                                        d->options.model));
+      if (d->calibrator().costs().total() <=
+          ReleaseRules<S>{}.most_chi2_per_dof * S(d->database().slot(i_).information.dof))
+        continue;
       d->database().drop(i_);
       ++d->faults.segments_unsettled;
       dropped_any_ = true;
@@ -187,7 +192,7 @@ bool CalibrateJob<S>::drop_misfits_step(DeviceParts<S>* d) {
 template <class S>
 bool CalibrateJob<S>::measure_residuals_step(DeviceParts<S>* d) {
   SEGCAL_SLICES(inner_) {
-    for (std::int32_t& b : d->work.histogram()->bin) b = 0;
+    for (std::int32_t& b : work_.template begin_in_triangle<LengthHistogram>().bin) b = 0;
     squares_ = 0;
     points_ = left_out_ = 0;
     for (i_ = 0; i_ < n_; ++i_) {
@@ -196,14 +201,14 @@ bool CalibrateJob<S>::measure_residuals_step(DeviceParts<S>* d) {
     }
     reprojection_ = {};
     if (points_ > left_out_) reprojection_.rms = square_root(S(squares_ / (points_ - left_out_)));
-    if (points_ > 0) reprojection_.median = d->work.histogram()->template median<S>(points_);
+    if (points_ > 0) reprojection_.median = work_.template in_triangle<LengthHistogram>().template median<S>(points_);
   }
   SEGCAL_SLICES_END(inner_);
 }
 
 template <class S>
 void CalibrateJob<S>::add_residuals(DeviceParts<S>* d, const Segment<S>& s) {
-  std::int32_t* bin = d->work.histogram()->bin;
+  std::int32_t* bin = work_.template in_triangle<LengthHistogram>().bin;
   for (int o = 0; o < s.n_observations; ++o) {
     const Observation& z = s.observation[o];
     Vec2<S> r;

@@ -1,13 +1,13 @@
-// CalibrateJob: segments and epochs that tell of a calibration the device no longer has, and whether that is a change
-// of the device.
+// CalibrateJob: segments and epochs that tell of a calibration the
+// device no longer has, and whether that is a change of the device.
 #pragma once
 
 #include "api/calibrate_job.h"
 
 namespace SEGCAL_NS {
 
-/// Drops segments and epochs that newer ones contradict (calibration/agreement.h); dropped_ says whether there were
-/// any.
+/// Drops segments and epochs that newer ones contradict
+/// (calibration/agreement.h); dropped_ says whether there were any.
 template <class S>
 [[gnu::cold]] bool CalibrateJob<S>::drop_outdated_step(DeviceParts<S>* d) {
   SEGCAL_SLICES(inner_) {
@@ -17,7 +17,7 @@ template <class S>
       epoch_ = newest_epoch(d);
       for (i_ = n_ - 1; i_ >= 0 || epoch_ >= 0; compares_epoch_ ? --epoch_ : --i_) {
         compare_next(d);
-        SEGCAL_AWAIT(inner_, agreement_.take_step(compares_epoch_ ? *d->work.moved() : segment_[i_]->information));
+        SEGCAL_AWAIT(inner_, agreement_.take_step(compares_epoch_ ? *work_.moved() : segment_[i_]->information));
         take_verdict(d);
       }
       SEGCAL_PAUSE(inner_);
@@ -41,7 +41,7 @@ void CalibrateJob<S>::compare_next(DeviceParts<S>* d) {
   compares_epoch_ = false;
   if constexpr (kEpochs > 0) {
     compares_epoch_ = epoch_ >= 0 && (i_ < 0 || d->epochs.epoch(epoch_).last_serial > segment_[i_]->serial);
-    if (compares_epoch_) d->epochs.epoch(epoch_).move_to(d->calibrator().theta(), d->work.moved());
+    if (compares_epoch_) d->epochs.epoch(epoch_).move_to(d->calibrator().theta(), work_.moved());
   }
 }
 
@@ -69,8 +69,9 @@ void CalibrateJob<S>::begin_agreement(DeviceParts<S>* d) {
   const SegmentInformation<S>* information[kMaxSegments];
   for (int i = 0; i < n_; ++i) information[i] = &segment_[i]->information;
   const S comparisons = S(n_ + d->epochs.count() - 1);
-  agreement_ = Agreement<S>(d->prior(), d->calibrator().theta(), d->options.outdated_level / comparisons,
-                            noise_of(information, n_), d->work.new_analysis(), d->work.agreement_scratch());
+  agreement_ =
+      Agreement<S>(d->prior(), d->calibrator().theta(), d->options.outdated_level / comparisons,
+                   noise_of(information, n_), work_.new_analysis(), work_.template numbers<Agreement<S>::kScratch>());
 }
 
 /// Entries may be known too little for any of them to be sure alone: 0.5 deg are four sigmas of a rotation that a short
@@ -86,7 +87,9 @@ bool CalibrateJob<S>::drop_far_epochs(DeviceParts<S>* d) {
   bool dropped = false;
   if constexpr (kEpochs > 0) {
     for (int i = d->epochs.count() - 1; i >= 0 && d->calibrator().fit().converged; --i) {
-      if (d->epochs.epoch(i).holds_at(d->calibrator().theta(), d->prior(), d->work.agreement_scratch())) continue;
+      if (d->epochs.epoch(i).holds_at(d->calibrator().theta(), d->prior(),
+                                      work_.template numbers<Epoch<S>::kScratch>()))
+        continue;
       outdate_epoch(i, d);
       dropped = dropped_any_ = true;
     }

@@ -7,8 +7,8 @@
 
 namespace SEGCAL_NS {
 
-/// False where a value is out of the range that segcal.h states. Static: where it is called once it becomes part of its
-/// caller, at no cost.
+/// False where a value is out of the range that segcal.h states. Static:
+/// where it is called once it becomes part of its caller, at no cost.
 static bool camera_from_c(const segcal_camera_t& in, CameraCalibration<SEGCAL_REAL>* out) {
   using Real = SEGCAL_REAL;
   constexpr double kMostMetres = 100, kMostPixel = 1e5, kMostDistortion = 100, kMostFocal = 1e5;

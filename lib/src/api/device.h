@@ -1,19 +1,13 @@
 // A device: the stream of samples through the filter into segments, the database, and calibration (paper, Alg. 1).
-// This is what the C API wraps; all memory is inside. The policy of the stream stands here: what is a fault, when a
-// segment ends, when work takes effect. What it does is in device_session.h (beginnings and ends), device_imu.h,
-// device_stream.h (frames), device_segments.h and device_work.h (jobs); the jobs are in score_job.h and
-// calibrate_job.h.
+// This is what the C API wraps; all memory is inside. The policy of the stream stands here:
+// what is a fault, when a segment ends, what a released calibration moves. It is in
+// device_session.h (beginnings and ends), device_imu.h, device_stream.h (frames),
+// device_segments.h and device_work.h; what is done with segments that have ended is in jobs.h.
 #pragma once
 
-#include "api/calibrate_job.h"
+#include "api/jobs.h"
 #include "api/result_hash.h"
-#include "api/score_job.h"
-#include "api/stamp_guard.h"
-#include "api/waiting_frames.h"
-#include "segments/boundary.h"
-#include "sensors/decimation.h"
-#include "sensors/spike_watch.h"
-#include "vio/vio.h"
+#include "api/streams.h"
 
 namespace SEGCAL_NS {
 
@@ -22,14 +16,6 @@ enum class Taken : std::int32_t { ok, waiting, skipped, tracking, lost, not_fini
 
 /// A frame with fewer points tells hardly anything of the motion.
 constexpr int kFewestTracks = 8;
-/// So many segments in a row that do not fit into an epoch are no accident.
-constexpr int kMostMisfits = 3;
-/// Segments scored while a change is open, over those that the database holds, until a calibration decides with fewer
-/// than it holds.
-constexpr int kMostUndecided = 3;
-
-template <class S>
-struct StoredFields;  // store/stored_fields.h
 
 template <class S>
 class Device {
@@ -59,13 +45,13 @@ class Device {
   int background(int slices);
   void calibrate();
   /// The same in slices: after the next segment that is scored, or by flush_step().
-  void request_calibration() { wanted_ = true; }
-  /// Work that is due is done in the call that feeds, where it was not done before. Else, as from create() on, no call
-  /// that feeds does it: a segment that ends while the one before is scored is dropped, a calibration and a start are
-  /// waited for.
+  void request_calibration() { jobs_.request(); }
+  /// Work that is due is done in the call that feeds, where it was not done before.
+  /// Else, as from create() on, no call that feeds does it: a segment that ends while
+  /// the one before is scored is dropped, a calibration and a start are waited for.
   void work_when_due(bool on) {
     at_once_ = on;
-    vio_.finish_late_starts(on);
+    odometry_.filter.finish_late_starts(on);
   }
   /// Rows [theta | candidates | rhs] of the kept slots in `use_slot`, in calibrator().theta_triangle()
   /// (Calibrator::rows_of). Only while nothing is pending.
@@ -73,17 +59,20 @@ class Device {
   /// The filter's own calibration at this moment, judged as a result.
   void read_filter(Release<S>* out) { read_filter(out, nullptr); }
 
-  const State<S>& state() const { return state_; }
+  const State<S>& state() const { return odometry_.state; }
   /// What state().p_GI counts from, m.
-  const double* origin() const { return origin_; }
-  std::int64_t state_time() const { return state_time_; }
-  bool has_state() const { return has_state_; }
+  const double* origin() const { return odometry_.origin; }
+  std::int64_t state_time() const { return odometry_.state_ns; }
+  bool has_state() const { return odometry_.has_state; }
   const Calibration<S>& theta() const { return theta_; }
   const DeviceOptions<S>& options() const { return d_.options; }
+  /// Where residuals of the kept segments are to be taken: where the last fit ended that took effect. Before, where the
+  /// device started, and they tell nothing.
+  const Calibration<S>& fitted_theta() const { return has_report() ? report().theta : theta_; }
   /// As published by the last calibration that took effect.
-  const CalibrationReport<S>& report() const { return report_; }
-  bool has_report() const { return calibrated_; }
-  const ScoreReport<S>& last_scored() const { return scored_; }
+  const CalibrationReport<S>& report() const { return jobs_.report(); }
+  bool has_report() const { return jobs_.has_report(); }
+  const ScoreReport<S>& last_scored() const { return jobs_.last_scored(); }
   Calibrator<S>& calibrator() { return d_.calibrator(); }
   const Calibrator<S>& calibrator() const { return d_.calibrator(); }
   const Database<S>& database() const { return d_.database(); }
@@ -91,36 +80,36 @@ class Device {
   const auto& changes() const { return d_.changes; }
   /// None is being added to, compared or moved.
   bool epochs_at_rest() const { return !pending(); }
-  /// Memory for a triangle over [theta | rhs], while nothing is pending.
-  S* idle_scratch() { return d_.work.agreement_scratch(); }
+  /// The right to work in the shared memory, to answer a question while nothing is pending.
+  void begin_question(typename Workspace<S>::Lease* lease) { d_.work.begin_lease(WorkOwner::question, lease); }
   /// A score or a calibration is under way, or a calibration waits for its moment.
-  bool pending() const { return score_.active() || calibration_.pending(); }
+  bool pending() const { return jobs_.pending(); }
   /// The kept segments are as a calibration or their builder left them, not half moved.
-  bool segments_at_rest() const { return !calibration_.pending(); }
+  bool segments_at_rest() const { return !jobs_.calibration_pending(); }
   /// Over theta, its sigmas and all states so far; and the kept segments once everything that was pending has been
   /// finished by flush(), new_session() or calibrate() (api/result_hash.h).
   [[gnu::cold]] std::uint64_t result_hash() const;
-  bool start_pending() const { return vio_.start_pending(); }
-  bool scoring() const { return score_.active(); }
-  bool calibrating() const { return calibration_.working(); }
+  bool start_pending() const { return odometry_.filter.start_pending(); }
+  bool scoring() const { return jobs_.scoring(); }
+  bool calibrating() const { return jobs_.calibrating(); }
   /// Ends of segments until the calibration under way takes effect, if it is done by then.
-  int ends_left() const { return window_; }
+  int ends_left() const { return jobs_.ends_left(); }
   const SliceCounts& slices() const { return d_.slices; }
   EffectMonitor<S>& monitor() { return d_.monitor; }
   const FaultCounts& faults() const { return d_.faults; }
   /// The caller's odometry, or the filter at this moment.
-  bool odometry_runs() const { return own_odometry_ || vio_.initialised(); }
+  bool odometry_runs() const { return odometry_.runs(); }
   /// What had come when the odometry used a frame with enough points the last time.
-  const StreamCounts& counts_at_last_use() const { return last_use_; }
-  const VioStatistics& vio_statistics() const { return vio_.statistics(); }
-  const ImuHistory<S>& imu_history() const { return imu_; }
+  const StreamCounts& counts_at_last_use() const { return frames_.at_last_use; }
+  const VioStatistics& vio_statistics() const { return odometry_.filter.statistics(); }
+  const ImuHistory<S>& imu_history() const { return imu_.history; }
   /// IMU readings that stood alone, since create().
-  std::uint32_t imu_spikes() const { return imu_spikes_; }
+  std::uint32_t imu_spikes() const { return imu_.spikes_found; }
   /// Frames that found no place to wait for their IMU samples.
-  std::uint32_t frames_crowded_out() const { return crowded_out_; }
+  std::uint32_t frames_crowded_out() const { return frames_.crowded_out; }
   /// s between the frames that the odometry is offered: the camera's period, or frame_interval_s where that is longer.
   S frame_distance_s() const {
-    const S period = S(frame_period_) * S(1e-9);
+    const S period = S(frames_.period_ns) * S(1e-9);
     return period > d_.options.frame_interval_s ? period : d_.options.frame_interval_s;
   }
   const BuilderCounts& builder_counts() const { return d_.builder.counts(); }
@@ -153,7 +142,10 @@ class Device {
   Taken process_frame();
   Taken track(const Frame<S>& frame);
   [[gnu::cold]] Taken take_own_keyframe(const Frame<S>& frame);
-  bool frame_ready() { return !frames_.empty() && imu_.size() > 1 && imu_.newest() >= frames_.front().time_ns(); }
+  bool frame_ready() {
+    return !frames_.waiting.empty() && imu_.history.size() > 1 &&
+           imu_.history.newest() >= frames_.waiting.front().time_ns();
+  }
   void count_missing_frames(std::int64_t t_ns);
   void take_state(std::int64_t t_ns, const State<S>& state);
   void keep_near_origin();
@@ -166,20 +158,12 @@ class Device {
   void end_segment(bool continues);
   void begin_segment(bool continues);
   [[gnu::cold]] void hand_over();
-  void set_condensing();
-  void forget_epochs();
-  void count_misfits();
-  bool undecided();
-  bool waited_enough();
-  bool worth_a_calibration();
-  Segment<S>& open_slot() { return score_.active() ? *spare_ : d_.database().building(); }
+  Segment<S>& open_slot() { return jobs_.open_slot(&d_); }
   Calibration<S> working_theta() const;
 
   // device_work.h
   bool step();
-  [[gnu::cold]] void end_score();
-  void finish_score();
-  [[gnu::cold]] void begin_calibration(const Calibration<S>& theta);
+  void finish_start();
   [[gnu::cold]] void calibrate_as_wanted();
   [[gnu::cold]] void publish_calibration();
   void finish_calibration();
@@ -194,43 +178,14 @@ class Device {
 
   DeviceParts<S> d_;
   Calibration<S> theta_;  ///< best known: released, else the start
-  ScoreJob<S> score_;
-  CalibrateJob<S> calibration_;
-  ScoreReport<S> scored_;
-  CalibrationReport<S> report_;
-
-  ImuHistory<S> imu_;
-  Vio<S> vio_;
-  Liveliness<S> liveliness_;
-  StampGuard imu_clock_;
-  SpikeWatch<S> spikes_;
-  Decimation<S> decimation_;
-  WaitingFrames<S> frames_;
-  StreamCounts last_use_;
-  State<S> state_;        ///< its position counts from origin_
-  double origin_[3];      ///< m, in the odometry's frame: float holds what is near
-  Hash trajectory_;       ///< of all states so far
-  std::int64_t hole_ns_;  ///< where a spike was taken out: the end of the first group of samples after it
-  std::int64_t state_time_, last_imu_, last_frame_, last_offered_, next_keyframe_, frame_period_;
-  Near<Segment<S>> spare_;  ///< where the open segment stands while the one before is scored
-  std::uint32_t session_, serial_, frame_, crowded_out_, imu_spikes_;
-  std::uint32_t
-      used_;  ///< bit k: a frame came after the k-th newest IMU reading and before the next one, and may have used it
-  std::int32_t window_;         ///< > 0: segment ends until a calibration takes effect, if it is done then
-  std::int32_t misfits_;        ///< segments in a row that could not be condensed
-  std::int32_t made_from_;      ///< segments, kept and condensed, that the last calibration was made from
-  std::int32_t open_segments_;  ///< scored while a change was open
-  std::int32_t thinned_;        ///< how often the open segment was
-  std::int32_t
-      stamp_shift_ns_;  ///< from stamps of frames to the IMU's clock, as known: for frames that come from now on
-  bool has_hole_;       ///< no image after hole_ns_ has been processed yet
-  bool has_state_, has_imu_, has_frame_, has_offered_, has_next_keyframe_;
-  bool calibrated_, knew_enough_, own_odometry_;
-  bool condensing_, new_epoch_;  ///< segments that end go into epochs; the next one begins another
+  Jobs<S> jobs_;
+  ImuStream<S> imu_;
+  FrameStream<S> frames_;
+  Odometry<S> odometry_;
+  KeyframeGrid<S> grid_;
+  std::uint32_t session_, serial_;
+  std::int32_t stamp_shift_ns_;  ///< from stamps of frames to the IMU's clock: for frames that come from now on
   bool at_once_;                 ///< work that is due is done by the call that feeds
-  bool wanted_;                  ///< a calibration was asked for since the last segment that is scored ended
-  bool wanted_then_;             ///< it was before: it begins when that segment has been scored
-  bool finished_;                ///< nothing has been begun since all that was pending was finished
 };
 
 }  // namespace SEGCAL_NS

@@ -13,10 +13,10 @@ constexpr std::int64_t kKeyframeGapNs = 1000000000;
 template <class S>
 Calibration<S> Device<S>::working_theta() const {
   Calibration<S> theta = theta_;
-  if (own_odometry_ || !vio_.initialised()) return theta;
+  if (odometry_.own || !odometry_.filter.initialised()) return theta;
   for (int c = 0; c < theta.n_cameras; ++c) {
-    theta.camera[c].R_CI = vio_.R_CI(c);
-    theta.camera[c].p_CI = vio_.p_CI(c);
+    theta.camera[c].R_CI = odometry_.filter.R_CI(c);
+    theta.camera[c].p_CI = odometry_.filter.p_CI(c);
   }
   return theta;
 }
@@ -25,7 +25,7 @@ Calibration<S> Device<S>::working_theta() const {
 template <class S>
 bool Device<S>::keyframe_due(std::int64_t t_ns) const {
   const std::int64_t half_frame = static_cast<std::int64_t>(d_.options.frame_interval_s * S(0.5e9));
-  return !has_next_keyframe_ || t_ns + half_frame >= next_keyframe_;
+  return !grid_.any || t_ns + half_frame >= grid_.next_ns;
 }
 
 /// True if the open segment ends before a keyframe at t_ns.
@@ -35,35 +35,38 @@ bool Device<S>::segment_complete(std::int64_t t_ns, std::int64_t spacing) {
   const DeviceOptions<S>& o = d_.options;
   if (!(o.most_segment_s > S(0))) return length_ns >= std::int64_t(o.segment_s * S(1e9));
   const std::int64_t from = builder().last_keyframe_ns();
-  if (imu_.covers(from, t_ns)) liveliness_.add(imu_, from, t_ns);
-  return ends_here(liveliness_, S(length_ns) * S(1e-9), o.segment_s, o.least_segment_s, o.most_segment_s);
+  if (imu_.history.covers(from, t_ns)) grid_.liveliness.add(imu_.history, from, t_ns);
+  return ends_here(grid_.liveliness, S(length_ns) * S(1e-9), o.segment_s, o.least_segment_s, o.most_segment_s);
 }
 
-/// `state`: at the frame's time, counted from origin_.
+/// `state`: at the frame's time, counted from odometry_.origin.
 template <class S>
 void Device<S>::take_keyframe(const Frame<S>& frame, const State<S>& state) {
   const std::int64_t t_ns = frame.time_ns();
   const std::int64_t base = static_cast<std::int64_t>(d_.options.segment_s * S(1e9)) / kMaxKeyframes;
-  const std::int64_t gap = 4 * (base << thinned_);
-  const bool late = has_next_keyframe_ && t_ns > next_keyframe_ + (gap > kKeyframeGapNs ? gap : kKeyframeGapNs);
-  const bool behind_hole = has_hole_ && t_ns >= hole_ns_;  // the images before it may have waited until it was known
-  has_hole_ = has_hole_ && !behind_hole;
+  const std::int64_t gap = 4 * (base << grid_.thinned);
+  const bool late = grid_.any && t_ns > grid_.next_ns + (gap > kKeyframeGapNs ? gap : kKeyframeGapNs);
+  // the images before it may have waited until it was known
+  const bool behind_hole = imu_.has_hole && t_ns >= imu_.hole_ns;
+  imu_.has_hole = imu_.has_hole && !behind_hole;
   if (late || behind_hole) end_segment(false);
-  if (!builder().empty() && segment_complete(t_ns, base << thinned_)) end_segment(true);
+  if (!builder().empty() && segment_complete(t_ns, base << grid_.thinned)) end_segment(true);
   if (builder().full() && d_.options.most_segment_s > d_.options.segment_s) {
     builder().thin();
-    ++thinned_;
+    ++grid_.thinned;
   }
   // A segment has one shift of stamps: after a new one was released, it begins with the first frame that came with it.
-  const bool old_shift = frame.shift_ns != (own_odometry_ ? 0 : stamp_shift_ns_);
+  const bool old_shift = frame.shift_ns != (odometry_.own ? 0 : stamp_shift_ns_);
   // A camera slower than the grid does not fall behind it: the grid begins anew at each of its frames.
-  const bool behind = has_next_keyframe_ && t_ns >= next_keyframe_ + (base << thinned_);
-  next_keyframe_ = (!has_next_keyframe_ || behind ? t_ns : next_keyframe_) + (base << thinned_);
-  has_next_keyframe_ = true;
+  const bool behind = grid_.any && t_ns >= grid_.next_ns + (base << grid_.thinned);
+  grid_.next_ns = (!grid_.any || behind ? t_ns : grid_.next_ns) + (base << grid_.thinned);
+  grid_.any = true;
   if (builder().empty() && old_shift) return;
-  if (builder().add_keyframe(t_ns, frame.shift_ns, state, origin_, frame.points, frame.n, imu_)) return;
+  if (builder().add_keyframe(t_ns, frame.shift_ns, state, odometry_.origin, frame.points, frame.n, imu_.history))
+    return;
   end_segment(true);
-  if (!old_shift) builder().add_keyframe(t_ns, frame.shift_ns, state, origin_, frame.points, frame.n, imu_);
+  if (!old_shift)
+    builder().add_keyframe(t_ns, frame.shift_ns, state, odometry_.origin, frame.points, frame.n, imu_.history);
 }
 
 /// Closes the open segment, hands it over to be scored, and opens the next one.
@@ -73,10 +76,9 @@ void Device<S>::end_segment(bool continues) {
   begin_segment(continues);
 }
 
-/// There is memory for one segment that is scored and one that is built: if the score of the one before is not done,
-/// this one is dropped. While a calibration is under way the database is closed, and when its window is over it takes
-/// effect at the first end at which it is done. Segments too short to be scored are not counted as ends: after a loss
-/// of tracking they come at any moment.
+/// There is memory for one segment that is scored and one that is built: if the score
+/// of the one before is not done, this one is dropped. Segments too short to be
+/// scored are not counted as ends: after a loss of tracking they come at any moment.
 template <class S>
 [[gnu::cold]] void Device<S>::hand_over() {
   ++d_.faults.segments_closed;
@@ -84,39 +86,25 @@ template <class S>
     ++d_.faults.segments_discarded;
     return;
   }
-  if (score_.active() && !at_once_) {
+  if (jobs_.scoring() && !at_once_) {
     ++d_.faults.slices_late;
     ++d_.faults.segments_late;
     return;
   }
-  finish_score();
-  if (window_ == 0) {
-    open_slot().frame = frame_;
-    finished_ = false;
-    wanted_then_ = wanted_;
-    wanted_ = false;
-    if constexpr (kEpochs > 0) {
-      if (condensing_ && new_epoch_) d_.epochs.begin(theta_, session_);
-    }
-    new_epoch_ = new_epoch_ && !condensing_;
-    const S scale = report_.release.noise_scale;
-    spare_ = score_.begin(working_theta(), {condensing_, misfits_ + 1 >= kMostMisfits, scale * scale}, &d_);
+  finish_start();
+  jobs_.finish_score(&d_);
+  if (jobs_.calibration_pending()) {
+    if (jobs_.count_end(at_once_, &d_)) publish_calibration();
     return;
   }
-  ++d_.faults.segments_missed;
-  if (window_ > 1) {
-    --window_;
-  } else if (calibration_.working() && !at_once_) {
-    ++d_.faults.slices_late;
-  } else {
-    publish_calibration();
-  }
+  open_slot().frame = odometry_.frame;
+  jobs_.begin_score(working_theta(), theta_, session_, &d_);
 }
 
 template <class S>
 void Device<S>::begin_segment(bool continues) {
   ++serial_;
-  thinned_ = 0;
+  grid_.thinned = 0;
   builder().begin(&open_slot(), session_, serial_, continues);
 }
 

@@ -13,43 +13,32 @@ void Device<S>::create(const DeviceOptions<S>& options, ColdParts<S>* cold) {
   d_.builder.reset(options.gyro_range, options.accel_range);
   d_.faults = FaultCounts{};
   d_.slices = SliceCounts{};
-  d_.work.give_back();
-  theta_ = options.prior.mean;
-  report_.release = Release<S>{};
-  report_.directions.n = scored_.directions.n = 0;
-  scored_.segment = SegmentSummary<S>{};
-  score_.reset();
-  calibration_.reset();
-  decimation_.begin(options.imu_group);
-  spikes_.begin(options.model.imu, options.imu_rate_hz);
-  frame_period_ = 0;
-  crowded_out_ = imu_spikes_ = 0;
-  session_ = serial_ = frame_ = 0;
-  trajectory_ = Hash{};
-  window_ = thinned_ = 0;
-  liveliness_.reset();
-  last_use_ = StreamCounts();
-  calibrated_ = knew_enough_ = own_odometry_ = condensing_ = at_once_ = wanted_ = wanted_then_ = false;
-  new_epoch_ = true;
-  misfits_ = made_from_ = open_segments_ = 0;
+  d_.work.reset();
   d_.epochs.clear();
   d_.changes.clear();
   d_.condenser.break_chain();
-  finished_ = true;
+  theta_ = options.prior.mean;
   stamp_shift_ns_ = stamp_shift(theta_);
   d_.monitor.begin(options.watch_effects, prior(), theta_);
-  vio_.reset(theta_, vio_options());
+  jobs_.reset();
+  imu_.create(options.model, options.imu_rate_hz, options.imu_group);
+  frames_.create();
+  odometry_.create();
+  grid_.create();
+  session_ = serial_ = 0;
+  at_once_ = false;
+  odometry_.filter.reset(theta_, vio_options());
   restart_filter();
 }
 
-/// While nothing is pending, these are all pointers from one part to the other that are still read: a fit sets those of
-/// the calibrator anew.
+/// While nothing is pending, these are all pointers from one part to the
+/// other that are still read: a fit sets those of the calibrator anew.
 template <class S>
 bool Device<S>::attach(ColdParts<S>* cold) {
   const auto moved = static_cast<std::ptrdiff_t>(reinterpret_cast<std::uintptr_t>(cold) -
                                                  reinterpret_cast<std::uintptr_t>(d_.cold.get()));
   if (moved == 0) return true;
-  if (start_pending() || scoring() || calibrating()) return false;
+  if (start_pending() || jobs_.working()) return false;
   d_.cold.follow(moved);
   d_.builder.follow(moved);
   return true;
@@ -83,23 +72,19 @@ VioOptions<S> Device<S>::vio_options() const {
 /// Everything that belongs to one unbroken stretch of data starts anew.
 template <class S>
 void Device<S>::restart_filter() {
+  Vio<S>& filter = odometry_.filter;
   imu_.clear();
-  imu_clock_.reset();
-  decimation_.clear();
   frames_.clear();
-  if (d_.options.joint_filter && vio_.knows_sensors()) {
-    vio_.next_session();
+  if (d_.options.joint_filter && filter.knows_sensors()) {
+    filter.next_session();
   } else {
-    vio_.reset(theta_, vio_options());
+    filter.reset(theta_, vio_options());
   }
-  if (!d_.options.joint_filter && calibrated_ && report_.release.status == Status::calibrated)
-    vio_.set_calibration(theta_);
-  if (!own_odometry_) ++frame_;
-  for (double& o : origin_) o = 0;
+  if (!d_.options.joint_filter && jobs_.released()) filter.set_calibration(theta_);
+  if (!odometry_.own) ++odometry_.frame;
+  odometry_.clear();
+  grid_.clear();
   builder().begin(&open_slot(), session_, serial_, false);
-  has_state_ = has_imu_ = has_frame_ = has_offered_ = has_next_keyframe_ = false;
-  used_ = 0;
-  has_hole_ = false;
 }
 
 template <class S>
@@ -114,15 +99,15 @@ bool Device<S>::flush_step() {
   if (step()) return true;
   if (frame_ready()) {
     process_frame();
-  } else if (calibration_.pending()) {
+  } else if (jobs_.calibration_pending()) {
     finish_calibration();
-  } else if (has_next_keyframe_) {  // a keyframe has come since the last time
+  } else if (grid_.any) {  // a keyframe has come since the last time
     end_segment(false);
-    has_next_keyframe_ = false;
-  } else if (wanted_) {
+    grid_.any = false;
+  } else if (jobs_.requested()) {
     calibrate_as_wanted();
   } else {
-    finished_ = true;
+    jobs_.set_finished();
     return false;
   }
   return true;
@@ -134,21 +119,15 @@ void Device<S>::new_session() {
   begin_session();
 }
 
-/// Nothing of the stream's last session is known any more, not even how lively its motion was: the same as after a
-/// restart.
+/// Nothing of the stream's last session is known any more, not
+/// even how lively its motion was: the same as after a restart.
 template <class S>
 void Device<S>::begin_session() {
   ++session_;
-  ++frame_;
-  knew_enough_ = false;
-  liveliness_.reset();
+  ++odometry_.frame;
+  grid_.liveliness.reset();
   d_.database().begin_session();
-  if (d_.options.strategy == Strategy::single_session) {
-    d_.epochs.clear();
-    d_.changes.close();
-    condensing_ = false;
-  }
-  new_epoch_ = true;  // between sessions a device may change: what the new one says is held against all before
+  jobs_.begin_session(&d_);
   restart_filter();
 }
 

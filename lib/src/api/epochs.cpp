@@ -11,7 +11,9 @@ void read_epoch(const Epoch<Real>& epoch, Device<Real>& device, segcal_epoch_t* 
   const int n = epoch.columns();
   Real row[kMaxTheta + 1], work[kMaxTheta + 1];
   const Real none[kMaxTheta] = {};
-  PackedTriangle<Real> T(device.idle_scratch(), n + 1);
+  Workspace<Real>::Lease memory;
+  device.begin_question(&memory);
+  PackedTriangle<Real> T(memory.numbers<packed_size(kMaxTheta + 1)>(), n + 1);
   write_prior(prior, epoch.theta, &T);
   for (int i = 0; i < n; ++i) {
     epoch.row_at(none, i, row);
@@ -29,6 +31,7 @@ void read_epoch(const Epoch<Real>& epoch, Device<Real>& device, segcal_epoch_t* 
     const Real before = sigma_before(value, prior.sigma);
     out->sigma[i] = static_cast<double>(sigma < before ? sigma : before);
   }
+  memory.end();
   out->n_parameters = n;
   out->segments = epoch.segments;
   out->first_session = epoch.first_session;

@@ -5,7 +5,7 @@
 
 #if defined(__FAST_MATH__)
 #error \
-    "segcal must not be compiled with -ffast-math: it reorders sums and drops checks for NaN, and no replay gives the same bits"
+    "segcal must not be compiled with -ffast-math: it reorders sums, drops checks for NaN, and no replay has its bits"
 #elif defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
 #error "segcal must not be compiled with -ffinite-math-only: it drops checks for NaN"
 #endif
@@ -14,8 +14,8 @@ namespace SEGCAL_NS {
 
 extern template class Device<Real>;  // device.cpp
 
-/// What both blocks begin with. Bytes of a library with another layout are no device, and two blocks are one only if
-/// they were made together.
+/// What both blocks begin with. Bytes of a library with another layout
+/// are no device, and two blocks are one only if they were made together.
 struct MemoryHead {
   static constexpr std::uint32_t kHot = 0x5E6CA102u ^ sizeof(Device<Real>) ^ (sizeof(ColdParts<Real>) << 8),
                                  kCold = ~kHot;

@@ -4,8 +4,8 @@
 namespace SEGCAL_NS {
 namespace {
 
-/// Starts in motion without success after which the motion is not to blame: hands, feet and vehicles start within the
-/// first ones.
+/// Starts in motion without success after which the motion is not
+/// to blame: hands, feet and vehicles start within the first ones.
 constexpr std::int32_t kStartsTried = 5;
 /// s that the filter should run without being lost: as long as two segments.
 constexpr double kRunSeconds = 10;
@@ -34,8 +34,8 @@ int cause_in_stream(const StreamCounts& now, const StreamCounts& then, Real imu_
   return most(now.frames_few - then.frames_few, frames, kFewFrames) ? SEGCAL_HEALTH_FEW_TRACKS : SEGCAL_HEALTH_RUNNING;
 }
 
-/// Averages of samples are made, and the history is as long, as the stated rate wants it. Half as fast again is no
-/// clock's error.
+/// Averages of samples are made, and the history is as long, as the
+/// stated rate wants it. Half as fast again is no clock's error.
 bool faster_than_stated(const Device<Real>& device) {
   const ImuHistory<Real>& imu = device.imu_history();
   if (imu.size() < 2) return false;

@@ -21,8 +21,8 @@ bool imu_from_c(const segcal_imu_calibration_t& in, ImuCalibration<Real>* out) {
          accept_rotation(in.q_AI, &out->R_AI);
 }
 
-/// As many samples become one as memory asks for: the history must hold a start of kStartSeconds, a segment all of its
-/// samples.
+/// As many samples become one as memory asks for: the history must
+/// hold a start of kStartSeconds, a segment all of its samples.
 std::int32_t group_for(double rate_hz, double segment_s) {
   const double history = SEGCAL_IMU_HISTORY / kStartSeconds;
   const double segment = SEGCAL_MAX_IMU_SAMPLES / (segment_s + 0.1);   // from the keyframe before it to its last one

@@ -1,5 +1,5 @@
-// The C API's answer as a Gaussian: mean and covariance of the printed parameters, for whoever fuses results of a
-// device.
+// The C API's answer as a Gaussian: mean and covariance of the
+// printed parameters, for whoever fuses results of a device.
 #include "api/handle.h"
 
 namespace SEGCAL_NS {

@@ -6,9 +6,9 @@
 
 namespace SEGCAL_NS {
 
-/// A printed value's change as a sum over theta's columns: the column itself, or, for a component of a rotation vector
-/// v, row i of J_l^-1(v): theta's columns are the small rotation Exp(d) R, and the rotation vector of Exp(d) R moves by
-/// J_l^-1(v) d.
+/// A printed value's change as a sum over theta's columns: the column itself, or, for
+/// a component of a rotation vector v, row i of J_l^-1(v): theta's columns are the
+/// small rotation Exp(d) R, and the rotation vector of Exp(d) R moves by J_l^-1(v) d.
 template <class S>
 struct PrintedValue {
   int first = 0, count = 1;

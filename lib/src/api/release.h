@@ -1,5 +1,5 @@
-// What of a calibration is released: a verdict per parameter, and the values that go with it (docs/design.md, section
-// 9).
+// What of a calibration is released: a verdict per parameter,
+// and the values that go with it (docs/design.md, section 9).
 //
 // A parameter whose sigma did not fall clearly below the prior's is not guessed: it goes back to where it was, and the
 // others move to their best values given that.
@@ -154,8 +154,8 @@ void judge(Calibrator<S>* calibrator, const ThetaPrior<S>& prior, const ReleaseR
   out->noise_scale = variance > S(1) ? square_root(variance) : S(1);
   const int observed = judge_parameters(R, calibrator->theta(), prior, rules, out);
   const bool plausible = ratio > rules.least_chi2_per_dof && ratio < rules.most_chi2_per_dof;
-  const bool fell =
-      fit.cost <= fit.start_cost * S(1.0001) && is_finite(fit.cost);  // a fit that begins at its minimum may round up
+  // a fit that begins at its minimum may round up
+  const bool fell = fit.cost <= fit.start_cost * S(1.0001) && is_finite(fit.cost);
   out->theta = calibrator->theta();
   if (fit.image_points == 0) {
     out->status = Status::insufficient;

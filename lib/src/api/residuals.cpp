@@ -43,16 +43,15 @@ extern "C" {
   int n = 0;
   const MeasurementModel<Real>& model = d->device.options().model;
   if constexpr (kTrackWalk) {
-    if (TrackNoise<Real>::walks(model))
-      return walking_residuals(*s, d->device.calibrator().theta(), model, out, capacity);
+    if (TrackNoise<Real>::walks(model)) return walking_residuals(*s, d->device.fitted_theta(), model, out, capacity);
   }
   const Real sigma = model.pixel_sigma;
   for (int o = 0; o < s->n_observations && n < capacity; ++o) {
     const Observation& z = s->observation[o];
     if (z.rejected) continue;
     Vec2<Real> r;
-    if (!point_residual(*s, z, d->device.calibrator().theta(), d->device.options().model.g,
-                        s->states.landmark[z.landmark], &r)) {
+    if (!point_residual(*s, z, d->device.fitted_theta(), d->device.options().model.g, s->states.landmark[z.landmark],
+                        &r)) {
       continue;
     }
     out[n++] = {keyframe_time(*s, z.keyframe), z.camera, static_cast<float>(r.x() / sigma),
@@ -71,7 +70,7 @@ extern "C" {
   int n = 0;
   for (int k = 1; k < s->n_keyframes && n < capacity; ++k) {
     const State<Real>* x = s->states.x;
-    const ImuIntegral<Real> I = s->integrate(k, d->device.calibrator().theta(), x[k - 1].b_a, x[k - 1].b_g, model.imu);
+    const ImuIntegral<Real> I = s->integrate(k, d->device.fitted_theta(), x[k - 1].b_a, x[k - 1].b_g, model.imu);
     Vec<Real, 15> w;
     if (!whiten_residual(I, model.imu, link_residual(I, x[k - 1], x[k], model.g), &w)) continue;
     out[n].t_ns = keyframe_time(*s, k);

@@ -196,38 +196,15 @@ extern "C" {
   const FaultCounts& f = d->device.faults();
   const VioStatistics& v = d->device.vio_statistics();
   const BuilderCounts& b = d->device.builder_counts();
-  *out = {f.imu_samples,
-          f.imu_stamps_back,
-          f.imu_gaps,
-          f.imu_not_finite,
-          f.imu_saturated,
-          f.frames,
-          f.frames_used,
-          f.frame_stamps_back,
-          f.frames_dropped,
-          f.frames_few_tracks,
-          f.points_not_finite,
-          std::uint32_t(v.restarts),
-          std::uint32_t(v.standstill_frames),
-          std::uint32_t(v.updates),
-          std::uint32_t(v.gated),
-          f.segments_closed,
-          f.segments_discarded,
-          f.segments_unsettled,
-          b.ended_early,
-          b.landmarks_left_out,
-          b.points_left_out,
-          f.segments_outdated,
-          f.segments_missed,
-          f.slices_late,
-          f.calibrations,
-          f.points_repeated + b.points_repeated,
-          f.imu_stamps_far,
-          f.frame_stamps_far,
-          f.clock_restarts,
-          f.calibrations_published,
-          f.segments_late,
+  // clang-format off
+  *out = {f.imu_samples, f.imu_stamps_back, f.imu_gaps, f.imu_not_finite, f.imu_saturated, f.frames, f.frames_used,
+          f.frame_stamps_back, f.frames_dropped, f.frames_few_tracks, f.points_not_finite, std::uint32_t(v.restarts),
+          std::uint32_t(v.standstill_frames), std::uint32_t(v.updates), std::uint32_t(v.gated), f.segments_closed,
+          f.segments_discarded, f.segments_unsettled, b.ended_early, b.landmarks_left_out, b.points_left_out,
+          f.segments_outdated, f.segments_missed, f.slices_late, f.calibrations, f.points_repeated + b.points_repeated,
+          f.imu_stamps_far, f.frame_stamps_far, f.clock_restarts, f.calibrations_published, f.segments_late,
           d->device.imu_spikes()};
+  // clang-format on
   return SEGCAL_OK;
 }
 

@@ -31,19 +31,18 @@ class ScoreJob {
     place_ = 0;
     theta_ = theta;
     d->slices.begin_job();
-    d->work.take(WorkOwner::score);
+    d->work.begin_lease(WorkOwner::score, &work_);
     d->builder.restart_close();
     largest_.restart();
-    Segment<S>* spare = d->calibrator().lend_segment();
-    d->calibrator().lend_cost_steps();
-    return spare;
+    d->calibrator().begin_costs();
+    return &d->calibrator().begin_spare_segment();
   }
   /// One slice; the last one publishes. The open segment must then move to the building slot.
   void step(DeviceParts<S>* d, ScoreReport<S>* report) {
     d->slices.count();
     if (!score_step(d, report)) return;
     d->slices.score = d->slices.job;
-    d->work.give_back();
+    work_.end();
     active_ = false;
   }
   /// The scored segment was to go into an epoch; and it told enough for that to be tried.
@@ -73,7 +72,9 @@ class ScoreJob {
   std::uint32_t session_before_ = 0;
   Calibration<S> theta_;
   LargestEigenvalue<S> largest_;
-  CondenseMemory<S> memory_;  ///< lent by the calibrator
+  typename Workspace<S>::Lease work_;
+  Near<S> numbers_;           ///< in the workspace, while a segment is condensed
+  CondenseMemory<S> memory_;  ///< the calibrator's
   std::conditional_t<(kEpochs > 0), Contradiction<S>, NoCondenser> contradiction_;
   std::conditional_t<(kEpochs > 0), KeptEpoch<S>, NoCondenser> kept_epoch_;
   Near<Segment<S>> kept_segment_[kEpochs > 0 ? kMaxSegments : 1];  ///< while the database is emptied
@@ -94,17 +95,17 @@ template <class S>
       SEGCAL_PAUSE(place_);
       segment.turned_only = segment.wide_depth_prior = !translation_shows(segment, theta_, model);
       SEGCAL_PAUSE(place_);
-      SEGCAL_AWAIT(place_, d->work.eliminator().eliminate_step(segment, GuestLink<S>{}, theta_, model, S(0),
-                                                               d->monitor.candidates()));
+      SEGCAL_AWAIT(place_, work_.eliminator().eliminate_step(segment, GuestLink<S>{}, theta_, model, S(0),
+                                                             d->monitor.candidates()));
       SEGCAL_PAUSE(place_);
-      d->work.eliminator().extract(&segment.information);
+      work_.eliminator().extract(&segment.information);
       SEGCAL_PAUSE(place_);
-      SEGCAL_AWAIT(place_, d->calibrator().cost_steps().inertial_step(segment, GuestLink<S>{}, theta_, model));
+      SEGCAL_AWAIT(place_, d->calibrator().costs().inertial_step(segment, GuestLink<S>{}, theta_, model));
       SEGCAL_PAUSE(place_);
       settle(d, segment);
       SEGCAL_PAUSE(place_);
       SEGCAL_AWAIT(place_, analyse_segment_step(d, &segment));
-      sums_ = d->work.sums(d->prior().sigma, theta_.columns());
+      sums_ = work_.sums(d->prior().sigma, theta_.columns());
       if (settled_ && !condensing_.on) {
         SEGCAL_AWAIT(place_, d->database().compare_step(&sums_));
         SEGCAL_PAUSE(place_);
@@ -121,9 +122,8 @@ template <class S>
 
 template <class S>
 [[gnu::cold]] bool ScoreJob<S>::analyse_segment_step(DeviceParts<S>* d, Segment<S>* segment) {
-  InformationAnalysis<S>* a = d->work.analysis_under_way();
+  InformationAnalysis<S>* a = inner_ == 0 ? work_.new_analysis() : work_.analysis();
   SEGCAL_SLICES(inner_) {
-    a = d->work.new_analysis();
     begin_analysis(segment->information, d->prior().sigma, a);
     SEGCAL_AWAIT(inner_, analyse_step(segment->information.n_theta, a));
     segment->metrics = metrics_but_E(a, d->prior().sigma, d->options.sigma_ref);
@@ -134,14 +134,14 @@ template <class S>
   SEGCAL_SLICES_END(inner_);
 }
 
-/// Whether the segment may be kept; and what it says about the effects that are watched, while the eliminator still
-/// holds it.
+/// Whether the segment may be kept; and what it says about the
+/// effects that are watched, while the eliminator still holds it.
 template <class S>
 void ScoreJob<S>::settle(DeviceParts<S>* d, const Segment<S>& segment) {
   const bool effects = theta_.effects.count() > 0 || d->monitor.active();
-  settled_ = follows_its_imu(segment, d->calibrator().cost_steps().inertial(), effects);
+  settled_ = follows_its_imu(segment, d->calibrator().costs().inertial(), effects);
   if (settled_) {
-    d->monitor.add(&d->work.eliminator(), theta_);
+    d->monitor.add(&work_.eliminator(), theta_);
   } else {
     ++d->faults.segments_unsettled;
   }
@@ -153,7 +153,7 @@ void ScoreJob<S>::publish(DeviceParts<S>* d, ScoreReport<S>* report) {
   report->segment.settled = settled_;
   kept_ = settled_ && !condensing_.on && d->database().offer_compared(&sums_);
   report->segment.kept = kept_;
-  report->directions.copy(d->work.analysis());
+  report->directions.copy(*work_.analysis());
 }
 
 /// After its report is out: elimination ends the analysis.
@@ -165,13 +165,14 @@ bool ScoreJob<S>::condense_step(DeviceParts<S>* d) {
       empty_place_ = 0;
       contradiction_.begin(condensing_.variance);
       if (condensing_.on && settled_) {
-        memory_ = d->calibrator().lend_condense_memory(&d->work.eliminator());
+        memory_ = d->calibrator().begin_condensing(&work_.eliminator());
         SEGCAL_AWAIT(inner_,
                      d->condenser.step(&d->database().building(), d->options.model, memory_, &d->epochs.newest()));
         SEGCAL_PAUSE(inner_);
         if (d->condenser.condensed()) {
+          numbers_ = work_.template numbers<Contradiction<S>::kScratch>();
           SEGCAL_AWAIT(inner_, contradiction_.step(d->database().building().information, d->epochs, d->database(),
-                                                   d->prior(), d->calibrator().theta(), d->work.agreement_scratch()));
+                                                   d->prior(), d->calibrator().theta(), numbers_));
           SEGCAL_PAUSE(inner_);
         }
         if (d->condenser.condensed() && !contradiction_.found()) {
@@ -219,8 +220,8 @@ bool ScoreJob<S>::empty_step(DeviceParts<S>* d) {
     SEGCAL_PAUSE(empty_place_);
     if (n_kept_ > 0) {
       kept_epoch_.restart();
-      SEGCAL_AWAIT(empty_place_,
-                   kept_epoch_.step(kept_segment_, n_kept_, d->prior(), epoch_of_kept_, d->work.agreement_scratch()));
+      numbers_ = work_.template numbers<KeptEpoch<S>::kScratch>();
+      SEGCAL_AWAIT(empty_place_, kept_epoch_.step(kept_segment_, n_kept_, d->prior(), epoch_of_kept_, numbers_));
       for (int i = 0; i < n_kept_; ++i) d->database().drop(static_cast<int>(kept_segment_[i] - &d->database().slot(0)));
     }
   }

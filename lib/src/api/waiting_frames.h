@@ -1,5 +1,5 @@
-// Frames that wait until IMU samples reach them: sensors with a FIFO deliver blocks, and several images come before the
-// samples of the first.
+// Frames that wait until IMU samples reach them: sensors with a FIFO
+// deliver blocks, and several images come before the samples of the first.
 #pragma once
 
 #include "sensors/inertial_state.h"
@@ -62,8 +62,8 @@ class WaitingFrames {
 template <class S>
 constexpr S kMostPixels = S(1e6);
 
-/// Copies the points that are numbers and whose track the frame does not hold yet, per camera. Reads point i as
-/// `point(i)`.
+/// Copies the points that are numbers and whose track the frame
+/// does not hold yet, per camera. Reads point i as `point(i)`.
 template <class S, class Point>
 LeftOut take_points(int n, Point point, Frame<S>* frame) {
   LeftOut out;

@@ -1,109 +1,108 @@
-// The eliminator, and its memory while it does not eliminate: one owner, who lends it to one job at a time.
+// The memory that background work shares, and the right to use it: one owner at a time.
 //
-//   block     one landmark's rows or the chain's, while a segment is eliminated
-//             | after it: W and the directions of the analysis under way, and what a calibration releases, until it
-//             takes effect
-//   triangle  of the reduced system, while a segment is eliminated and until its rows are taken
-//             | after it: sums of information, the comparison of segments or their scatter
+// Who works takes a lease, works through it, and ends it. There is no other way to the memory, and no second lease
+// before the first has ended. The ledger, in two parts (docs/porting.md, section 4):
 //
-// Two jobs cannot hold it together: a device works on one job at a time (Device::step), and a calibration that is done
-// holds it until it takes effect, while the database is closed and nothing is scored. Builds with SEGCAL_ASSERT check
-// that.
+//   block     an elimination's landmarks, then its chain  | between eliminations: Findings, of what was eliminated
+//   triangle  the reduced system, until its rows are taken | after it: numbers, for sums, comparisons, a histogram
+//
+//   score         elimination | analysis | comparison with the kept segments; or condensing
+//   calibration   eliminations | comparison of segments | scatter | residuals | release, until it takes effect
+//   question      rows of the kept segments; what they predict; an epoch alone; analysis of the filter's own estimate
+//
+// Work in slices keeps its lease across pauses. A calibration that is done keeps it until it takes effect, while the
+// database is closed and nothing is scored. A start in motion works in the filter's window (vio/start_motion.h).
 #pragma once
-
-#include <new>
 
 #include "api/release.h"
 #include "api/trigger.h"
-#include "calibration/agreement.h"
-#include "calibration/scatter.h"
 #include "information/joint_information.h"
 #include "information/metrics.h"
 #include "segments/elimination.h"
 
 namespace SEGCAL_NS {
 
-/// Residuals' lengths of all image points, while they are counted.
-struct LengthHistogram {
-  static constexpr int kBins = 400, kBinsPerPixel = 100;  ///< what is beyond counts in the last
-  std::int32_t bin[kBins];
-
-  template <class S>
-  static int place_of(S length_px) {
-    return length_px < S(kBins) / S(kBinsPerPixel) ? static_cast<int>(length_px * S(kBinsPerPixel)) : kBins - 1;
-  }
-  /// px, of `n` lengths.
-  template <class S>
-  S median(std::int32_t n) const {
-    std::int32_t below = 0;
-    int i = 0;
-    while (i < kBins - 1 && 2 * (below += bin[i]) < n) ++i;
-    return (S(i) + S(0.5)) / S(kBinsPerPixel);
-  }
-};
-
-enum class WorkOwner : std::int32_t { nobody, score, calibration };
+enum class WorkOwner : std::int32_t { nobody, score, calibration, question };
 
 template <class S>
 class Workspace {
- public:
-  SegmentEliminator<S>& eliminator() { return eliminator_; }
-
-  /// Takes the memory for a job; give_back() ends that.
-  void take(WorkOwner owner) {
-    eigen_assert(owner_ == WorkOwner::nobody);
-    owner_ = owner;
-    eliminator_.restart();
-  }
-  void give_back() { owner_ = WorkOwner::nobody; }
-
-  /// An analysis to begin, with its memory W. Elimination ends it.
-  InformationAnalysis<S>* new_analysis() {
-    Lent* lent = new (eliminator_.lend()) Lent;
-    lent->analysis.W = lent->W;
-    return &lent->analysis;
-  }
-  const InformationAnalysis<S>& analysis() { return lent().analysis; }
-  InformationAnalysis<S>* analysis_under_way() { return &lent().analysis; }
-  /// What the calibration under way will release.
-  Release<S>* release() { return &lent().release; }
-
-  /// An epoch's rows moved to another theta, while it is compared.
-  SegmentInformation<S>* moved() { return &lent().moved; }
-
-  /// Sums of information over theta's n columns. Elimination ends them.
-  JointInformation<S> sums(const S* prior_sigma, int n) {
-    static_assert(kJointScratch <= ReducedSystem<S>::kScratch, "the triangle is too small for sums of information");
-    return JointInformation<S>(prior_sigma, n, eliminator_.reduced().scratch());
-  }
-  /// For the comparison of segments.
-  S* agreement_scratch() {
-    static_assert(Agreement<S>::kScratch <= ReducedSystem<S>::kScratch,
-                  "the triangle is too small to compare segments");
-    return eliminator_.reduced().scratch();
-  }
-  /// For their scatter.
-  S* scatter_scratch() {
-    static_assert(SegmentScatter<S>::kScratch <= ReducedSystem<S>::kScratch,
-                  "the triangle is too small for the scatter of segments");
-    return eliminator_.reduced().scratch();
-  }
-  LengthHistogram* histogram() {
-    static_assert(sizeof(LengthHistogram) <= sizeof(S) * ReducedSystem<S>::kScratch,
-                  "the triangle is too small for a histogram");
-    return static_cast<LengthHistogram*>(static_cast<void*>(eliminator_.reduced().scratch()));
-  }
-
- private:
-  struct Lent {
+  template <int n>
+  struct Numbers {
+    S number[n];
+  };
+  struct Findings {
     S W[kMaxTheta * kMaxTheta];
     InformationAnalysis<S> analysis;
     Release<S> release;
     SegmentInformation<S> moved;
   };
-  static_assert(sizeof(Lent) <= SegmentEliminator<S>::kLentBytes, "the eliminator has too little to lend");
-  Lent& lent() { return *static_cast<Lent*>(eliminator_.lend()); }
 
+ public:
+  /// The right to use the memory. Stands in the same block of memory as the workspace, or on the stack.
+  class Lease {
+   public:
+    Lease() = default;
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    /// An elimination ends what is in the block and in the triangle.
+    SegmentEliminator<S>& eliminator() { return work().eliminator_; }
+
+    /// An analysis to begin, in the block. A release and an epoch's rows stand beside it.
+    InformationAnalysis<S>* new_analysis() {
+      Findings& f = eliminator().template begin_in_block<Findings>();
+      f.analysis.W = f.W;
+      return &f.analysis;
+    }
+    InformationAnalysis<S>* analysis() { return &findings().analysis; }
+    /// What the calibration under way will release.
+    Release<S>* release() { return &findings().release; }
+    /// An epoch's rows moved to another theta, while it is compared.
+    SegmentInformation<S>* moved() { return &findings().moved; }
+
+    /// An X in the triangle.
+    template <class X>
+    X& begin_in_triangle() {
+      return eliminator().template begin_in_triangle<X>();
+    }
+    template <class X>
+    X& in_triangle() {
+      return eliminator().template in_triangle<X>();
+    }
+    /// n numbers there.
+    template <int n>
+    S* numbers() {
+      return begin_in_triangle<Numbers<n>>().number;
+    }
+    /// Sums of information over theta's n columns, there.
+    JointInformation<S> sums(const S* prior_sigma, int n) {
+      return JointInformation<S>(prior_sigma, n, numbers<kJointScratch>());
+    }
+
+    void end() {
+      work().owner_ = WorkOwner::nobody;
+      work_ = nullptr;
+    }
+
+   private:
+    friend class Workspace;
+    Workspace& work() {
+      eigen_assert(work_);
+      return *work_;
+    }
+    Findings& findings() { return eliminator().template in_block<Findings>(); }
+    NearOrNull<Workspace> work_;
+  };
+
+  void begin_lease(WorkOwner owner, Lease* lease) {
+    eigen_assert(owner_ == WorkOwner::nobody);
+    owner_ = owner;
+    eliminator_.restart();
+    lease->work_ = this;
+  }
+  /// Ends whatever lease there is: its owner is no more.
+  void reset() { owner_ = WorkOwner::nobody; }
+
+ private:
   SegmentEliminator<S> eliminator_;
   WorkOwner owner_ = WorkOwner::nobody;
 };

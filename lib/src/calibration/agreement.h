@@ -1,18 +1,18 @@
 // Do segments tell of one and the same theta? A device that was dropped, or whose lens was turned, has another
 // calibration than its older segments know.
 //
-// Segments are taken from the newest to the oldest. Each is held against the prior and all newer ones that agreed: with
-// R_1 delta = d_1 from the one and R_2 delta = d_2 from the others, what their common least-squares solution leaves
-// over is
+// Segments are taken from the newest to the oldest. Each is held against the prior
+// and all newer ones that agreed: with R_1 delta = d_1 from the one and R_2 delta
+// = d_2 from the others, what their common least-squares solution leaves over is
 //     (delta_1 - delta_2)' (Sigma_1 + Sigma_2)^-1 (delta_1 - delta_2),
-// chi-square with the rank of R_1 as degrees of freedom if theta is the same and the model is all there is. It needs no
-// inverse, so directions that a segment does not show do no harm; they are left out of R_1, where they would only add
-// noise.
+// chi-square with the rank of R_1 as degrees of freedom if theta is the same and
+// the model is all there is. It needs no inverse, so directions that a segment does
+// not show do no harm; they are left out of R_1, where they would only add noise.
 //
-// No model is all there is: on real recordings neighbours of a few seconds disagree by two to six per degree of
-// freedom. So the measure is what the newer ones disagree among themselves, at least 1, and the ratio of the two mean
-// squares is F. One segment alone convicts nobody, then, and nor do several that could not stand in for what they
-// convict.
+// No model is all there is: on real recordings neighbours of a few seconds disagree by two
+// to six per degree of freedom. So the measure is what the newer ones disagree among
+// themselves, at least 1, and the ratio of the two mean squares is F. One segment alone
+// convicts nobody, then, and nor do several that could not stand in for what they convict.
 #pragma once
 
 #include "calibration/epoch.h"
@@ -28,9 +28,9 @@ class Agreement {
   static constexpr int kScratch = 3 * packed_size(kMaxTheta + 1) + kMaxTheta * (kMaxTheta + 1);
 
   Agreement() = default;
-  /// All segments' information must be linearised at `theta`. `level`: probability of a false verdict in one
-  /// comparison. `noise`: variance of whitened residuals, 1 where the noise is as stated. Memory is lent; all arguments
-  /// must stay.
+  /// All segments' information must be linearised at `theta`. `level`: probability
+  /// of a false verdict in one comparison. `noise`: variance of whitened residuals,
+  /// 1 where the noise is as stated. Memory is lent; all arguments must stay.
   Agreement(const ThetaPrior<S>& prior, const Calibration<S>& theta, S level, S noise, InformationAnalysis<S>* analysis,
             S* scratch)
       : prior_(&prior),
@@ -43,8 +43,8 @@ class Agreement {
     begin();
   }
 
-  /// Takes the next older segment, in slices; true when outdated() is its verdict. An outdated one says nothing to the
-  /// rest.
+  /// Takes the next older segment, in slices; true when outdated()
+  /// is its verdict. An outdated one says nothing to the rest.
   bool take_step(const SegmentInformation<S>& information) {
     SEGCAL_SLICES(place_) {
       outdated_ = false;
@@ -64,8 +64,8 @@ class Agreement {
     SEGCAL_SLICES_END(place_);
   }
   bool outdated() const { return outdated_; }
-  /// What the item that take_step() has judged is known to scatter by in itself: a sum of squares of unit variance,
-  /// with `degrees`.
+  /// What the item that take_step() has judged is known to scatter by
+  /// in itself: a sum of squares of unit variance, with `degrees`.
   void know_spread(S sum, int degrees) { (outdated_ ? spread_of_outdated_ : spread_).add(sum / noise_, degrees); }
   /// After the last one: whether all that is outdated, together, contradicts all that agreed; by chance with
   /// probability p. Either may scatter more.

@@ -7,9 +7,9 @@ namespace SEGCAL_NS {
 
 struct CalibratorOptions {
   int max_iterations = 30;
-  double converged =
-      4e-3;  ///< squared length of a step of theta, in sigmas: below 0.06 sigma the fit counts as converged,
-  double settled = 4e-4;  ///< and goes on to 0.02 sigma as long as there are iterations left
+  /// Squared length of a step of theta, in sigmas: below 0.06 sigma the fit counts as converged, and goes on to 0.02
+  /// sigma as long as there are iterations left.
+  double converged = 4e-3, settled = 4e-4;
   /// At the last iteration, where the cost is flat: corner tracks with tails make robust weights swing to and fro about
   /// the minimum. Half a sigma beside it adds 12 % to an error of one sigma; refusing the fit would leave nothing.
   double swings = 0.25;

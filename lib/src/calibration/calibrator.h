@@ -1,17 +1,18 @@
 // Levenberg-Marquardt over the kept segments (paper, Sec. V-D; docs/design.md, section 7).
 //
-// Each iteration eliminates every segment to theta, the ties and its separators, solves the small dense triangle of
-// ties and theta, walks the chain back and substitutes each segment's states. Nothing grows with the number of segments
-// but one row block each.
+// Each iteration eliminates every segment to theta, the ties and its separators, solves
+// the small dense triangle of ties and theta, walks the chain back and substitutes each
+// segment's states. Nothing grows with the number of segments but one row block each.
 #pragma once
-
-#include <new>
 
 #include "calibration/calibration_fit.h"
 #include "calibration/chain.h"
 #include "calibration/condenser.h"
+#include "calibration/fit_memory.h"
 #include "calibration/global_system.h"
 #include "calibration/partitions.h"
+#include "calibration/step_policy.h"
+#include "math/one_of.h"
 #include "math/small_solvers.h"
 #include "segments/segment_cost.h"
 #include "segments/triangulation.h"
@@ -49,13 +50,16 @@ class Calibrator {
   /// The same in slices (math/resumable.h). Between two of them the eliminator is not the caller's.
   [[gnu::cold]] bool run_step(const CalibratorOptions& options, SegmentEliminator<S>* eliminator);
 
-  /// For costs of single segments, while no run is under way.
-  void lend_cost_steps() { new (&work_.cost) CostSteps<S>; }
-  CostSteps<S>& cost_steps() { return work_.cost; }
-  /// Memory to condense a segment in, while no run is under way; the cost steps end with it.
-  CondenseMemory<S> lend_condense_memory(SegmentEliminator<S>* eliminator) {
-    return {eliminator, new (&work_.chain) Chain<S>, step_};
+  // While no run is under way, jobs work here (api/score_job.h, api/calibrate_job.h).
+  /// Costs of single segments.
+  CostSteps<S>& begin_costs() { return work_.template begin<CostSteps<S>>(); }
+  CostSteps<S>& costs() { return work_.template get<CostSteps<S>>(); }
+  /// To condense a segment; costs end with it.
+  CondenseMemory<S> begin_condensing(SegmentEliminator<S>* eliminator) {
+    return {eliminator, &work_.template begin<Chain<S>>(), step_};
   }
+  /// Where the next segment is built meanwhile.
+  Segment<S>& begin_spare_segment() { return memory_.begin_spare_segment(); }
 
   const Calibration<S>& theta() const { return theta_; }
   const CalibrationFit<S>& fit() const { return fit_; }
@@ -82,8 +86,8 @@ class Calibrator {
     while (!reject_outliers_step(limit)) {
     }
   }
-  /// The first run of a calibration takes the wide prior everywhere: which segments only turned shows when it has
-  /// settled.
+  /// The first run of a calibration takes the wide prior everywhere:
+  /// which segments only turned shows when it has settled.
   void accept_all();
   const MeasurementModel<S>& model() const { return model_; }
   /// Eliminates everything at the present estimate without moving it.
@@ -97,11 +101,6 @@ class Calibrator {
     while (!total_cost_step()) {
     }
     return total_;
-  }
-  /// Memory for one segment, while no calibration is under way; begin() takes it back.
-  Segment<S>* lend_segment() {
-    static_assert(sizeof(Segment<S>) <= sizeof(Memory), "the memory of a fit is too small to lend");
-    return new (&memory_) Segment<S>;
   }
 
  private:
@@ -129,13 +128,9 @@ class Calibrator {
     const S rho = theta_triangle()(theta_.columns(), theta_.columns());
     fit_.chi2 = rho * rho;
   }
-  LeftRows<S>* left(int i) { return i > 0 ? &memory_.other[i - 1].left : nullptr; }
-  SegmentStates<S>& saved(int i) { return i > 0 ? memory_.other[i - 1].states : memory_.first; }
-  void save_states(int i) { new (&saved(i)) SegmentStates<S>(segment_[i]->states); }
+  void save_states(int i) { memory_.save(i, segment_[i]->states); }
   [[gnu::cold]] void restore();
-  bool turned_back(const S* theta_step);
   bool iterate_step(SegmentEliminator<S>* eliminator, const CalibratorOptions& options);
-  bool judge_step(S trial, const CalibratorOptions& options);
 
   Near<Segment<S>> segment_[kMaxSegments];
   SegmentLink<S> link_[kMaxSegments];
@@ -147,43 +142,20 @@ class Calibrator {
   CalibrationFit<S> fit_;
   Partitions<S> partitions_;
   std::int32_t partition_count_ = 0;
-  /// Of one segment, while a fit is under way: what came from the left until its guest's step is known, then the states
-  /// that its own step moves.
-  union Kept {
-    Kept() {}
-    LeftRows<S> left;
-    SegmentStates<S> states;
-  };
-  /// So many that a segment fits as well, where few are kept: it is lent.
-  static constexpr int others() {
-    constexpr int needed = kMaxSegments > 1 ? kMaxSegments - 1 : 1;
-    constexpr int lent = static_cast<int>((sizeof(Segment<S>) + sizeof(Kept) - 1) / sizeof(Kept));
-    return needed > lent ? needed : lent;
-  }
-  /// What is only there while a fit is under way.
-  struct Memory {
-    SegmentStates<S> first;  ///< nobody is on its left
-    Kept other[others()];
-  };
-  alignas(Segment<S>) Memory memory_;
-  S last_step_[kMaxTheta];
+  FitMemory<S> memory_;
   GlobalSystem<S> global_;
   S step_[kStateColumns * (kMaxKeyframes + 1) + kMaxGlobal + 1];
 
   // Where the work stands (math/resumable.h).
   Place place_ = 0, iterate_place_ = 0, inner_place_ = 0;
   std::int32_t i_ = 0, j_ = 0;
-  S damping_, cost_, fall_, total_;
-  bool settled_ = false, flat_ = false;
+  StepPolicy<S> policy_;
+  S fall_, total_;
+  bool settled_ = false;
   S theta_step_[kMaxTheta], guest_step_[kStateColumns], last_keyframe_step_[kStateColumns];
-  Near<const S> global_step_;  ///< ties and theta, in global_
-  /// One after the other: the chain makes a step, then its cost is told.
-  union Work {
-    Work() {}
-    Chain<S> chain;
-    CostSteps<S> cost;
-  };
-  Work work_;
+  Near<const S> global_step_;           ///< ties and theta, in global_
+  OneOf<Chain<S>, CostSteps<S>> work_;  ///< the chain makes a step, then its cost is told
+  Chain<S>& chain() { return work_.template get<Chain<S>>(); }
 };
 
 }  // namespace SEGCAL_NS

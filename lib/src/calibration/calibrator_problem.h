@@ -40,7 +40,7 @@ void Calibrator<S>::set_up(const Pointer* segments, int count, const ThetaPrior<
   model_ = model;
   fit_ = CalibrationFit<S>{};
   place_ = iterate_place_ = inner_place_ = 0;
-  new (&memory_) Memory;
+  memory_.begin();
   for (int i = 0; i < count; ++i) segment_[i] = segments[i];
 }
 
@@ -85,7 +85,7 @@ const Landmark<S>& Calibrator<S>::tie(int t) const {
 template <class S>
 void Calibrator<S>::restore() {
   theta_ = saved_theta_;
-  for (int i = 0; i < count_; ++i) segment_[i]->states = saved(i);
+  for (int i = 0; i < count_; ++i) segment_[i]->states = memory_.saved(i);
 }
 
 template <class S>

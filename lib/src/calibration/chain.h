@@ -1,6 +1,6 @@
-// Segments that follow each other in time form a chain: each is eliminated to its last keyframe (the separator), the
-// separator of the segment before (its guest) and the global columns (ties and theta), and the chain passes separators
-// on from left to right.
+// Segments that follow each other in time form a chain: each is eliminated to its last
+// keyframe (the separator), the separator of the segment before (its guest) and the
+// global columns (ties and theta), and the chain passes separators on from left to right.
 //
 // For each segment a small triangle over [guest 15 | last 15 | ties | theta | rhs] takes what came from the left and
 // what the segment says; its first 15 rows give the guest, the next 15 go on to the right, and what is left of a row
@@ -17,8 +17,8 @@ constexpr int kMaxGlobal = kTieColumns + kMaxWideTheta;
 constexpr int kLinkColumns = 2 * kStateColumns + kMaxGlobal + 1;
 constexpr int kLeftColumns = kStateColumns + kTieColumns + kMaxTheta + 1;
 
-/// What the segments on the left say about the guest: 15 rows over [guest | ties | theta | rhs], row i without its
-/// zeros.
+/// What the segments on the left say about the guest: 15 rows
+/// over [guest | ties | theta | rhs], row i without its zeros.
 template <class S>
 struct LeftRows {
   S data[packed_size(kLeftColumns) - packed_size(kLeftColumns - kStateColumns)];
@@ -34,8 +34,8 @@ class Chain {
     clear_from(0);
   }
 
-  /// What is known of the last keyframe of the segment that was taken last; a chain that was begun anew goes on with
-  /// it.
+  /// What is known of the last keyframe of the segment that was
+  /// taken last; a chain that was begun anew goes on with it.
   void hand_on(LeftRows<S>* rows) { copy_rows(kStateColumns, rows); }
   void go_on(const LeftRows<S>& rows) { take_rows(kStateColumns, rows); }
 

@@ -1,9 +1,9 @@
 // Does a segment that is to be condensed fit what is known of theta? A device that fell does not say so, and what it
 // measures from then on must not go into the epoch of what it was before.
 //
-// Known are the prior, the kept segments (each alone) and older epochs, K; the newest epoch, E; and the segment says s;
-// all moved to E's theta_0. Folding rows into a triangle leaves over what they say otherwise than those before
-// (epoch.h):
+// Known are the prior, the kept segments (each alone) and older epochs, K; the
+// newest epoch, E; and the segment says s; all moved to E's theta_0. Folding rows
+// into a triangle leaves over what they say otherwise than those before (epoch.h):
 //   s after K and E     a change at this moment
 //   what E and s leave over after K, less what s leaves over after E: a change when E began, of which no segment is
 //   sure alone.
@@ -24,8 +24,8 @@ namespace SEGCAL_NS {
 /// outdated; what is not found at once has moved an epoch by a fraction of what the limit allows.
 constexpr double kFalseAlarm = 1e-4;
 
-/// Folds rows over theta into a triangle, moved from where they are linearised; without what they leave over
-/// themselves.
+/// Folds rows over theta into a triangle, moved from where they
+/// are linearised; without what they leave over themselves.
 template <class S>
 void fold_moved(const SegmentInformation<S>& rows, const Calibration<S>& from, const Calibration<S>& to,
                 PackedTriangle<S>* T) {
@@ -39,8 +39,8 @@ void fold_moved(const SegmentInformation<S>& rows, const Calibration<S>& from, c
   }
 }
 
-/// What a segment's rows pull at the optimum of `known`, which has them in it and the prior. `scratch`:
-/// SegmentScatter's.
+/// What a segment's rows pull at the optimum of `known`, which
+/// has them in it and the prior. `scratch`: SegmentScatter's.
 template <class S>
 Pull<S> pull_on(const SegmentInformation<S>& rows, const PackedTriangle<S>& known, S* scratch) {
   const int n = rows.n_theta;
@@ -105,9 +105,9 @@ class Contradiction {
     SEGCAL_SLICES_END(place_);
   }
   bool found() const { return found_; }
-  /// It is rather the whole newest epoch than this segment. Of an epoch that agrees with K and is worth as much as the
-  /// segment, the second comparison has less than half of the first beyond noise; of one that does not, or says little,
-  /// more.
+  /// It is rather the whole newest epoch than this segment. Of an epoch that agrees
+  /// with K and is worth as much as the segment, the second comparison has less than
+  /// half of the first beyond noise; of one that does not, or says little, more.
   bool since_epoch() const { return since_ >= S(0.5) * now_; }
   /// The segment's, on all that is known with it.
   const Pull<S>& pull() const { return pull_; }

@@ -111,7 +111,8 @@ struct Epoch {
     }
   }
 
-  /// Whether theta is where the quadratic holds. `scratch`: packed_size(n + 1) numbers. Where segments scatter by s
+  static constexpr int kScratch = packed_size(kMaxTheta + 1);
+  /// Whether theta is where the quadratic holds. `scratch`: kScratch numbers. Where segments scatter by s
   /// times their sigmas, theta is sqrt(s) times as far off for the quadratic to lack the same share of that.
   bool holds_at(const Calibration<S>& at, const ThetaPrior<S>& prior, S* scratch) const {
     const int n = columns();

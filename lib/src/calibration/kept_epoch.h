@@ -1,5 +1,5 @@
-// The kept segments become an epoch, so that the database is free for others: each with what it says alone, without its
-// links.
+// The kept segments become an epoch, so that the database is free
+// for others: each with what it says alone, without its links.
 #pragma once
 
 #include "calibration/contradiction.h"
@@ -9,8 +9,10 @@ namespace SEGCAL_NS {
 template <class S>
 class KeptEpoch {
  public:
+  static constexpr int kScratch = 2 * packed_size(kMaxTheta + 1) + SegmentScatter<S>::kScratch;
   void restart() { place_ = 0; }
-  /// `segments`: in order of time, with information at epoch->theta. In slices; true when all are in the epoch.
+  /// `segments`: in order of time, with information at epoch->theta.
+  /// `scratch`: kScratch numbers. In slices; true when all are in the epoch.
   template <class Pointer>
   bool step(const Pointer* segments, int count, const ThetaPrior<S>& prior, Epoch<S>* epoch, S* scratch) {
     const int n = epoch->columns();

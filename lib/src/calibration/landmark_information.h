@@ -38,8 +38,8 @@ void fold_walking_landmark(const Segment<S>& segment, int j, const Calibration<S
   fold_rows(*R, block, 2 * track.points(), kLandmarkColumns, 0, kLandmarkColumns);
 }
 
-/// Folds what a segment's image points say about landmark j, with everything else known, into a triangle over its
-/// columns.
+/// Folds what a segment's image points say about landmark j,
+/// with everything else known, into a triangle over its columns.
 template <class S>
 void fold_landmark(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                    PackedTriangle<S>* R) {

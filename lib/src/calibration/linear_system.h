@@ -35,8 +35,8 @@ bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, 
       SEGCAL_PAUSE(inner_place_);
       SEGCAL_AWAIT(inner_place_,
                    eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping, candidates));
-      SEGCAL_AWAIT(inner_place_, work_.chain.add_step(eliminator, link_[i_].join != Join::none, link_[i_].passes_on,
-                                                      candidates ? nullptr : left(i_), &G));
+      SEGCAL_AWAIT(inner_place_, chain().add_step(eliminator, link_[i_].join != Join::none, link_[i_].passes_on,
+                                                  candidates ? nullptr : memory_.left(i_), &G));
       fit_.image_points += eliminator->counts().image_points;
       fit_.dof += S(eliminator->counts().residuals - eliminator->counts().unknowns) + eliminator->prior_share();
     }
@@ -52,7 +52,7 @@ PackedTriangle<S> Calibrator<S>::begin_linearisation(S damping, const CandidateT
   global_.triangle().clear();
   if (with_prior) global_.clear_to_prior(*prior_, theta_);
   for (int t = 0; t < ties; ++t) global_.add_tie(t, tie(t), model_, damping);
-  (new (&work_.chain) Chain<S>)->begin(global_.columns());
+  work_.template begin<Chain<S>>().begin(global_.columns());
   const bool with_epochs = kEpochs > 0 && with_prior && epochs_ && epochs_->count() > 0;
   fit_.image_points = 0;
   fit_.dof = count_ > 0 || with_epochs ? -S(theta_.columns()) : S(0);
@@ -72,6 +72,7 @@ S Calibrator<S>::rows_of(const bool* use, const CandidateTerms& candidates, Segm
   const int count = count_;
   const CalibrationFit<S> fit = fit_;
   saved_theta_ = theta_;
+  memory_.begin();
   for (int i = 0; i < count; ++i) save_states(i);  // ties of other partitions give landmarks other values
   count_ = 0;
   for (int i = 0; i < count; ++i) {
@@ -120,8 +121,8 @@ bool Calibrator<S>::step_back_step(SegmentEliminator<S>* eliminator, S damping) 
         SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping));
       }
       if (link_[i_].join != Join::none) {
-        SEGCAL_AWAIT(inner_place_, work_.chain.solve_guest_step(eliminator, link_[i_].passes_on, *left(i_),
-                                                                last_keyframe_step_, global_step_, guest_step_));
+        SEGCAL_AWAIT(inner_place_, chain().solve_guest_step(eliminator, link_[i_].passes_on, *memory_.left(i_),
+                                                            last_keyframe_step_, global_step_, guest_step_));
         SEGCAL_PAUSE(inner_place_);
       }
       gather_step(*eliminator, i_);

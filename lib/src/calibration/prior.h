@@ -1,5 +1,5 @@
-// The prior on theta: where calibration starts from, and how far the factory's values may be off (docs/formats.md,
-// "config.yaml").
+// The prior on theta: where calibration starts from, and how far
+// the factory's values may be off (docs/formats.md, "config.yaml").
 #pragma once
 
 #include "math/qr.h"
@@ -14,8 +14,8 @@ struct ThetaPrior {
   S sigma[kMaxTheta] = {};  ///< units of theta's entries
 };
 
-/// What may be stated as a sigma, in its own unit; segcal.h says so. Their squares and the squares' inverses stay far
-/// inside float.
+/// What may be stated as a sigma, in its own unit; segcal.h says so.
+/// Their squares and the squares' inverses stay far inside float.
 constexpr double kLeastSigma = 1e-9, kMostSigma = 1e6;
 
 /// The defaults of docs/formats.md, "config.yaml".

@@ -1,13 +1,13 @@
-// How far do segments disagree about theta? The variance of what is left of each one's pull, over what noise as stated
-// leaves.
+// How far do segments disagree about theta? The variance of what
+// is left of each one's pull, over what noise as stated leaves.
 //
-// With theta at its best, segment s still pulls with g = R'd (R, d: its information at that theta, alone). Independent
-// noise of unit variance gives g the covariance H - H Sigma H, with H = R'R and Sigma = (T'T)^-1 the covariance of
-// theta from all. Errors that last for a whole segment (corner tracks that drift, vibration, a calibration that moves,
-// an effect without a name) make pulls longer, and theta's covariance is Sigma (sum of g g') Sigma in place of Sigma
-// (White, "Maximum likelihood estimation of misspecified models", Econometrica 1982; Liang and Zeger, Biometrika 1986,
-// with each segment a cluster). Eight clusters do not fill a matrix of 27 columns: only the mean over all directions is
-// taken,
+// With theta at its best, segment s still pulls with g = R'd (R, d: its information at that theta, alone).
+// Independent noise of unit variance gives g the covariance H - H Sigma H, with H = R'R and Sigma =
+// (T'T)^-1 the covariance of theta from all. Errors that last for a whole segment (corner tracks that
+// drift, vibration, a calibration that moves, an effect without a name) make pulls longer, and theta's
+// covariance is Sigma (sum of g g') Sigma in place of Sigma (White, "Maximum likelihood estimation of
+// misspecified models", Econometrica 1982; Liang and Zeger, Biometrika 1986, with each segment a cluster).
+// Eight clusters do not fill a matrix of 27 columns: only the mean over all directions is taken,
 //     sum of g'Sigma g / sum of trace(H Sigma - H Sigma H Sigma),
 // a factor on Sigma that chi2/dof does not see: residuals that are small, but not independent.
 #pragma once
@@ -24,8 +24,8 @@ class SegmentScatter {
   static constexpr int kScratch = kMaxTheta * (kMaxTheta + 1);
 
   SegmentScatter() = default;
-  /// `T`: triangle over [theta | rhs] from all segments and the prior, at its optimum. `scratch`: kScratch numbers.
-  /// Both must stay.
+  /// `T`: triangle over [theta | rhs] from all segments and the prior,
+  /// at its optimum. `scratch`: kScratch numbers. Both must stay.
   SegmentScatter(PackedTriangle<S> T, int n, S* scratch)
       : triangle_(T.row(0)), width_(T.columns()), n_(n), scratch_(scratch) {}
 

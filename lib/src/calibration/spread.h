@@ -1,9 +1,9 @@
 // How far items disagree that tell of one theta: the yardstick for another one that may not.
 //
-// What items leave over is a mean square of 1 per degree of freedom if noise is as stated, and g on real recordings, 2
-// to 20. That excess is not spread evenly: it sits in what the model lacks, the scales of a real accelerometer, say. A
-// sum of squares of r numbers of unequal variances lambda has longer tails than g times chi-square of r degrees: like
-// one with
+// What items leave over is a mean square of 1 per degree of freedom if noise is as stated, and
+// g on real recordings, 2 to 20. That excess is not spread evenly: it sits in what the model
+// lacks, the scales of a real accelerometer, say. A sum of squares of r numbers of unequal
+// variances lambda has longer tails than g times chi-square of r degrees: like one with
 //     h = (sum of lambda)^2 / (sum of lambda^2)
 // degrees (Satterthwaite, Biometrics Bulletin 2, 1946; Box, Ann. Math. Stat. 25, 1954). Few items cannot tell how
 // unequal they are, so the excess is taken to sit in as few directions as one sensor has axes.

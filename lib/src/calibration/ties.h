@@ -1,5 +1,5 @@
-// Ties: landmarks that segments of one partition share, so that all of them stand in one frame (docs/design.md, section
-// 7).
+// Ties: landmarks that segments of one partition share, so that
+// all of them stand in one frame (docs/design.md, section 7).
 //
 // A tie has one set of parameters for all segments that see it. Each keeps a copy of it among its own landmarks: the
 // copies begin equal and move by the same steps, so no other code needs to know. Between two segments a few ties are
@@ -48,8 +48,8 @@ class Ties {
     }
   }
 
-  /// Chooses ties between segments a and b of different sets. False, and nothing is changed, if too few are good
-  /// enough.
+  /// Chooses ties between segments a and b of different sets.
+  /// False, and nothing is changed, if too few are good enough.
   [[gnu::cold]] bool connect(Segment<S>* const* segment, int a, int b, const Calibration<S>& theta,
                              const MeasurementModel<S>& model, DisjointSets* sets);
   /// When all sets are joined: every segment of a tie's set that sees it takes part, and begins with the same values.

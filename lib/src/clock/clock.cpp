@@ -27,8 +27,8 @@ Clock* created(segcal_clock_t* clock) {
 const Clock* created(const segcal_clock_t* clock) { return created(const_cast<segcal_clock_t*>(clock)); }
 
 constexpr double kMostStart_s = 1000;
-constexpr float kMostRate =
-    100;  // rad/s: what turns faster is a reading gone wrong, and is farther in 0.25 s than angles are kept
+// rad/s: what turns faster is a reading gone wrong, and is farther in 0.25 s than angles are kept
+constexpr float kMostRate = 100;
 
 bool is_rate(float w) { return w >= -kMostRate && w <= kMostRate; }  // no for not-a-number
 

@@ -1,5 +1,5 @@
-// The search for the offset of two clocks as a device does it: samples and images in, slices of work, an answer at any
-// time.
+// The search for the offset of two clocks as a device does it:
+// samples and images in, slices of work, an answer at any time.
 #pragma once
 
 #include "api/stamp_guard.h"
@@ -81,8 +81,8 @@ class DeviceClock {
   }
 
  private:
-  static constexpr int kQueue =
-      24;  ///< pairs wait for half a second of samples: 40 ms apart or more, and the samples may be late
+  /// pairs wait for half a second of samples: 40 ms apart or more, and the samples may be late
+  static constexpr int kQueue = 24;
   static constexpr std::int64_t kOtherClockNs = 2000000000;  ///< as segcal_push_tracks has it
   enum class Ready { waits, yes, never };
   using Place = NodePlace<S>;

@@ -1,9 +1,9 @@
-// How far the gyroscope has turned, at nodes 5 ms apart, for as long as a search over half a second either way looks
-// back.
+// How far the gyroscope has turned, at nodes 5 ms apart, for as
+// long as a search over half a second either way looks back.
 //
-// Offsets are tried in steps of the nodes, so that a moment has the same share of a step at each of them, and a trial
-// reads four nodes. Angles are whole numbers of 2^-24 rad that wrap: differences are exact however long the device has
-// turned.
+// Offsets are tried in steps of the nodes, so that a moment has the same share of a
+// step at each of them, and a trial reads four nodes. Angles are whole numbers of
+// 2^-24 rad that wrap: differences are exact however long the device has turned.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +36,8 @@ struct NodePlace {
 template <class S>
 class GyroNodes {
  public:
-  /// Half a second either way, the longest pair, and as long again for blocks of samples and for a background that is
-  /// late: 1.9 s.
+  /// Half a second either way, the longest pair, and as long again
+  /// for blocks of samples and for a background that is late: 1.9 s.
   static constexpr int kNodes = 384;
   /// Samples further apart are no path: what turned between them is not known.
   static constexpr std::int64_t kGapNs = 100000000;
@@ -92,8 +92,8 @@ class GyroNodes {
     return angle_[slot];
   }
 
-  /// The rate is linear from sample to sample: after a share x of the step h it has turned by h x (w0 + x (w1 - w0) /
-  /// 2).
+  /// The rate is linear from sample to sample: after a share x
+  /// of the step h it has turned by h x (w0 + x (w1 - w0) / 2).
   void turn_to(std::int64_t t_ns, const Vec3<S>& w) {
     const std::int64_t step_ns = t_ns - t_ns_;
     const S h = static_cast<S>(step_ns) * S(1e-9);

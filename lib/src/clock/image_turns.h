@@ -1,5 +1,5 @@
-// Images in, rates of pairs of them out, in slices: rays of the corners, which of them the image before has too, and
-// how it turned.
+// Images in, rates of pairs of them out, in slices: rays of the
+// corners, which of them the image before has too, and how it turned.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
-// What rotation says about the offset of two clocks, in sums over pairs of images, one set for each offset that is
-// tried.
+// What rotation says about the offset of two clocks, in sums
+// over pairs of images, one set for each offset that is tried.
 //
-// With v the rate that a pair of images shows and w(d) the gyroscope's mean rate over the same time moved by d, both in
-// I,
+// With v the rate that a pair of images shows and w(d) the
+// gyroscope's mean rate over the same time moved by d, both in I,
 //   B(d) = sum v.w(d),  T(d) = sum |w(d)|^2,  I = sum |v|^2,  correlation r(d) = B / sqrt(T I),
 // means taken off in each window of some seconds: a bias of the gyroscope is no rotation. At the peak of r, Q = B - c T
 // / 2 with c = B / T has its own: -c Q is half the sum of squares of v - c w(d).

@@ -1,11 +1,11 @@
 // How a camera turned between two images, by the rays of the corners that both see: as if it only turned.
 //
-// Least sum of w |r1 - R r2|^2, w = 1 / (1 + |r1 - R r2|^2 / tolerated^2): what moved by parallax or was matched
-// wrongly counts less. With p = R r2 and R <- Exp(d) R, r1 - Exp(d) p = r1 - p + p x d to first order, so that each
-// round solves
+// Least sum of w |r1 - R r2|^2, w = 1 / (1 + |r1 - R r2|^2 / tolerated^2): what
+// moved by parallax or was matched wrongly counts less. With p = R r2 and R <-
+// Exp(d) R, r1 - Exp(d) p = r1 - p + p x d to first order, so that each round solves
 //   (sum w (I - p p')) d = sum w p x r1.
-// The first rounds have all weights 1: they come from no rotation at all, where the weights would hold on to what
-// stands still.
+// The first rounds have all weights 1: they come from no rotation
+// at all, where the weights would hold on to what stands still.
 #pragma once
 
 #include "clock/criteria.h"

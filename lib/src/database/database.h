@@ -35,8 +35,8 @@ class Database {
   static constexpr int kSlots = SEGCAL_MAX_SEGMENTS + 1;
   [[gnu::cold]] Database() = default;
 
-  /// `capacity`: segments to keep, 1..SEGCAL_MAX_SEGMENTS. `least_gain`: nats below which a segment is not worth a
-  /// slot.
+  /// `capacity`: segments to keep, 1..SEGCAL_MAX_SEGMENTS.
+  /// `least_gain`: nats below which a segment is not worth a slot.
   void reset(int capacity, Metric metric, Strategy strategy, S least_gain, std::uint64_t seed) {
     capacity_ = capacity;
     metric_ = metric;

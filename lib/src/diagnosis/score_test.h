@@ -1,14 +1,14 @@
 // Score tests: would an effect that the model lacks explain the residuals? (docs/diagnosis.md, section 7)
 //
-// The elimination hands out a triangle over [theta | terms | rhs], linearised where all terms are zero, the prior of
-// theta folded in. Its rows below theta's are what the data say about the terms with theta free: min over theta of the
-// cost is
+// The elimination hands out a triangle over [theta | terms | rhs], linearised where
+// all terms are zero, the prior of theta folded in. Its rows below theta's are what
+// the data say about the terms with theta free: min over theta of the cost is
 //     |R_cc c - d_c|^2 + rho^2.
-// An effect e owns a few of the columns c. With all other candidates held at zero, and those that were accepted before
-// free like theta, the columns [accepted | e | rhs] of R_cc are brought to a triangle once more; in its rows of e stand
-// R_ee, d_e:
-//     statistic   s = |d_e|^2: what the cost falls by if e is let free; chi-square with dim(e) degrees of freedom
-//     without e, estimate    R_ee^-1 d_e,  covariance  (R_ee' R_ee)^-1.
+// An effect e owns a few of the columns c. With all other candidates held at zero,
+// and those that were accepted before free like theta, the columns [accepted | e |
+// rhs] of R_cc are brought to a triangle once more; in its rows of e stand R_ee, d_e:
+//     statistic   s = |d_e|^2: what the cost falls by if e is let free; without e, chi-square with dim(e) degrees,
+//     estimate    R_ee^-1 d_e,  covariance  (R_ee' R_ee)^-1.
 // No refit, and only columns that are there already: a few thousand multiplications per effect.
 #pragma once
 

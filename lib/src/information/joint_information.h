@@ -94,9 +94,9 @@ class JointInformation {
     return T;
   }
 
-  /// To the half that segment i_ is in: the next level is a copy of the one above, to which the other half, [k_,
-  /// until_), is to be added. False if all that is there already: halves come in order, and the segment before had the
-  /// same one.
+  /// To the half that segment i_ is in: the next level is a copy of the one above,
+  /// to which the other half, [k_, until_), is to be added. False if all that is
+  /// there already: halves come in order, and the segment before had the same one.
   bool descend() {
     const int a = first_[level_], b = last_[level_], middle = a + (b - a) / 2;
     const bool left = i_ < middle;

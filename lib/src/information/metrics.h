@@ -100,8 +100,8 @@ class SingularValues {
   bool rotated_ = false;
 };
 
-/// An analysis. Its work W is lent by the owner, kMaxTheta^2 numbers: it is needed until directions and metrics are
-/// there.
+/// An analysis. Its work W is lent by the owner, kMaxTheta^2
+/// numbers: it is needed until directions and metrics are there.
 template <class S>
 struct InformationAnalysis {
   std::int32_t n = 0;
@@ -139,8 +139,8 @@ void analyse(const SegmentInformation<S>& information, const S* prior_sigma, Inf
   }
 }
 
-/// The same from a triangle over [theta | rhs] that already holds the prior's rows: its singular values are sqrt(1 +
-/// s^2).
+/// The same from a triangle over [theta | rhs] that already holds
+/// the prior's rows: its singular values are sqrt(1 + s^2).
 template <class S>
 void begin_analysis_with_prior(const PackedTriangle<S>& R, const S* prior_sigma, InformationAnalysis<S>* out) {
   const int n = R.columns() - 1;

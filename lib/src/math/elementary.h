@@ -61,43 +61,24 @@ void sin_cos(S x, S* sine, S* cosine) {
   // The rounding of 1 - r^2/2 is given back.
   S s, c;
   const S halved = S(0.5) * r2, leading = S(1) - halved, lost = (S(1) - leading) - halved;
+  // clang-format off
   if constexpr (std::is_same_v<S, float>) {
     s = r + r * (r2 * (-1.6666654611e-1f + r2 * (8.3321608736e-3f + r2 * -1.9515295891e-4f)));
-    c = leading +
-        (lost + r2 * r2 * (4.166664568298827e-2f + r2 * (-1.388731625493765e-3f + r2 * 2.443315711809948e-5f)));
+    c = leading + (lost + r2 * r2 * (4.166664568298827e-2f + r2 * (-1.388731625493765e-3f +
+        r2 * 2.443315711809948e-5f)));
   } else {
-    s = r + r * r2 *
-                (-1.0 / 6 +
-                 r2 * (1.0 / 120 +
-                       r2 * (-1.0 / 5040 +
-                             r2 * (1.0 / 362880 + r2 * (-1.0 / 39916800 +
-                                                        r2 * (1.0 / 6227020800.0 - r2 * (1.0 / 1307674368000.0)))))));
-    c = leading +
-        (lost + r2 * r2 *
-                    (1.0 / 24 +
-                     r2 * (-1.0 / 720 +
-                           r2 * (1.0 / 40320 + r2 * (-1.0 / 3628800 + r2 * (1.0 / 479001600.0 +
-                                                                            r2 * (-1.0 / 87178291200.0 +
-                                                                                  r2 * (1.0 / 20922789888000.0))))))));
+    s = r + r * r2 * (-1.0 / 6 + r2 * (1.0 / 120 + r2 * (-1.0 / 5040 + r2 * (1.0 / 362880 + r2 * (-1.0 / 39916800 +
+        r2 * (1.0 / 6227020800.0 - r2 * (1.0 / 1307674368000.0)))))));
+    c = leading + (lost + r2 * r2 * (1.0 / 24 + r2 * (-1.0 / 720 + r2 * (1.0 / 40320 + r2 * (-1.0 / 3628800 +
+        r2 * (1.0 / 479001600.0 + r2 * (-1.0 / 87178291200.0 + r2 * (1.0 / 20922789888000.0))))))));
   }
   switch (k & 3) {
-    case 0:
-      *sine = s;
-      *cosine = c;
-      break;
-    case 1:
-      *sine = c;
-      *cosine = -s;
-      break;
-    case 2:
-      *sine = -s;
-      *cosine = -c;
-      break;
-    default:
-      *sine = -c;
-      *cosine = s;
-      break;
+    case 0: *sine = s; *cosine = c; break;
+    case 1: *sine = c; *cosine = -s; break;
+    case 2: *sine = -s; *cosine = -c; break;
+    default: *sine = -c; *cosine = s; break;
   }
+  // clang-format on
 }
 
 template <class S>

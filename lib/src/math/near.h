@@ -9,6 +9,11 @@
 
 namespace SEGCAL_NS {
 
+template <class T>
+T* pointer_at(std::uintptr_t address) {
+  return reinterpret_cast<T*>(address);  // NOLINT(performance-no-int-to-ptr): distances are the point of this file
+}
+
 /// Null only until it is assigned to, which nobody asks: one addition to read.
 template <class T>
 class Near {
@@ -20,9 +25,7 @@ class Near {
     point_to(other);
     return *this;
   }
-  T* get() const {
-    return reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(this) + distance_);
-  }  // NOLINT(performance-no-int-to-ptr)
+  T* get() const { return pointer_at<T>(reinterpret_cast<std::uintptr_t>(this) + distance_); }
   operator T*() const { return get(); }
   T* operator->() const { return get(); }
   /// The object has moved by so many bytes, and this has not.
@@ -45,9 +48,7 @@ class NearOrNull {
     return *this;
   }
   operator T*() const {
-    return distance_ == 0 ? nullptr
-                          : reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(this) +
-                                                 distance_);  // NOLINT(performance-no-int-to-ptr)
+    return distance_ == 0 ? nullptr : pointer_at<T>(reinterpret_cast<std::uintptr_t>(this) + distance_);
   }
   T* operator->() const { return *this; }
   explicit operator bool() const { return distance_ != 0; }

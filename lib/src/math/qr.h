@@ -1,9 +1,9 @@
 // The one QR kernel: fold blocks of rows into an upper triangle by Householder reflections.
 //
 // A triangle R (n columns, the last ones may be right-hand sides) stands for the stacked rows seen so far:
-// R'R = A'A. Folding a block B of m rows replaces [R; B] by Q'[R; B] = [R+; 0]. Each reflection acts on one row of R
-// and on the m rows of B, so the cost is 2 m per entry, and columns left of the block's first non-zero one are not
-// touched.
+// R'R = A'A. Folding a block B of m rows replaces [R; B] by Q'[R; B] = [R+; 0].
+// Each reflection acts on one row of R and on the m rows of B, so the cost is 2 m
+// per entry, and columns left of the block's first non-zero one are not touched.
 #pragma once
 
 #include "math/elementary.h"

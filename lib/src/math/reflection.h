@@ -9,15 +9,15 @@
 
 namespace SEGCAL_NS {
 
-// Vector registers, or strips of single numbers. Without such registers the compiler's vector type would live in
-// memory.
+// Vector registers, or strips of single numbers. Without such
+// registers the compiler's vector type would live in memory.
 #if !defined(SEGCAL_SCALAR_KERNELS) && !defined(__SSE2__) && !defined(__ARM_NEON) && \
     !(defined(__ARM_FEATURE_MVE) && (__ARM_FEATURE_MVE & 2))
 #define SEGCAL_SCALAR_KERNELS
 #endif
 
-/// Vectors of 16 bytes, or 32 where the compiler may use AVX: a type of the compiler, so that the strips below are not
-/// left to its guesses.
+/// Vectors of 16 bytes, or 32 where the compiler may use AVX: a type of
+/// the compiler, so that the strips below are not left to its guesses.
 template <class S>
 struct Lanes {
 #ifdef __AVX__

@@ -68,8 +68,8 @@ Mat3<S> so3_right_jacobian_inverse(const Vec3<S>& phi) {
   return Mat3<S>::Identity() + S(0.5) * K + e * (K * K);
 }
 
-/// Unit quaternion (w, x, y, z) of a rotation matrix; the largest component is found first, so it never divides by
-/// zero.
+/// Unit quaternion (w, x, y, z) of a rotation matrix; the largest
+/// component is found first, so it never divides by zero.
 template <class S>
 Vec<S, 4> quaternion_from_matrix(const Mat3<S>& R) {
   const S trace = R(0, 0) + R(1, 1) + R(2, 2);

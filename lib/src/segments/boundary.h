@@ -1,8 +1,8 @@
 // Where a segment ends, if its length is left open: lively stretches are not cut, quiet ones do not fill a segment.
 //
-// Lively is measured per keyframe, from the raw samples: mean square of the rotation rate, and of the specific force
-// about its mean over the last seconds, each over its own mean so far. So there is nothing to set: 2 is what is usual
-// for this device.
+// Lively is measured per keyframe, from the raw samples: mean square of the rotation
+// rate, and of the specific force about its mean over the last seconds, each over its
+// own mean so far. So there is nothing to set: 2 is what is usual for this device.
 #pragma once
 
 #include "sensors/imu_history.h"
@@ -52,8 +52,8 @@ class Liveliness {
   bool began_ = false;
 };
 
-/// True if a segment of this length (s) may end: it is as long as segments are, and nothing happens that is worth more;
-/// or nothing happens at all.
+/// True if a segment of this length (s) may end: it is as long as segments
+/// are, and nothing happens that is worth more; or nothing happens at all.
 template <class S>
 bool ends_here(const Liveliness<S>& liveliness, S length, S usual, S least, S most) {
   if (length >= most) return true;

@@ -73,8 +73,8 @@ class SegmentBuilder {
 
   /// Worth to be closed.
   bool long_enough() const { return segment_->n_keyframes >= kFewestKeyframes; }
-  /// Ends a segment that has left the builder: sorts, triangulates at theta, drops what cannot be used. In slices; true
-  /// when useful() tells.
+  /// Ends a segment that has left the builder: sorts, triangulates at
+  /// theta, drops what cannot be used. In slices; true when useful() tells.
   bool close_step(Segment<S>* closed, const Calibration<S>& theta, const MeasurementModel<S>& model);
   void restart_close() { place_ = 0; }
   static bool useful(const Segment<S>& closed) { return closed.n_landmarks >= kFewestLandmarks; }

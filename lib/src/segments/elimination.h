@@ -6,8 +6,7 @@
 // next one; its rows from theta on are the SegmentInformation.
 #pragma once
 
-#include <new>
-
+#include "math/one_of.h"
 #include "math/resumable.h"
 #include "segments/guest_link.h"
 #include "segments/landmark_elimination.h"
@@ -44,13 +43,30 @@ class SegmentEliminator {
   const EliminationCounts& counts() const { return counts_; }
   S prior_share() const { return prior_share_; }
 
-  /// Memory of kLentBytes, between eliminations: what reduced() holds stays.
-  void* lend() { return &work_; }
+  /// Between eliminations, one X of others has the memory that landmarks and chain need (api/workspace.h): what
+  /// reduced() holds stays. Another has the triangle's: what reduced() holds is lost. The next elimination ends both.
+  template <class X>
+  X& begin_in_block() {
+    static_assert(sizeof(X) <= sizeof(Room) && alignof(X) <= alignof(Room), "the eliminator has no room for this");
+    return *new (work_.template begin<Room>().bytes) X;
+  }
+  template <class X>
+  X& in_block() {
+    return *std::launder(static_cast<X*>(static_cast<void*>(work_.template get<Room>().bytes)));
+  }
+  template <class X>
+  X& begin_in_triangle() {
+    return reduced_.template begin_in_room<X>();
+  }
+  template <class X>
+  X& in_triangle() {
+    return reduced_.template in_room<X>();
+  }
 
   /// Copies the rows of theta; for a segment without ties. Candidates are held at zero.
   void extract(SegmentInformation<S>* out);
-  /// Row i of [theta | candidates | rhs] for a segment without ties, 0 <= i <= wide_theta(): all that it says about
-  /// them.
+  /// Row i of [theta | candidates | rhs] for a segment without
+  /// ties, 0 <= i <= wide_theta(): all that it says about them.
   const S* wide_row(int i) {
     reduced_.global_row(i, step_);
     return step_;
@@ -105,20 +121,15 @@ class SegmentEliminator {
     VelocityBiasChain<S> chain;
     LinkIntegration<S> link;
   };
-  /// One after the other: landmarks, then the chain; lent between eliminations.
-  union Work {
-    Work() {}
-    LandmarkBlock<S> landmark;
-    Linked linked;
-    S lent[2 * kMaxTheta * kMaxTheta + packed_size(kMaxTheta + 1) + 8 * kMaxTheta +
-           300];  ///< what borrowers need at least
+  /// For the analysis of a triangle over theta, at the least: its eigenvectors, two triangles, some lists.
+  struct Room {
+    static constexpr int kNumbers = 2 * kMaxTheta * kMaxTheta + packed_size(kMaxTheta + 1) + 8 * kMaxTheta + 300;
+    static constexpr std::size_t largest(std::size_t a, std::size_t b) { return a > b ? a : b; }
+    alignas(8) unsigned char bytes[largest(kNumbers * sizeof(S), largest(sizeof(LandmarkBlock<S>), sizeof(Linked)))];
   };
-  alignas(8) Work work_;
-
- public:
-  static constexpr std::size_t kLentBytes = sizeof(Work);
-
- private:
+  OneOf<LandmarkBlock<S>, Linked, Room> work_;  ///< landmarks, then the chain; nothing of them between eliminations
+  LandmarkBlock<S>& landmark_block() { return work_.template get<LandmarkBlock<S>>(); }
+  Linked& linked() { return work_.template get<Linked>(); }
   ReducedSystem<S> reduced_;
   ImuTermColumns<S> imu_terms_;
   Term camera_term_[kMaxEffectColumns + 1];
@@ -135,7 +146,7 @@ bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const Guest
                                           const CandidateTerms* candidates) {
   SEGCAL_SLICES(place_) {
     lay_out(segment, guest, theta, candidates);
-    new (&work_.landmark) LandmarkBlock<S>;
+    work_.template begin<LandmarkBlock<S>>();
     counts_ = EliminationCounts{};
     prior_share_ = S(0);
     SEGCAL_AWAIT(place_, fold_landmarks_step(segment, theta, model, damping));
@@ -149,15 +160,15 @@ bool SegmentEliminator<S>::eliminate_step(const Segment<S>& segment, const Guest
       damp_pose(k_, 3, damping);
       SEGCAL_PAUSE(place_);
     }
-    (new (&work_.linked) Linked)->chain.begin(nullptr, layout(), nullptr);
+    work_.template begin<Linked>().chain.begin(nullptr, layout(), nullptr);
     SEGCAL_AWAIT(place_, run_chain_step(segment, guest, theta, model, damping));
     SEGCAL_PAUSE(place_);
-    work_.linked.chain.finish(&reduced_);
+    linked().chain.finish(&reduced_);
     SEGCAL_AWAIT(place_, reduced_.fold_step());
     // Gauge, bias prior and damping are no residuals; the bias walk over a gap is.
     counts_.unknowns -= (guest.holds_gauge() ? 4 : 0) + (guest.join == Join::none ? 6 : 0);
     counts_.residuals += guest.join == Join::bias ? 6 : 0;
-    counts_.residuals += 2 * counts_.image_points + 15 * work_.linked.chain.links();
+    counts_.residuals += 2 * counts_.image_points + 15 * linked().chain.links();
     counts_.unknowns += 3 * counts_.landmarks + kStateColumns * layout().keyframes;
   }
   SEGCAL_SLICES_END(place_);
@@ -190,12 +201,12 @@ void SegmentEliminator<S>::add_term(const Term& t, ReducedLayout* layout) {
   layout->add_term(t);
 }
 
-/// 1/m and 1/rad. The gauge: position and rotation about gravity of the first keyframe. Measurements leave them exactly
-/// free; the priors on inverse distances, counted from fixed anchors, do not: together they pull the world away from
-/// near landmarks, by some 2400 (1/m) where a hundred corners of a floor are 15 cm away (landmark_guess.h). What is
-/// held is the position of this iteration, so that the world creeps by pull / hold^2 with each: with 1e3 (1/m) by
-/// millimetres, and a fit does not settle; with this hold by 0.2 um, and float tells it from the whitened rows (1e5 at
-/// most).
+/// 1/m and 1/rad. The gauge: position and rotation about gravity of the first keyframe. Measurements
+/// leave them exactly free; the priors on inverse distances, counted from fixed anchors, do not:
+/// together they pull the world away from near landmarks, by some 2400 (1/m) where a hundred corners
+/// of a floor are 15 cm away (landmark_guess.h). What is held is the position of this iteration, so
+/// that the world creeps by pull / hold^2 with each: with 1e3 (1/m) by millimetres, and a fit does
+/// not settle; with this hold by 0.2 um, and float tells it from the whitened rows (1e5 at most).
 template <class S>
 constexpr S kGaugeHold = S(1e5);
 

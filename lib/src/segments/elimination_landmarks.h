@@ -14,10 +14,10 @@ bool SegmentEliminator<S>::fold_landmarks_step(const Segment<S>& segment, const 
     for (k_ = 0; k_ < segment.n_keyframes; ++k_) {
       for (j_ = 0; j_ < segment.n_landmarks; ++j_) {
         if (segment.last_keyframe(j_) != k_ || layout().tied.place_of(j_) >= 0) continue;
-        fit_ = work_.landmark.build(segment, j_, theta, model, layout(), camera_term_, landmark_damping);
+        fit_ = landmark_block().build(segment, j_, theta, model, layout(), camera_term_, landmark_damping);
         if (fit_.used < 2) continue;
-        work_.landmark.eliminate(&fit_);
-        reduced_.begin_visual(work_.landmark.rest(), fit_.rows - kLandmarkColumns, work_.landmark.stride(),
+        landmark_block().eliminate(&fit_);
+        reduced_.begin_visual(landmark_block().rest(), fit_.rows - kLandmarkColumns, landmark_block().stride(),
                               fit_.first_keyframe, fit_.last_keyframe, false);
         SEGCAL_PAUSE(inner_place_);
         SEGCAL_AWAIT(inner_place_, reduced_.fold_step());
@@ -38,9 +38,9 @@ bool SegmentEliminator<S>::fold_ties_step(const Segment<S>& segment, const Calib
                                           const MeasurementModel<S>& model) {
   SEGCAL_SLICES(inner_place_) {
     for (j_ = 0; j_ < layout().tied.n; ++j_) {
-      fit_ = work_.landmark.build_tied(segment, j_, theta, model, layout(), camera_term_);
+      fit_ = landmark_block().build_tied(segment, j_, theta, model, layout(), camera_term_);
       if (fit_.used == 0) continue;
-      reduced_.begin_visual(work_.landmark.tied_rows(), fit_.rows, work_.landmark.stride(), fit_.first_keyframe,
+      reduced_.begin_visual(landmark_block().tied_rows(), fit_.rows, landmark_block().stride(), fit_.first_keyframe,
                             fit_.last_keyframe, true);
       SEGCAL_PAUSE(inner_place_);
       SEGCAL_AWAIT(inner_place_, reduced_.fold_step());

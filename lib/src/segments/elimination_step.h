@@ -1,5 +1,5 @@
-// SegmentEliminator: from a step of theta, the guest and the last keyframe to the step of all that was eliminated, and
-// along it.
+// SegmentEliminator: from a step of theta, the guest and the last
+// keyframe to the step of all that was eliminated, and along it.
 #pragma once
 
 #include "segments/elimination.h"
@@ -34,10 +34,10 @@ bool SegmentEliminator<S>::back_substitute_step(const Segment<S>& segment, const
     reduced_.back_substitute(step_, at.last() + known - last_column());
     for (int c = 0; c < at.last(); ++c) step[kStateColumns * (c / kPoseColumns) + c % kPoseColumns] = step_[c];
     for (int c = 0; c < kStateColumns; ++c) step[last_column() + c] = step_[at.last() + c];
-    (new (&work_.linked) Linked)->chain.begin(step_, at, reduced_.scratch());  // the triangle has told what it knows
+    work_.template begin<Linked>().chain.begin(step_, at, reduced_.numbers());  // the triangle has told what it knows
     SEGCAL_PAUSE(place_);
     SEGCAL_AWAIT(place_, run_chain_step(segment, guest, theta, model, damping));
-    work_.linked.chain.back_substitute(step + kPoseColumns, kStateColumns);
+    linked().chain.back_substitute(step + kPoseColumns, kStateColumns);
   }
   SEGCAL_SLICES_END(place_);
 }
@@ -47,6 +47,7 @@ bool SegmentEliminator<S>::move_step(Segment<S>* segment, const Calibration<S>& 
                                      S damping, const S* step) {
   SEGCAL_SLICES(place_) {
     spread_step(step);
+    work_.template begin<LandmarkBlock<S>>();
     SEGCAL_PAUSE(place_);
     for (j_ = 0; j_ < segment->n_landmarks; ++j_) {
       move_landmark(segment, j_, theta, model, damping, step);
@@ -67,11 +68,11 @@ void SegmentEliminator<S>::move_landmark(Segment<S>* segment, int j, const Calib
     return;
   }
   LandmarkFit<S> fit =
-      work_.landmark.build(*segment, j, theta, model, layout(), camera_term_, damping / kTypicalLandmarkStep<S>);
+      landmark_block().build(*segment, j, theta, model, layout(), camera_term_, damping / kTypicalLandmarkStep<S>);
   if (fit.used < 2) return;
-  work_.landmark.eliminate(&fit);
+  landmark_block().eliminate(&fit);
   S landmark_step[kLandmarkColumns];
-  work_.landmark.solve(step_, landmark_step);
+  landmark_block().solve(step_, landmark_step);
   add_step(&segment->states.landmark[j], landmark_step);
 }
 

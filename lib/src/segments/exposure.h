@@ -1,6 +1,6 @@
-// Where the device was when an image point was exposed: t = t_stamp + t_d + line_delay (v - h/2) on the IMU's clock
-// (effects time_offset and rolling_shutter; docs/diagnosis.md, section 4). All code that predicts a segment's image
-// points does it here.
+// Where the device was when an image point was exposed: t = t_stamp + t_d + line_delay (v
+// - h/2) on the IMU's clock (effects time_offset and rolling_shutter; docs/diagnosis.md,
+// section 4). All code that predicts a segment's image points does it here.
 //
 // The keyframe's pose moves on along its own motion for tau = t - t_keyframe: R Exp(w tau), p + v tau + a tau^2 / 2,
 // with rate and force of the stored samples in the middle of that time. At tau = 30 ms and a hand's motion of 3 rad/s

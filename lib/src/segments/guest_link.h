@@ -17,8 +17,8 @@ struct GuestLink {
   Join join = Join::none;
   State<S> state;  ///< the previous segment's last keyframe
   S gap_s = S(0);  ///< s from there to the first keyframe (Join::bias)
-  bool hangs =
-      false;  ///< position and rotation about gravity come from ties: no gauge is held (calibration/partitions.h)
+  /// position and rotation about gravity come from ties: no gauge is held (calibration/partitions.h)
+  bool hangs = false;
   TiedLandmarks tied;
 
   bool holds_gauge() const { return join != Join::imu && !hangs; }

@@ -114,8 +114,8 @@ bool reprojection_rows(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, 
   return true;
 }
 
-/// Residual at (R_GI, p_GI); Jacobians at (R_j, p_j), which differ from them only in a filter that keeps first
-/// estimates.
+/// Residual at (R_GI, p_GI); Jacobians at (R_j, p_j), which
+/// differ from them only in a filter that keeps first estimates.
 template <class S>
 bool reprojection_rows(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI, const Mat3<S>& R_j,
                        const Vec3<S>& p_j, const Landmark<S>& l, const Vec2<S>& uv, ReprojectionRows<S>* rows,

@@ -60,8 +60,8 @@ class LandmarkBlock {
                        const MeasurementModel<S>& model, const ReducedLayout& layout, const Term* camera_terms,
                        TrackNoise<S>* track);
   void find_keyframes(const Segment<S>& segment, int j, LandmarkFit<S>* fit) const;
-  /// Rows of the points that have an image; returns their number. `track`: null, or gathers them, and the rows stay in
-  /// px.
+  /// Rows of the points that have an image; returns their number.
+  /// `track`: null, or gathers them, and the rows stay in px.
   int add_points(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                  const ReducedLayout& layout, const Term* camera_terms, TrackNoise<S>* track);
   void add_observations(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,

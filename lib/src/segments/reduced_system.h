@@ -1,6 +1,6 @@
 // The triangle that a segment is reduced to:
-// [poses 6 (K - 1) | last keyframe 15 | guest 15, where joined | IMU part of theta, IMU terms | ties 3 each | cameras,
-// camera terms | rhs].
+// [poses 6 (K - 1) | last keyframe 15 | guest 15, where joined | IMU
+// part of theta, IMU terms | ties 3 each | cameras, camera terms | rhs].
 //
 // Terms (sensors/effect_terms.h) are those of theta and, behind them, candidates that are only tested. What all
 // segments have in common is [ties | cameras | IMU 15 | terms | rhs]: candidates stand last, so that the triangle's
@@ -14,6 +14,7 @@
 #pragma once
 
 #include "math/near.h"
+#include "math/one_of.h"
 #include "math/qr.h"
 #include "math/small_solvers.h"
 #include "segments/segment.h"
@@ -92,10 +93,11 @@ class ReducedSystem {
   void begin(const ReducedLayout& layout) {
     layout_ = layout;
     seen_poses_ = 0;
+    memory_.template begin<Triangle>();
     R().clear();
   }
   const ReducedLayout& layout() const { return layout_; }
-  PackedTriangle<S> R() { return PackedTriangle<S>(data_, layout_.width()); }
+  PackedTriangle<S> R() { return PackedTriangle<S>(numbers(), layout_.width()); }
 
   /// Begins to fold landmark rows: they touch the poses of keyframes first to last, cameras and, if `tied`, ties; the
   /// rows folded before touch no later poses than the latest so far. Cheap, if the landmarks that end early come first.
@@ -120,8 +122,8 @@ class ReducedSystem {
     return until == width;
   }
 
-  /// The global part of row theta() + i, in the order that all segments share: [all ties | cameras | IMU | terms |
-  /// rhs].
+  /// The global part of row theta() + i, in the order that all
+  /// segments share: [all ties | cameras | IMU | terms | rhs].
   void global_row(int i, S* out) { to_global_order(R().row(layout_.theta() + i), i, out); }
 
   /// The same for any row: entries before the i-th from theta() on are taken as zero.
@@ -159,9 +161,22 @@ class ReducedSystem {
     fold(row_, 1, kReducedColumns, layout_.pose(k));
   }
 
-  /// Memory of kScratch numbers to borrow; what was eliminated is lost then.
-  static constexpr int kScratch = packed_size(kReducedColumns);
-  S* scratch() { return data_; }
+  /// An X in the triangle's memory; what was eliminated is lost then.
+  template <class X>
+  X& begin_in_room() {
+    static_assert(sizeof(X) <= sizeof(Room) && alignof(X) <= alignof(Room), "the triangle is too small for this");
+    Room& room = memory_.template begin<Room>();
+    room.holds_bytes = sizeof(X);
+    return *new (room.bytes) X;
+  }
+  template <class X>
+  X& in_room() {
+    eigen_assert(memory_.template get<Room>().holds_bytes == sizeof(X));
+    return *std::launder(static_cast<X*>(static_cast<void*>(memory_.template get<Room>().bytes)));
+  }
+  static constexpr int kNumbers = packed_size(kReducedColumns);
+  /// The triangle's numbers, for who needs no triangle any more.
+  S* numbers() { return memory_.template get<Triangle>().number; }
 
   /// x[j] for j < known, from x[known..rhs).
   void back_substitute(S* x, int known) {
@@ -186,7 +201,14 @@ class ReducedSystem {
   static constexpr int kFoldSlice = 40000;  // four operations each
   PendingFold pending_;
   int seen_poses_ = 0;  // columns of poses that landmark rows have touched, all those before the latest included
-  alignas(8) S data_[packed_size(kReducedColumns)];
+  struct Triangle {
+    alignas(8) S number[kNumbers];
+  };
+  struct Room {
+    alignas(8) unsigned char bytes[sizeof(Triangle)];
+    std::size_t holds_bytes;  ///< of what was begun there: one of several types, by its size
+  };
+  OneOf<Triangle, Room> memory_;
   S row_[kReducedColumns];
 };
 

@@ -20,8 +20,8 @@ S inverse_depth_cost(const Landmark<S>& l, S sigma) {
   return prior * prior;
 }
 
-/// Gathers the residuals of landmark j's image points, with the rejected ones or without. Returns how many have no
-/// image.
+/// Gathers the residuals of landmark j's image points, with the
+/// rejected ones or without. Returns how many have no image.
 template <class S>
 int add_residuals(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                   bool rejected, TrackNoise<S>* track) {
@@ -82,8 +82,8 @@ int mark_outliers_of(int j, const Calibration<S>& theta, const MeasurementModel<
   return marked;
 }
 
-/// Marks image points whose whitened residual is longer than `limit`, and takes back earlier marks. Returns their
-/// number.
+/// Marks image points whose whitened residual is longer than
+/// `limit`, and takes back earlier marks. Returns their number.
 template <class S>
 int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model, S limit, Segment<S>* segment) {
   int marked = 0;

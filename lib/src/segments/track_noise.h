@@ -1,5 +1,5 @@
-// The errors of a corner along its track: white noise, and a random walk where the tracker drifts (docs/design.md,
-// section 5).
+// The errors of a corner along its track: white noise, and a random
+// walk where the tracker drifts (docs/design.md, section 5).
 //
 // e_i = w_i + d_i per image axis, w_i white with pixel_sigma, d_i - d_(i-1) with variance q^2 dt. The walk counts from
 // the track's first point in the segment: what it had gathered before is a shift of the corner on its surface, and so
@@ -30,8 +30,8 @@ class TrackNoise {
 
   void begin() { n_ = 0; }
   int points() const { return n_; }
-  /// The next point: its time in us, and its residual in px. The builder takes one point per keyframe and camera, so
-  /// that there is room.
+  /// The next point: its time in us, and its residual in px. The builder
+  /// takes one point per keyframe and camera, so that there is room.
   void add(int camera, std::int32_t t_us, const Vec2<S>& r, const MeasurementModel<S>& model);
   /// Robust weights, and what the points cost.
   S weigh(const MeasurementModel<S>& model);

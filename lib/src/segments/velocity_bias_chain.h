@@ -3,16 +3,15 @@
 // An IMU link ties keyframe k to k + 1. Its 15 rows meet the nine rows that earlier links left on keyframe k's velocity
 // and biases; nine reflections finish keyframe k, nine more leave the rows of keyframe k + 1, and the six that remain
 // touch poses, guest and theta only and go to the reduced system. Columns of a row:
-// [vb k 9 | vb k + 1 9 | rhs | guest 15 | IMU part of theta 15 and terms | poses 6 K]; poses last, so that only those
-// seen so far cost.
+// [vb k 9 | vb k + 1 9 | rhs | guest 15 | IMU part of theta 15 and
+// terms | poses 6 K]; poses last, so that only those seen so far cost.
 //
 // Back-substitution runs the chain a second time with everything but velocities and biases known: rows are then 19
 // wide, which costs an integration of the samples and saves the memory that the full rows would take. The finished ones
 // stand where the triangle was: all else is known.
 #pragma once
 
-#include <new>
-
+#include "math/one_of.h"
 #include "math/resumable.h"
 #include "segments/reduced_system.h"
 
@@ -29,8 +28,8 @@ class VelocityBiasChain {
   static constexpr int kKept = kMaxKeyframes * kVelocityBiasColumns * kSolved;
   static constexpr int kWidth = kImu + kImuColumns + kMaxEffectColumns + kPoseColumns * kMaxKeyframes;
 
-  /// `known`: null to eliminate; else a step in the reduced layout, for back-substitution, which needs kKept numbers of
-  /// memory to keep.
+  /// `known`: null to eliminate; else a step in the reduced layout, for
+  /// back-substitution, which needs kKept numbers of memory to keep.
   void begin(const S* known, const ReducedLayout& layout, S* memory) {
     known_ = known;
     kept_ = memory;
@@ -41,11 +40,8 @@ class VelocityBiasChain {
     place_ = 0;
     for (S& v : now_) v = S(0);
   }
-  /// Memory for the rows of the next link, until they are added: what is handed over stands there only later.
-  ImuRows<S>& lend_rows() {
-    static_assert(sizeof(ImuRows<S>) <= sizeof(spread_), "the rows of a link are too many to lend memory for");
-    return *new (spread_) ImuRows<S>;
-  }
+  /// The next link's rows, until they are added: what is handed over stands there only later.
+  ImuRows<S>& begin_rows() { return spread_.template begin<ImuRows<S>>(); }
   /// Links folded so far.
   int links() const { return links_; }
 
@@ -117,7 +113,7 @@ class VelocityBiasChain {
     if (known_) return true;
     SEGCAL_SLICES(place_) {
       for (; handed_ < hand_until_; handed_ += kPoseColumns) {
-        rest->begin_fold(spread_, spread_rows(rest->layout()), kReducedColumns, 0);
+        spread_rows(rest);
         SEGCAL_AWAIT(place_, rest->fold_step());
       }
     }
@@ -213,24 +209,30 @@ class VelocityBiasChain {
     for (int c = 0; c < at.imu_columns(); ++c) out[at.imu() + c] = r[kImu + c];
     out[at.rhs()] = r[kRhs];
   }
-  /// The next rows of the block that are on their way to the reduced system, in its layout; returns their number.
-  int spread_rows(const ReducedLayout& at) {
+  /// Puts the block's next rows into the reduced system's layout, to be folded there.
+  void spread_rows(ReducedSystem<S>* rest) {
     const int rows = hand_until_ - handed_ < kPoseColumns ? hand_until_ - handed_ : kPoseColumns;
-    for (int r = 0; r < rows; ++r) spread(block_ + (handed_ + r) * kWidth, at, spread_ + r * kReducedColumns);
-    return rows;
+    S* out = spread_.template begin<SpreadRows>().number;
+    for (int r = 0; r < rows; ++r) {
+      spread(block_ + (handed_ + r) * kWidth, rest->layout(), out + r * kReducedColumns);
+    }
+    rest->begin_fold(out, rows, kReducedColumns, 0);
   }
 
   static constexpr int kBlockRows = 15;
   static constexpr int kBlockSize =
       kBlockRows * kWidth > 9 * kReducedColumns ? kBlockRows* kWidth : 9 * kReducedColumns;
-  static_assert(kKept <= ReducedSystem<S>::kScratch, "the triangle's memory is too small to keep the chain's rows");
+  static_assert(kKept <= ReducedSystem<S>::kNumbers, "the triangle's memory is too small to keep the chain's rows");
   NearOrNull<const S> known_;
   Near<S> kept_;
   int current_ = 0, links_ = 0, poses_ = 0, handed_ = 0, hand_until_ = 0;
   Place place_ = 0;
   S now_[kVelocityBiasColumns * kWidth];
   S block_[kBlockSize];
-  alignas(ImuRows<S>) S spread_[kPoseColumns * kReducedColumns];
+  struct SpreadRows {
+    S number[kPoseColumns * kReducedColumns];
+  };
+  OneOf<ImuRows<S>, SpreadRows> spread_;
 };
 
 }  // namespace SEGCAL_NS

@@ -34,8 +34,8 @@ struct CameraCalibration {
   int columns() const { return kExtrinsicColumns + 4 + distortion_columns(); }
 };
 
-/// w_m = T_g w_I + b_g, a_m = T_a R_AI f_I + b_a with T = [[sx, mx, my], [0, sy, mz], [0, 0, sz]] (paper, Eq.
-/// (calib_t)).
+/// w_m = T_g w_I + b_g, a_m = T_a R_AI f_I + b_a with T = [[sx,
+/// mx, my], [0, sy, mz], [0, 0, sz]] (paper, Eq. (calib_t)).
 template <class S>
 struct ImuCalibration {
   Vec3<S> gyro_scale = Vec3<S>::Ones();

@@ -36,8 +36,8 @@ class Decimation {
     for (int i = 0; i + 1 < kMeans; ++i) mean_[i] = mean_[i + 1];
     return --means_ > 0 ? 1 : 0;
   }
-  /// Takes a sample; true if `t_ns` and `reading` have become those of a whole group. With groups of one: those of the
-  /// sample.
+  /// Takes a sample; true if `t_ns` and `reading` have become those
+  /// of a whole group. With groups of one: those of the sample.
   bool take(std::int64_t* t_ns, InertialReading<S>* reading) {
     if (group_ == 1) return true;
     if (count_ == 0) {

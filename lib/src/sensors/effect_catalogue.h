@@ -21,84 +21,40 @@ struct EffectEntry {
 
 inline const EffectEntry& effect_entry(int e) {
   static constexpr EffectEntry kCatalogue[kEffects] = {
-      {"time_offset",
-       1,
-       {"t_d"},
-       "s",
-       0.02,
+      // clang-format off
+      {"time_offset", 1, {"t_d"}, "s", 0.02,
        "image residuals along the image motion, the same for all rows",
        "p_CI along the direction of motion at constant speed on a straight line; gyro_lag where only rotation is seen"},
-      {"rolling_shutter",
-       1,
-       {"line_delay"},
-       "s/row",
-       5e-5,
+      {"rolling_shutter", 1, {"line_delay"}, "s/row", 5e-5,
        "image residuals along the image motion, growing with the row's distance from the middle",
        "fx against fy and cam.r_CI at one constant rate of rotation"},
-      {"radial_residual",
-       1,
-       {"k"},
-       "-",
-       0.05,
+      {"radial_residual", 1, {"k"}, "-", 0.05,
        "image residuals towards or away from the principal point, largest in the corners",
        "the model's own radial coefficients and the focal length, where points stay in the middle of the image"},
-      {"tangential_residual",
-       2,
-       {"p1", "p2"},
-       "-",
-       0.01,
+      {"tangential_residual", 2, {"p1", "p2"}, "-", 0.01,
        "image residuals of one sign on one half of the image's border",
        "cx, cy and r_CI, where points stay in the middle"},
-      {"gyro_g_sensitivity",
-       9,
-       {"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"},
-       "rad s/m",
-       2e-3,
+      {"gyro_g_sensitivity", 9, {"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"}, "rad s/m", 2e-3,
        "rotation residuals that follow the specific force",
        "the gyroscope's bias, unless the device is tilted or shaken"},
-      {"gyro_nonlinearity",
-       3,
-       {"x", "y", "z"},
-       "s/rad",
-       5e-3,
-       "rotation residuals at high rates, of the rate's own sign",
-       "gyro.s at one rate"},
-      {"accel_nonlinearity",
-       3,
-       {"x", "y", "z"},
-       "s^2/m",
-       1e-3,
-       "velocity residuals that grow with the square of the force",
-       "accel bias and accel.s at one attitude"},
-      {"gyro_temperature",
-       3,
-       {"x", "y", "z"},
-       "rad/s/degC",
-       1e-3,
+      {"gyro_nonlinearity", 3, {"x", "y", "z"}, "s/rad", 5e-3,
+       "rotation residuals at high rates, of the rate's own sign", "gyro.s at one rate"},
+      {"accel_nonlinearity", 3, {"x", "y", "z"}, "s^2/m", 1e-3,
+       "velocity residuals that grow with the square of the force", "accel bias and accel.s at one attitude"},
+      {"gyro_temperature", 3, {"x", "y", "z"}, "rad/s/degC", 1e-3,
        "the gyroscope's bias follows the temperature",
        "the bias walk, within one segment and without a change of temperature"},
-      {"accel_temperature",
-       3,
-       {"x", "y", "z"},
-       "m/s^2/degC",
-       1e-2,
+      {"accel_temperature", 3, {"x", "y", "z"}, "m/s^2/degC", 1e-2,
        "the accelerometer's bias follows the temperature",
        "the bias walk, within one segment and without a change of temperature"},
-      {"gyro_lag",
-       1,
-       {"tau"},
-       "s",
-       0.01,
+      {"gyro_lag", 1, {"tau"}, "s", 0.01,
        "rotation residuals that follow the angular acceleration",
-       "time_offset, unless the device is accelerated as well: the camera and the gyroscope alone cannot tell which is "
-       "late"},
-      {"accel_axis_offset",
-       6,
-       {"yx", "yy", "yz", "zx", "zy", "zz"},
-       "m",
-       0.02,
+       "time_offset, unless the device is accelerated as well: the camera and the gyroscope alone cannot tell "
+       "which is late"},
+      {"accel_axis_offset", 6, {"yx", "yy", "yz", "zx", "zy", "zz"}, "m", 0.02,
        "velocity residuals that follow the angular acceleration and the square of the rate",
        "p_CI, where only one axis is turned"}};
+  // clang-format on
   return kCatalogue[e];
 }
 
@@ -141,8 +97,8 @@ inline double typical_signal(Signal s) {
   return kTypical[static_cast<int>(s)];
 }
 
-/// Prior sigma: the catalogue's, or so much that the term is worth 0.05 rad/s, 0.5 m/s^2 or a hundredth of the focal
-/// length.
+/// Prior sigma: the catalogue's, or so much that the term is worth
+/// 0.05 rad/s, 0.5 m/s^2 or a hundredth of the focal length.
 inline double term_prior_sigma(const Term& t) {
   int effect, parameter;
   if (find_effect(t, &effect, &parameter)) return effect_entry(effect).prior_sigma;

@@ -1,9 +1,9 @@
 // Effects as sums of terms (docs/diagnosis.md, section 4): one term is one number c, one column of theta behind the 15
 // of the IMU. Catalogue effects (effect_catalogue.h) and terms of a dictionary are the same thing here.
 //
-// A term of the IMU adds c phi to the reading, after T_g and T_a R_AI and before the bias; phi is a sum of up to three
-// products of two signals. A term of the camera moves the time at which an image row was exposed, or the distorted
-// point.
+// A term of the IMU adds c phi to the reading, after T_g and T_a R_AI and before
+// the bias; phi is a sum of up to three products of two signals. A term of the
+// camera moves the time at which an image row was exposed, or the distorted point.
 #pragma once
 
 #include <cstdint>
@@ -16,49 +16,29 @@ constexpr int kMaxEffectColumns = SEGCAL_MAX_EFFECT_COLUMNS;  ///< of one elimin
 constexpr int kMaxEffectEstimates = SEGCAL_MAX_EFFECT_ESTIMATES;  ///< terms in theta
 static_assert(kMaxEffectEstimates <= kMaxEffectColumns, "every estimated term needs a column");
 
+// clang-format off
 enum class TermKind : std::uint8_t {
-  gyro_x,
-  gyro_y,
-  gyro_z,
-  accel_x,
-  accel_y,
-  accel_z,      ///< product of the signals a and b, added to this axis
-  gyro_lag,     ///< first-order lag of all three axes: -d w_m / dt
-  axis_offset,  ///< a: 0..5, the entries yx yy yz zx zy zz
-  camera_time,  ///< seconds; a = 0: the same for all rows; a = 1: per row below the middle one
-  radial,
-  tangential_1,
-  tangential_2,  ///< d |d|^2; Brown's two
-  image_u,
-  image_v  ///< x^a y^b row^c, added to the distorted point d; row: -1 at the top, 1 at the bottom
+  gyro_x, gyro_y, gyro_z, accel_x, accel_y, accel_z,  ///< product of the signals a and b, added to this axis
+  gyro_lag,                ///< first-order lag of all three axes: -d w_m / dt
+  axis_offset,             ///< a: 0..5, the entries yx yy yz zx zy zz
+  camera_time,             ///< seconds; a = 0: the same for all rows; a = 1: per row below the middle one
+  radial, tangential_1, tangential_2,  ///< d |d|^2; Brown's two
+  image_u, image_v         ///< x^a y^b row^c, added to the distorted point d; row: -1 at the top, 1 at the bottom
 };
+// clang-format on
 
 /// Signals that a term of the IMU may use. Rates and forces are corrected readings: w and dw/dt in I; f in I for a term
 /// of the gyroscope, in A for one of the accelerometer.
+// clang-format off
 enum class Signal : std::uint8_t {
-  one,
-  wx,
-  wy,
-  wz,
-  abs_wx,
-  abs_wy,
-  abs_wz,
-  abs_w,
-  fx,
-  fy,
-  fz,
-  dwx,
-  dwy,
-  dwz,
-  warmth,  ///< degC above 25
-  time,    ///< s since the device's first sample
-  cos_heading,
-  sin_heading,  ///< of the direction in which I's x axis points in the horizontal plane, from G's x axis
-  slope_x,
-  slope_y,
-  slope_z,  ///< d w_m / dt as measured: what a lag is undone with
+  one, wx, wy, wz, abs_wx, abs_wy, abs_wz, abs_w, fx, fy, fz, dwx, dwy, dwz,
+  warmth,                  ///< degC above 25
+  time,                    ///< s since the device's first sample
+  cos_heading, sin_heading,  ///< of the direction in which I's x axis points in the horizontal plane, from G's x axis
+  slope_x, slope_y, slope_z,  ///< d w_m / dt as measured: what a lag is undone with
   count
 };
+// clang-format on
 constexpr int kSignals = static_cast<int>(Signal::count);
 constexpr int kNamedSignals = static_cast<int>(Signal::slope_x);  ///< those that a dictionary may name
 

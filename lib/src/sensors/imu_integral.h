@@ -5,11 +5,11 @@
 // each by the biases and the IMU part of theta, and with the noise propagated. Nothing is linearised once and kept: the
 // raw samples are integrated again whenever biases or theta have moved.
 //
-// Terms (effect_terms.h) are taken off the readings: w_I = T_g^-1 (w_m - b_g - e_g), f_A = T_a^-1 (a_m - b_a - e_a),
-// with e = sum of c phi at the corrected reading itself: a fixed point. It is iterated twice from e = 0; with q = |d e
-// / d(w, f)|, 2 k |w| for a nonlinearity k, 0.02 for a bad sensor at 5 rad/s, what is left is q^2 e, 4e-4 of the term.
-// Derivatives leave d phi / d(bias, scale, c) out, a share q of the term's own size: the model is exact, the columns
-// nearly so.
+// Terms (effect_terms.h) are taken off the readings: w_I = T_g^-1 (w_m - b_g - e_g), f_A = T_a^-1
+// (a_m - b_a - e_a), with e = sum of c phi at the corrected reading itself: a fixed point. It is
+// iterated twice from e = 0; with q = |d e / d(w, f)|, 2 k |w| for a nonlinearity k, 0.02 for a bad
+// sensor at 5 rad/s, what is left is q^2 e, 4e-4 of the term. Derivatives leave d phi / d(bias,
+// scale, c) out, a share q of the term's own size: the model is exact, the columns nearly so.
 #pragma once
 
 #include "math/block3.h"

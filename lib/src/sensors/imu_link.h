@@ -29,8 +29,8 @@ void link_covariance(const ImuIntegral<S>& I, const ImuNoise<S>& noise, Mat<S, 1
   }
 }
 
-/// Residual r = (Log(dR' R0' R1), R0'(v1 - v0 - g dt) - dv, R0'(p1 - p0 - v0 dt - g dt^2/2) - dp, b1 - b0), not
-/// whitened.
+/// Residual r = (Log(dR' R0' R1), R0'(v1 - v0 - g dt) - dv,
+/// R0'(p1 - p0 - v0 dt - g dt^2/2) - dp, b1 - b0), not whitened.
 template <class S>
 Vec<S, 15> link_residual(const ImuIntegral<S>& I, const State<S>& x0, const State<S>& x1, const Vec3<S>& g) {
   Vec<S, 15> r;

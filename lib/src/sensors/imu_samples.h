@@ -96,8 +96,8 @@ struct Stretch {
   }
 };
 
-/// What is beside a reading that comes dt seconds from now, at the share u of the stretch. One copy in the code for all
-/// samples.
+/// What is beside a reading that comes dt seconds from now, at the
+/// share u of the stretch. One copy in the code for all samples.
 template <class S>
 void set_surroundings(const Stretch<S>& stretch, S u, const Vec3<S>& slope, S dt, ImuIntegrator<S>* integrator) {
   Surroundings<S>* out = integrator->surroundings();

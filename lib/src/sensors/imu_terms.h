@@ -1,5 +1,5 @@
-// What the terms of the IMU add to a reading: sums of products of two signals, and how the signals come from the
-// samples.
+// What the terms of the IMU add to a reading: sums of products
+// of two signals, and how the signals come from the samples.
 #pragma once
 
 #include "math/elementary.h"

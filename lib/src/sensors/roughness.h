@@ -63,16 +63,16 @@ class SixthDifferences {
   S last_[6][kOrder] = {};  // of each axis: the newest difference of each order, from the reading itself on
 };
 
-/// Density with what the readings have beyond it. A short stretch of white noise may look half as large again by
-/// chance.
+/// Density with what the readings have beyond it. A short stretch
+/// of white noise may look half as large again by chance.
 template <class S>
 S rougher_density(S density, S variance, S interval) {
   const S seen = variance * interval, expected = S(2.25) * density * density;
   return seen > expected ? square_root(density * density + seen - expected) : density;
 }
 
-/// The noise of readings [first, last], `interval` seconds apart, in means of `least` and one more: as stated or as
-/// rough as they are.
+/// The noise of readings [first, last], `interval` seconds apart, in
+/// means of `least` and one more: as stated or as rough as they are.
 template <class S, class Samples>
 [[gnu::cold]] ImuNoise<S> noise_of(const Samples& imu, const ImuNoise<S>& stated, int first, int last, S interval,
                                    int least) {
@@ -90,12 +90,12 @@ template <class S, class Samples>
   return out;
 }
 
-/// Means that are looked at, around a link too: with a third of them the worst of three axes would be too large by
-/// chance once in ten links.
+/// Means that are looked at, around a link too: with a third of them the
+/// worst of three axes would be too large by chance once in ten links.
 constexpr int kRoughMeans = 48;
 
-/// The noise between two times in ticks of `tick_s` seconds, from the samples there and around. Container: size(),
-/// time(i), reading(i).
+/// The noise between two times in ticks of `tick_s` seconds, from the
+/// samples there and around. Container: size(), time(i), reading(i).
 template <class S, class Samples, class Time>
 [[gnu::cold]] ImuNoise<S> noise_in(const Samples& imu, const ImuNoise<S>& stated, Time t0, Time t1, S tick_s) {
   int first = at_or_before(imu, t0), last = at_or_before(imu, t1);

@@ -31,7 +31,7 @@ RecordInfo DeviceRecords::info(std::uint32_t number) const {
 void DeviceRecords::visit(const RecordInfo& record, Fields* fields) {
   switch (static_cast<RecordType>(record.type)) {
     case RecordType::identity: return StoredOptions<Real>::identity(fields, Stored::options(device_));
-    case RecordType::numbers: return Stored::numbers(fields, &numbers_);
+    case RecordType::numbers: return numbers_.fields(fields);
     case RecordType::results: return Stored::results(fields, device_);
     case RecordType::memory: return Stored::memory(fields, device_);
     case RecordType::changes: return Stored::changes(fields, device_);

@@ -39,8 +39,8 @@ inline void encode(const BlockHead& head, std::uint8_t* bytes) {
   out.integer(crc32(bytes, out.size()));
 }
 
-/// False if the bytes are no head, of any format: magic, versions and the checksum stand at the same place in all of
-/// them.
+/// False if the bytes are no head, of any format: magic, versions
+/// and the checksum stand at the same place in all of them.
 inline bool decode(const std::uint8_t* bytes, BlockHead* head) {
   ByteReader in(bytes, kBlockHeadBytes);
   if (in.integer<std::uint32_t>() != kStoreMagic) return false;

@@ -62,8 +62,8 @@ void Ring::note_heads_begin() {
   newer_format_ = false;
 }
 
-/// The newest generation up to limit_, and where it begins: a block that failed was taken before the one that replaced
-/// it.
+/// The newest generation up to limit_, and where it begins: a
+/// block that failed was taken before the one that replaced it.
 void Ring::note_head() {
   BlockHead head;
   if (!read_head(b_, &head) || head.generation > limit_ || head.generation < generation_) return;
@@ -149,8 +149,8 @@ bool Ring::next_page_step() {
   SEGCAL_SLICES_END(page_place_);
 }
 
-/// The block at the next place, into best_. Where one failed, the block that replaced it is further on: the last one
-/// counts.
+/// The block at the next place, into best_. Where one failed, the
+/// block that replaced it is further on: the last one counts.
 bool Ring::next_block_step() {
   SEGCAL_SLICES(block_place_) {
     best_ = kNone;

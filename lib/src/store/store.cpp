@@ -102,8 +102,8 @@ uint32_t segcal_store_blocks(const segcal_flash_t* flash) {
   if (!flash || !Flash::valid(*flash)) return 0;
   Flash f;
   f.begin(*flash);
-  // A state at its largest: every slot's and epoch's fields are fewer than its bytes in memory; and the same again for
-  // the next one.
+  // A state at its largest: every slot's and epoch's fields are fewer
+  // than its bytes in memory; and the same again for the next one.
   const std::uint32_t page = f.page_bytes(), rest = sizeof(CalibrationReport<Real>) + sizeof(DeviceOptions<Real>) +
                                                     sizeof(StoredNumbers<Real>);
   const std::uint32_t epochs = kEpochs > 0 ? kEpochs * (sizeof(Epoch<Real>) + 32 + page) + page : 0;

@@ -2,51 +2,24 @@
 #pragma once
 
 #include "api/device.h"
+#include "store/stored_numbers.h"
 #include "store/stored_options.h"
 
 namespace SEGCAL_NS {
-
-/// The small numbers. A save takes them at its beginning, since the device may be fed while it goes on.
-template <class S>
-struct StoredNumbers {
-  FaultCounts faults;
-  BuilderCounts left_out;
-  std::uint64_t trajectory, random, offered;
-  std::int64_t frame_period;
-  double builder_origin[3];
-  std::uint32_t session, serial, frame;
-  std::int32_t building;
-  S warmth;
-  bool knew_enough, own_odometry, calibrated;
-  bool session_open;  ///< the session had samples or frames
-};
 
 template <class S>
 struct StoredFields {
   static_assert(sizeof(State<S>) == 21 * sizeof(S) && sizeof(Landmark<S>) == 7 * sizeof(S),
                 "stored as arrays of numbers");
-  static_assert(sizeof(FaultCounts) % 4 == 0 && sizeof(BuilderCounts) % 4 == 0, "stored as arrays of numbers");
   static_assert(kMaxKeyframes * kMaxCameras <= 64, "one bit for each image of a segment");
-
-  static void numbers(Fields* f, StoredNumbers<S>* n) {
-    f->records(&n->faults, 1, sizeof n->faults);
-    f->records(&n->left_out, 1, sizeof n->left_out);
-    for (std::uint64_t* v : {&n->trajectory, &n->random, &n->offered}) f->number(v);
-    f->number(&n->frame_period);
-    f->array(n->builder_origin, 3);
-    for (std::uint32_t* v : {&n->session, &n->serial, &n->frame}) f->number(v);
-    f->count(&n->building, Database<S>::kSlots - 1);
-    f->number(&n->warmth);
-    for (bool* v : {&n->knew_enough, &n->own_odometry, &n->calibrated, &n->session_open}) f->flag(v);
-  }
 
   /// theta and the last report; before the first calibration the report is that of create().
   static void results(Fields* f, Device<S>* d) {
     StoredOptions<S>::calibration(f, &d->theta_);
     f->number(&d->theta_.effects.time_zero_ns);
     const int n = d->prior().mean.columns();
-    Release<S>& r = d->report_.release;
-    CalibrationReport<S>& report = d->report_;
+    Release<S>& r = d->jobs_.report_.release;
+    CalibrationReport<S>& report = d->jobs_.report_;
     f->choice(&r.status, 3);
     StoredOptions<S>::calibration(f, &r.theta);
     f->array(r.sigma, n);
@@ -97,8 +70,8 @@ struct StoredFields {
     f->array(imu.delta_us_, imu.count_);
     f->array(&imu.value_[0][0], 6 * imu.count_);
   }
-  /// Whether all that others use as an index is one. What the CRC lets through was written by this library, unless by
-  /// intent.
+  /// Whether all that others use as an index is one. What the CRC
+  /// lets through was written by this library, unless by intent.
   static bool sound(const Segment<S>& s, const Calibration<S>& theta) {
     if (s.n_keyframes < 2 || s.information.n_theta != theta.columns() || s.first_observation[0] != 0) return false;
     if (s.first_observation[s.n_landmarks] != s.n_observations || s.imu.count_ < 2) return false;
@@ -123,15 +96,15 @@ struct StoredFields {
 
   /// Whether segments go into epochs, and how many of those there are.
   static void memory(Fields* f, Device<S>* d) {
-    f->flag(&d->condensing_);
-    f->flag(&d->new_epoch_);
-    f->number(&d->misfits_);
+    f->flag(&d->jobs_.condensing_);
+    f->flag(&d->jobs_.new_epoch_);
+    f->number(&d->jobs_.misfits_);
   }
   /// What dates changes and says when to calibrate again. Of a build without epochs there is none.
   static void changes(Fields* f, Device<S>* d) {
     if constexpr (kEpochs > 0) {
-      f->number(&d->made_from_);
-      f->number(&d->open_segments_);
+      f->number(&d->jobs_.made_from_);
+      f->number(&d->jobs_.open_segments_);
       Changes<S>& c = d->d_.changes;
       f->flag(&c.is_open_);
       f->count(&c.count_, kChanges);
@@ -172,7 +145,7 @@ struct StoredFields {
   }
 
   // What the fields above do not reach: where they come from, and where they go.
-  static bool at_rest(const Device<S>& d) { return d.finished_ && !d.pending(); }
+  static bool at_rest(const Device<S>& d) { return d.jobs_.finished_ && !d.pending(); }
   static bool untouched(const Device<S>& d) {
     return d.d_.faults.imu_samples == 0 && d.d_.faults.frames == 0 && d.session_ == 0 && d.d_.database().size() == 0;
   }
@@ -190,30 +163,30 @@ struct StoredFields {
     StoredNumbers<S> n{};
     n.faults = d.d_.faults;
     n.left_out = d.d_.builder.counts_;
-    n.trajectory = d.trajectory_.value();
+    n.trajectory = d.odometry_.trajectory.value();
     n.random = d.d_.database().random_;
     n.offered = d.d_.database().offered_;
-    n.frame_period = d.frame_period_;
+    n.frame_period = d.frames_.period_ns;
     for (int i = 0; i < 3; ++i) n.builder_origin[i] = d.d_.builder.origin_[i];
     n.session = d.session_;
     n.serial = d.serial_;
-    n.frame = d.frame_;
+    n.frame = d.odometry_.frame;
     n.building = d.d_.database().building_;
-    n.warmth = d.imu_.warmth();
-    n.knew_enough = d.knew_enough_;
-    n.own_odometry = d.own_odometry_;
-    n.calibrated = d.calibrated_;
-    n.session_open = d.has_imu_ || d.has_frame_;
+    n.warmth = d.imu_.history.warmth();
+    n.knew_enough = d.jobs_.knew_enough_;
+    n.own_odometry = d.odometry_.own;
+    n.calibrated = d.jobs_.calibrated_;
+    n.session_open = d.imu_.any || d.frames_.any;
     return n;
   }
 
   /// Before fields are taken: the device as created, whose results have the cameras and terms of the configuration.
   static void begin(Device<S>* d) {
     d->create(d->d_.options, d->d_.cold);
-    d->report_ = CalibrationReport<S>{};
-    d->report_.theta = d->report_.release.theta = d->theta_;
-    for (Verdict& v : d->report_.release.verdict) v = Verdict::fixed;
-    d->report_.directions.n = 0;
+    d->jobs_.report_ = CalibrationReport<S>{};
+    d->jobs_.report_.theta = d->jobs_.report_.release.theta = d->theta_;
+    for (Verdict& v : d->jobs_.report_.release.verdict) v = Verdict::fixed;
+    d->jobs_.report_.directions.n = 0;
   }
 
   /// Puts all that was taken in force, as segcal_new_session does at its end.
@@ -222,33 +195,33 @@ struct StoredFields {
     if (database.kept_[n.building] || database.size() > database.capacity_) return false;
     d->d_.faults = n.faults;
     d->d_.builder.counts_ = n.left_out;
-    d->trajectory_ = Hash(n.trajectory);
+    d->odometry_.trajectory = Hash(n.trajectory);
     database.random_ = n.random;
     database.offered_ = n.offered;
     database.building_ = n.building;
-    d->frame_period_ =
+    d->frames_.period_ns =
         n.frame_period >= kShortestPeriodNs && n.frame_period <= kLongestPauseNs ? n.frame_period : 0;  // 0: not known
     for (int i = 0; i < 3; ++i) d->d_.builder.origin_[i] = n.builder_origin[i];
     d->session_ = n.session;
     d->serial_ = n.serial;
-    d->frame_ = n.frame;
-    d->imu_.set_warmth(n.warmth);
-    d->knew_enough_ = n.knew_enough;
-    d->own_odometry_ = n.own_odometry;
-    d->calibrated_ = n.calibrated;
-    d->condensing_ = d->condensing_ && d->d_.options.condense;  // who restores may have switched it off
+    d->odometry_.frame = n.frame;
+    d->imu_.history.set_warmth(n.warmth);
+    d->jobs_.knew_enough_ = n.knew_enough;
+    d->odometry_.own = n.own_odometry;
+    d->jobs_.calibrated_ = n.calibrated;
+    d->jobs_.condensing_ = d->jobs_.condensing_ && d->d_.options.condense;  // who restores may have switched it off
     if (!d->d_.options.condense) d->d_.changes.close();
-    if (d->d_.epochs.count() == 0) d->new_epoch_ = true;  // format 1.1's are passed over
+    if (d->d_.epochs.count() == 0) d->jobs_.new_epoch_ = true;  // format 1.1's are passed over
     const std::int64_t zero = d->theta_.effects.time_zero_ns;
-    d->d_.options.prior.mean.effects.time_zero_ns = d->report_.theta.effects.time_zero_ns = zero;
-    d->report_.release.theta.effects.time_zero_ns = zero;
-    d->d_.calibrator().theta_ = d->report_.theta;  // what residuals are asked at
+    d->d_.options.prior.mean.effects.time_zero_ns = d->jobs_.report_.theta.effects.time_zero_ns = zero;
+    d->jobs_.report_.release.theta.effects.time_zero_ns = zero;
+    d->d_.calibrator().theta_ = d->jobs_.report_.theta;  // what residuals are asked at
     d->stamp_shift_ns_ = Device<S>::stamp_shift(d->theta_);
     d->d_.monitor.reset(d->prior(), d->theta_);
     if (n.session_open) {
       d->begin_session();
     } else {
-      if (!n.own_odometry) --d->frame_;  // counted already when the session began
+      if (!n.own_odometry) --d->odometry_.frame;  // counted already when the session began
       d->restart_filter();
     }
     return true;

@@ -50,9 +50,9 @@ class ImageMotion {
   S along_ = S(0), across_ = S(0), square_ = S(0);
 };
 
-/// The motion in the images of all cameras. Cameras look in different directions, and what shifts one image to the left
-/// may shift another to the right: each is asked alone. All that see enough must agree, and at least one must see
-/// enough.
+/// The motion in the images of all cameras. Cameras look in different directions,
+/// and what shifts one image to the left may shift another to the right: each is
+/// asked alone. All that see enough must agree, and at least one must see enough.
 template <class S>
 class RigMotion {
  public:

@@ -1,5 +1,5 @@
-// What the filter believes of the sensors before it sees anything, from an earlier session, and when a calibration
-// comes from outside.
+// What the filter believes of the sensors before it sees anything,
+// from an earlier session, and when a calibration comes from outside.
 #pragma once
 
 #include "vio/window_update.h"
@@ -22,8 +22,8 @@ S imu_sigma(const VioOptions<S>& options, int i) {
   return i < 6 ? options.sigma_gyro : i < 12 ? options.sigma_accel : options.sigma_r_AI;
 }
 
-/// The kept information on the sensors as a prior at `given`, seen from the present theta (the start moves the
-/// extrinsics).
+/// The kept information on the sensors as a prior at `given`,
+/// seen from the present theta (the start moves the extrinsics).
 template <class S>
 void fold_learnt(Window<S>* w) {
   PackedTriangle<S> R = w->R();
@@ -60,10 +60,10 @@ void replace_sensor_priors(Window<S>* w, const VioOptions<S>& options) {
   }
 }
 
-/// Takes a calibration from outside while the filter runs. What it has estimated beside (motion, and biases above all,
-/// which took up what the old calibration left) goes where the window's information puts it for the new one: the mean
-/// of R's other rows given a step of the sensors. Without that the links of the next seconds would be broken by tens of
-/// sigmas.
+/// Takes a calibration from outside while the filter runs. What it has estimated beside
+/// (motion, and biases above all, which took up what the old calibration left) goes where the
+/// window's information puts it for the new one: the mean of R's other rows given a step of
+/// the sensors. Without that the links of the next seconds would be broken by tens of sigmas.
 template <class S>
 [[gnu::cold]] void take_calibration(const Calibration<S>& theta, const VioOptions<S>& options, Window<S>* w) {
   S delta[kMaxTheta];  // effects behind the sensors included: the filter takes them as they are

@@ -111,8 +111,8 @@ void fold_zero(Window<S>* w, int column, const Vec3<S>& value, S sigma) {
   fold_block(w, w->block, 3, column);
 }
 
-/// The newest pose is where pose `reference` is, as far as the image can tell. False, and nothing changed, if the
-/// filter does not believe it.
+/// The newest pose is where pose `reference` is, as far as the image can
+/// tell. False, and nothing changed, if the filter does not believe it.
 template <class S>
 bool hold_place(Window<S>* w, int reference, S sigma) {
   const int newest = w->n_poses - 1, first = pose_column(reference);
@@ -127,7 +127,7 @@ bool hold_place(Window<S>* w, int reference, S sigma) {
   return true;
 }
 
-/// Mahalanobis distance of a standstill link (whitened, in w->link) with zero velocity after it: the new motion is
+/// Mahalanobis distance of a standstill link (whitened, w->link()) with zero velocity after it: the new motion is
 /// eliminated, y = R^-T h for each of the nine rows h that are left, and y y' + 1 is the covariance of the innovations.
 template <class S>
 S still_distance(Window<S>* w, S sigma_v) {
@@ -156,8 +156,8 @@ S still_distance(Window<S>* w, S sigma_v) {
 }
 
 /// The newest state moves on to t1 without moving: same pose, velocity zero. What a thing on a floor may do between
-/// two frames is added to the link's noise, more if it shakes. False, and nothing changed, if the filter does not
-/// believe it.
+/// two frames is added to the link's noise, more if it shakes.
+/// False, and nothing changed, if the filter does not believe it.
 template <class S>
 bool propagate_still(Window<S>* w, const VioOptions<S>& options, ImuIntegral<S> I, S shaking) {
   const S more = shaking < S(1) ? S(1) : S(2) * shaking;

@@ -6,18 +6,6 @@
 
 namespace SEGCAL_NS {
 
-/// Motion from the first frame to one frame, in the first frame's axes, with its change by constant biases.
-template <class S>
-struct StartLink {
-  S t;             ///< s
-  Mat3<S> dR;      ///< R_{I0 Ii}
-  Vec3<S> dv, dp;  ///< without gravity; m/s, m
-  Mat3<S> R_bg;    ///< right perturbation of dR by b_g
-  Mat<S, 3, 3> v_ba, v_bg, p_ba, p_bg;
-  Mat3<S> dR_base;  ///< as integrated
-  Vec3<S> dv_base, dp_base;
-};
-
 /// Where the next start puts the device: yaw and place are not observable, so they are continued.
 template <class S>
 struct Origin {
@@ -68,14 +56,6 @@ struct StartScratch {
   bool still;
 };
 
-/// The window's memory for them, until the first link is folded into it.
-template <class S>
-StartLink<S>* lend_start_links(Window<S>* w) {
-  static_assert(sizeof(StartLink<S>) == kStartLinkNumbers * sizeof(S),
-                "the start's links do not fit where they are lent memory");
-  return new (w->start_links) StartLink<S>[kWindow];
-}
-
 template <class S>
 void copy_link(const ImuIntegral<S>& I, StartLink<S>* link) {
   link->t = I.dt;
@@ -89,8 +69,8 @@ void copy_link(const ImuIntegral<S>& I, StartLink<S>* link) {
   link->p_ba = I.J_p.template middleCols<3>(kInputBa);
 }
 
-/// The integrals at x0's biases, which are so far from those that they were made at: to first order (Forster et al.
-/// 2017).
+/// The integrals at x0's biases, which are so far from those
+/// that they were made at: to first order (Forster et al. 2017).
 template <class S>
 void correct_links(int n, const Vec3<S>& d_ba, const Vec3<S>& d_bg, StartLink<S>* links) {
   for (int i = 0; i < n; ++i) {

@@ -1,7 +1,7 @@
-// The start in motion, from tracks and inertial integrals: gyroscope bias, linear alignment, refinement, check, and the
-// filter's window with all features. It is background work in slices (math/resumable.h) on the frames that the window
-// holds; frames that come meanwhile do not touch window and tracks, so that what comes out does not depend on when the
-// slices were done.
+// The start in motion, from tracks and inertial integrals: gyroscope bias, linear alignment,
+// refinement, check, and the filter's window with all features. It is background work in slices
+// (math/resumable.h) on the frames that the window holds; frames that come meanwhile do not
+// touch window and tracks, so that what comes out does not depend on when the slices were done.
 #pragma once
 
 #include <new>

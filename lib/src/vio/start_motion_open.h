@@ -6,8 +6,8 @@
 
 namespace SEGCAL_NS {
 
-/// The prior of the first state, then its information through the window by the inertial links. good_ is false if a
-/// link has no duration.
+/// The prior of the first state, then its information through the window
+/// by the inertial links. good_ is false if a link has no duration.
 template <class S>
 bool MotionStart<S>::open_step(const StartContext<S>& c, const Samples& imu) {
   SEGCAL_SLICES(inner_) {
@@ -41,7 +41,7 @@ bool MotionStart<S>::link_poses(const StartContext<S>& c) {
   const ImuIntegral<S>& I = integrator_->result();
   const State<S> x1 = predicted(I, w->now, c.options.g);
   if (!linearise_link(w, c.options, I, x1, x1)) return false;
-  w->link.r.setZero();
+  w->link().r.setZero();
   stack_motion(w);
   w->pose[i_].R_GI = w->pose[i_].R_first = x1.R_GI;
   w->pose[i_].p_GI = w->pose[i_].p_first = x1.p_GI;

@@ -1,9 +1,9 @@
 // The start, part 4: Levenberg-Marquardt over the window.
 //
-// Over a second the inertial integral is far more precise than the image, so every pose is a function of the first
-// state: 15 columns, the extrinsics with their prior, and landmarks that are eliminated one by one. It only serves to
-// find the point at which the filter linearises: the filter then weighs inertial noise and image points once more,
-// properly.
+// Over a second the inertial integral is far more precise than the image, so every pose is
+// a function of the first state: 15 columns, the extrinsics with their prior, and landmarks
+// that are eliminated one by one. It only serves to find the point at which the filter
+// linearises: the filter then weighs inertial noise and image points once more, properly.
 #pragma once
 
 #include "math/quantiles.h"
@@ -90,8 +90,8 @@ struct RefineFit {
   std::int32_t work = 0;  ///< points linearised since the last pause
 };
 
-/// Two rows [l 3 | x0 15 | extrinsics | rhs] of an image point, n numbers beside the landmark's and the right-hand
-/// side.
+/// Two rows [l 3 | x0 15 | extrinsics | rhs] of an image point,
+/// n numbers beside the landmark's and the right-hand side.
 template <class S>
 void write_rows(const ReprojectionRows<S>& rows, const Mat<S, 2, kStateColumns>& J, int camera, S weight, int n,
                 S* out) {
@@ -107,8 +107,8 @@ void write_rows(const ReprojectionRows<S>& rows, const Mat<S, 2, kStateColumns>&
   }
 }
 
-/// One track's rows [l 3 | x0 15 | extrinsics | rhs] into the triangle, Huber weights beyond 2 sigma. *rho:
-/// triangulate_again().
+/// One track's rows [l 3 | x0 15 | extrinsics | rhs] into the
+/// triangle, Huber weights beyond 2 sigma. *rho: triangulate_again().
 template <class S>
 void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, const StartScratch<S>& s,
                   PackedTriangle<S>* R, RefineFit<S>* fit, S* rho) {
@@ -200,8 +200,8 @@ void descend(Window<S>* w, const PackedTriangle<S>& R, S lambda, StartScratch<S>
   take_start_step(w, step, s);
 }
 
-/// A track that does not fit the refined window is a mismatch or a thing that moves: it is not to be offered to the
-/// filter.
+/// A track that does not fit the refined window is a mismatch or
+/// a thing that moves: it is not to be offered to the filter.
 template <class S>
 bool misfit(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, S pixel_scale) {
   const S sigma = options.pixel_sigma * pixel_scale;

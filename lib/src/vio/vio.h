@@ -68,9 +68,13 @@ class Vio {
 
   /// The calibration that the filter runs with; its cameras are the filter's own estimates.
   const Calibration<S>& calibration() const { return running_ ? window_.theta : window_.given; }
-  /// Information on it, as a triangle over theta's columns and a right-hand side of zero; only
-  /// where knows_sensors().
-  void calibration_information(PackedTriangle<S>* out) { sensor_triangle(&window_, out); }
+  /// Information on it, as a triangle over theta's columns and a right-hand side of zero, in the filter's own memory
+  /// until the next call of anything else; only where knows_sensors().
+  PackedTriangle<S> calibration_information() {
+    PackedTriangle<S> R(window_.block, calibration().columns() + 1);
+    sensor_triangle(&window_, &R);
+    return R;
+  }
   /// It runs, or has learnt about the sensors in an earlier session.
   bool knows_sensors() const { return running_ || window_.learnt; }
   const Mat3<S>& R_CI(int camera) const { return window_.theta.camera[camera].R_CI; }
@@ -83,8 +87,6 @@ class Vio {
   /// Factor on pixel_sigma that the residuals ask for (1 when the calibration fits).
   S pixel_scale() const { return monitor_.scale; }
   bool standing_still() const { return still_; }
-  /// Memory for a triangle over theta and a right-hand side, until the next call of anything else.
-  S* scratch() { return window_.block; }
   /// Poses in the window and their first estimates.
   const Window<S>& window() const { return window_; }
 

@@ -18,10 +18,10 @@ State<S> predicted(const ImuIntegral<S>& I, const State<S>& x0, const Vec3<S>& g
   return x1;
 }
 
-/// Integrates [t0, t1] of the history at the biases of `x0`, with the noise that the readings show. Terms of the IMU
-/// that theta has are taken off here; of the camera's, a time offset is in the stamps already, and what else moves
-/// image points is left to the filter's own estimates of the lens. Inlined, so that its integrator shares the caller's
-/// stack.
+/// Integrates [t0, t1] of the history at the biases of `x0`, with the noise that the readings
+/// show. Terms of the IMU that theta has are taken off here; of the camera's, a time offset
+/// is in the stamps already, and what else moves image points is left to the filter's own
+/// estimates of the lens. Inlined, so that its integrator shares the caller's stack.
 template <class S>
 [[gnu::always_inline]] inline ImuIntegral<S> integral_between(const Window<S>& w, const VioOptions<S>& options,
                                                               const ImuHistory<S>& imu, const State<S>& x0,
@@ -36,11 +36,12 @@ template <class S>
 /// Copies one column group of the link's Jacobian into its place in the block.
 template <class S>
 void place_columns(const Window<S>& w, S* row, int i, int from, int to, int n) {
-  for (int c = 0; c < n; ++c) row[to + c] += w.link.J(i, from + c);
+  const ImuRows<S>& link = w.link();
+  for (int c = 0; c < n; ++c) row[to + c] += link.J(i, from + c);
 }
 
-/// Rows [from, to) of the whitened link into the block from row `row` on; R's columns from the poses on stand one
-/// motion later.
+/// Rows [from, to) of the whitened link into the block from row
+/// `row` on; R's columns from the poses on stand one motion later.
 template <class S>
 void place_link(Window<S>* w, int from, int to, int row, int old_motion, int new_motion, int old_pose, int new_pose) {
   for (int i = from; i < to; ++i) {
@@ -50,7 +51,7 @@ void place_link(Window<S>* w, int from, int to, int row, int old_motion, int new
     place_columns(*w, out, i, 0, kMotionColumns + pose_column(old_pose), kPoseColumns);
     place_columns(*w, out, i, kStateColumns, kMotionColumns + pose_column(new_pose), kPoseColumns);
     place_columns(*w, out, i, 2 * kStateColumns, kMotionColumns + w->imu_column(), kImuColumns);
-    out[kMotionColumns + w->columns()] = -w->link.r(i);
+    out[kMotionColumns + w->columns()] = -w->link().r(i);
   }
 }
 
@@ -103,11 +104,12 @@ void fold_link(Window<S>* w, int old_pose, int new_pose) {
 template <class S>
 bool linearise_link(Window<S>* w, const VioOptions<S>& options, const ImuIntegral<S>& I, const State<S>& x1,
                     const State<S>& first) {
-  link_rows<S>(I, w->now, x1, w->now_first, first, options.g, &w->link);
+  ImuRows<S>& link = w->links.template begin<ImuRows<S>>();
+  link_rows<S>(I, w->now, x1, w->now_first, first, options.g, &link);
   for (int i = 0; i < kImuColumns; ++i) {
-    if (imu_sigma(options, i) == S(0)) w->link.J.col(2 * kStateColumns + i).setZero();
+    if (imu_sigma(options, i) == S(0)) link.J.col(2 * kStateColumns + i).setZero();
   }
-  return whiten(I, options.noise, &w->link);
+  return whiten(I, options.noise, &link);
 }
 
 /// Appends the state at t1, predicted from the newest one by the integral up to there. Returns the new pose's slot.
@@ -115,7 +117,7 @@ template <class S>
 int propagate(Window<S>* w, const VioOptions<S>& options, const ImuIntegral<S>& I, std::int64_t t1) {
   const State<S> x1 = predicted(I, w->now, options.g);
   if (!linearise_link(w, options, I, x1, x1)) return w->newest().slot;
-  w->link.r.setZero();  // the prediction is exact; only rounding would remain
+  w->link().r.setZero();  // the prediction is exact; only rounding would remain
   const int slot = w->append_empty(t1);
   WindowPose<S>& pose = w->newest();
   pose.R_GI = pose.R_first = x1.R_GI;

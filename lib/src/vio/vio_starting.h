@@ -30,7 +30,7 @@ VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n,
 
 template <class S>
 [[gnu::cold]] VioStatus Vio<S>::try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu) {
-  start_.link = lend_start_links(&window_);
+  start_.link = window_.begin_start_links();
   if (window_at_rest(window_, tracks_, options_, imu)) {
     start_at_rest(&window_, &tracks_, options_, origin_, imu, &start_);
     monitor_ = ResidualMonitor<S>();

@@ -80,8 +80,8 @@ bool landmark_step(const Window<S>& w, const TrackView<S>& view, const Landmark<
   return true;
 }
 
-/// Gauss-Newton from *l. Optional: the inverse distance's sigma, and `points`, to which those that were linearised are
-/// added.
+/// Gauss-Newton from *l. Optional: the inverse distance's sigma,
+/// and `points`, to which those that were linearised are added.
 template <class S>
 bool refine_landmark(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l,
                      S rho_sigma = kFilterDepthSigma<S>, S* sigma_rho = nullptr, std::int32_t* points = nullptr) {

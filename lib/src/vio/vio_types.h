@@ -35,8 +35,8 @@ struct VioOptions {
   S max_speed = S(10);                 ///< m/s; faster: the filter has diverged
   S max_gap_s = S(0.6);                ///< s between processed frames; longer: start again
   S max_blind_s = S(2);                ///< s without a usable feature; longer: start again
-  bool late_start_at_once =
-      true;  ///< a start that is due and not done: its frame does the rest; else it waits for its slices
+  /// a start that is due and not done: its frame does the rest; else it waits for its slices
+  bool late_start_at_once = true;
 
   /// Multiplies the sigmas of the calibration: a small share makes the filter run with what it is given.
   void share_calibration(S share) {

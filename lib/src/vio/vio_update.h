@@ -128,8 +128,8 @@ bool prepare_feature(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>
   return f->finite;
 }
 
-/// The gate. The residual that R cannot absorb is the innovation's Mahalanobis distance, given the features folded
-/// before it.
+/// The gate. The residual that R cannot absorb is the innovation's
+/// Mahalanobis distance, given the features folded before it.
 template <class S>
 bool passes_gate(const Feature<S>& f, S distance, ResidualMonitor<S>* monitor, VioStatistics* statistics) {
   const bool accepted = distance < chi_square_gate<S>(f.dof);

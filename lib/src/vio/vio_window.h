@@ -7,8 +7,10 @@
 // an update the estimates have moved and d is zero.
 #pragma once
 
+#include "math/one_of.h"
 #include "math/packed_triangle.h"
 #include "sensors/imu_link.h"
+#include "vio/start_link.h"
 #include "vio/vio_types.h"
 
 namespace SEGCAL_NS {
@@ -17,14 +19,13 @@ constexpr int kWindow = SEGCAL_MAX_CLONES + 1;  // past poses and the newest
 constexpr int kMotionColumns = 9;               // v, b_a, b_g
 constexpr int kFilterColumns = kMotionColumns + kPoseColumns * kWindow + kMaxCameraColumns * kMaxCameras + kImuColumns;
 constexpr int kLinkRows = 15;
-constexpr int kStartLinkNumbers = 76;  // start_links.h
 // The scratch block holds the rows of one feature; or the leading rows of R, with room for the new motion, and as many
 // of a link's rows as find room at a time.
 constexpr int kBlockStride = kFilterColumns + 1 + kMotionColumns;
 constexpr int kFeatureRows = 2 * kWindow + 1;  // the last one: what is known about distances
 constexpr int kBlockRows = kFeatureRows > kLinkRows + 3 ? kFeatureRows : kLinkRows + 3;
 constexpr int kRowsAtATime = kBlockRows - kMotionColumns < kLinkRows ? kBlockRows - kMotionColumns : kLinkRows;
-// Between frames it is lent for a triangle over theta and a right-hand side.
+// Between frames it has room for a triangle over theta and a right-hand side.
 constexpr int kBlockSize = kBlockRows * kBlockStride > packed_size(kMaxTheta + 1) ? kBlockRows* kBlockStride
                                                                                   : packed_size(kMaxTheta + 1);
 
@@ -53,13 +54,15 @@ struct Window {
   alignas(8) S block[kBlockSize];
   bool learnt;              ///< R's rows of the sensors hold what earlier sessions told
   S pivot[kFilterColumns];  ///< diagonal of R before the last fold, to undo it
-  /// The inertial link that is folded in; before that, while there are no links yet, the start's.
-  union {
-    ImuRows<S> link;
-    S start_links[kStartLinkNumbers * kWindow];
+  struct StartLinks {
+    StartLink<S> of_pose[kWindow];
   };
+  OneOf<ImuRows<S>, StartLinks> links;  ///< the inertial link that is folded in; while there is none yet, the start's
 
-  Window() {}
+  /// Whitened rows of the link that was linearised last.
+  const ImuRows<S>& link() const { return links.template get<ImuRows<S>>(); }
+  ImuRows<S>& link() { return links.template get<ImuRows<S>>(); }
+  StartLink<S>* begin_start_links() { return links.template begin<StartLinks>().of_pose; }
 
   int imu_column() const { return camera_column(theta.n_cameras); }
   int columns() const { return imu_column() + kImuColumns; }
@@ -73,8 +76,8 @@ struct Window {
     clear();
   }
 
-  /// No poses, no information but what was learnt in earlier sessions; the cameras' first estimates are the present
-  /// ones.
+  /// No poses, no information but what was learnt in earlier
+  /// sessions; the cameras' first estimates are the present ones.
   void clear() {
     n_poses = 0;
     clear_information();

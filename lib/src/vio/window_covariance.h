@@ -1,5 +1,5 @@
-// How well the window knows its state and the sensors: parts of the covariance R^-1 R^-T, and the sensors' own
-// information.
+// How well the window knows its state and the sensors: parts of
+// the covariance R^-1 R^-T, and the sensors' own information.
 #pragma once
 
 #include "math/small_solvers.h"

@@ -33,9 +33,9 @@ void fold_columns(Window<S>* w, S* rows, int n_rows, int first, int last) {
   fold_rows(R, rows, n_rows, kBlockStride, first, last);
 }
 
-/// Takes the last fold_block() back: the same reflections in reverse order, each its own inverse (up to rounding).
-/// Their vectors are still there: reflect_column() leaves the column that it clears in the block, and `pivot` has the
-/// rest.
+/// Takes the last fold_block() back: the same reflections in reverse order, each its
+/// own inverse (up to rounding). Their vectors are still there: reflect_column()
+/// leaves the column that it clears in the block, and `pivot` has the rest.
 template <class S>
 void unfold_block(Window<S>* w, S* rows, int n_rows, int first) {
   unfold_columns(w, rows, n_rows, first, w->columns());

@@ -1,5 +1,5 @@
-// The configuration and the inputs of one profile's C API, from the host's. Included once per profile by the sources
-// here.
+// The configuration and the inputs of one profile's C API, from
+// the host's. Included once per profile by the sources here.
 #pragma once
 
 #include <Eigen/Geometry>

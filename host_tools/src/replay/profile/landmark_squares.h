@@ -44,9 +44,9 @@ class LandmarkSquares {
   }
 
  private:
-  /// The squares of the landmark's rows B less what its own three columns A explain, B'B - B'A (A'A)^-1 A'B; of the
-  /// upper triangle. The landmark's prior is no measurement: of an unknown that is known by the prior alone nothing is
-  /// fitted.
+  /// The squares of the landmark's rows B less what its own three columns A explain,
+  /// B'B - B'A (A'A)^-1 A'B; of the upper triangle. The landmark's prior is no
+  /// measurement: of an unknown that is known by the prior alone nothing is fitted.
   double add_landmark(int j, const std::vector<int>& from, const std::vector<Index>& to, Eigen::MatrixXd* form) {
     const core::LandmarkFit<double> fit = block_->build(segment_, j, theta_, model_, layout_, camera_terms_, 0);
     if (fit.used < 2) return 0;

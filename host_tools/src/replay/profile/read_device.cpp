@@ -143,5 +143,41 @@ CoreKept kept_of(const segcal_t* device, int slot, const segcal_segment_t& s) {
   return kept;
 }
 
+std::vector<std::pair<std::string, std::uint32_t>> counters_of(const segcal_t* device) {
+  segcal_counters_t c;
+  segcal_get_counters(device, &c);
+  return {{"imu_samples", c.imu_samples},
+          {"imu_stamps_back", c.imu_stamps_back},
+          {"imu_gaps", c.imu_gaps},
+          {"imu_not_finite", c.imu_not_finite},
+          {"imu_saturated", c.imu_saturated},
+          {"frames", c.frames},
+          {"frames_used", c.frames_used},
+          {"frame_stamps_back", c.frame_stamps_back},
+          {"frames_dropped", c.frames_dropped},
+          {"frames_few_tracks", c.frames_few_tracks},
+          {"points_not_finite", c.points_not_finite},
+          {"filter_restarts", c.filter_restarts},
+          {"standstill_frames", c.standstill_frames},
+          {"features_used", c.features_used},
+          {"features_gated", c.features_gated},
+          {"segments_closed", c.segments_closed},
+          {"segments_discarded", c.segments_discarded},
+          {"segments_unsettled", c.segments_unsettled},
+          {"segments_ended_early", c.segments_ended_early},
+          {"landmarks_left_out", c.landmarks_left_out},
+          {"points_left_out", c.points_left_out},
+          {"segments_outdated", c.segments_outdated},
+          {"segments_missed", c.segments_missed},
+          {"slices_late", c.slices_late},
+          {"segments_late", c.segments_late},
+          {"imu_spikes", c.imu_spikes},
+          {"calibrations", c.calibrations},
+          {"points_repeated", c.points_repeated},
+          {"imu_stamps_far", c.imu_stamps_far},
+          {"frame_stamps_far", c.frame_stamps_far},
+          {"clock_restarts", c.clock_restarts}};
+}
+
 }  // namespace SEGCAL_NS
 }  // namespace host

@@ -14,6 +14,8 @@ CoreDirection direction_of(const segcal_direction_t& d, int n);
 CoreResult result_of(segcal_t* device);
 /// The kept segment of a slot, with all that the last calibration had of it.
 CoreKept kept_of(const segcal_t* device, int slot, const segcal_segment_t& s);
+/// By name.
+std::vector<std::pair<std::string, std::uint32_t>> counters_of(const segcal_t* device);
 
 }  // namespace SEGCAL_NS
 }  // namespace host

@@ -2,15 +2,14 @@
 //
 // With C, G and A the quadratic forms of camera, gyroscope and accelerometer over [states x | w], w = [theta | terms |
 // rhs], landmarks eliminated, and H that of gauge and weak priors,
-//     S_0 = (H + C) / x,   S_1 = (H + C + G) / x,   S_2 = (H + C + G + A) / x,     "/ x": Schur complement, states at
-//     their best,
-// the camera has S_0, the gyroscope S_1 - S_0, the accelerometer S_2 - S_1: what the images say against each other,
-// what the gyroscope says against the turns that they see, the accelerometer against the motion that both see. (Each as
-// large as the squares of a Kalman filter's innovations. Residuals of the joint fit would not do: between keyframes an
-// IMU is ten times as precise as the images, so that nearly all of its error would stand in theirs; of 38,500 degrees
-// of freedom 34 were the IMU's.) They add up, are independent, and with N_k the states' part of the k-th sum the noise
-// of sensor t adds variance_t times tr N_(k-1)^-1 F_t - tr N_k^-1 F_t to the k-th, F_t its form; of its own sensor:
-// rows - tr N_k^-1 F_k.
+//     S_0 = (H + C) / x,   S_1 = (H + C + G) / x,   S_2 = (H + C + G + A) / x
+// ("/ x": Schur complement, states at their best), the camera has S_0, the gyroscope S_1 - S_0, the accelerometer S_2 -
+// S_1: what the images say against each other, what the gyroscope says against the turns that they see, the
+// accelerometer against the motion that both see. (Each as large as the squares of a Kalman filter's innovations.
+// Residuals of the joint fit would not do: between keyframes an IMU is ten times as precise as the images, so that
+// nearly all of its error would stand in theirs; of 38,500 degrees of freedom 34 were the IMU's.) They add up, are
+// independent, and with N_k the states' part of the k-th sum the noise of sensor t adds variance_t times tr
+// N_(k-1)^-1 F_t - tr N_k^-1 F_t to the k-th, F_t its form; of its own sensor: rows - tr N_k^-1 F_k.
 //
 // In double, although the core's are float: nothing of the core's own arithmetic is compiled here a second time.
 #pragma once
@@ -76,8 +75,8 @@ class SegmentRows {
     layout_.add_term(t);
   }
 
-  /// Columns that the first k + 1 sensors touch: poses, with the gyroscope its bias, then all. The others know nothing
-  /// but their priors.
+  /// Columns that the first k + 1 sensors touch: poses, with the gyroscope
+  /// its bias, then all. The others know nothing but their priors.
   static bool is_known(Index c, int k) {
     return k == kAccel || c % core::kStateColumns < core::kPoseColumns || (k == kGyro && c % core::kStateColumns >= 12);
   }
@@ -183,9 +182,9 @@ class SegmentRows {
     measured_[kAccel] += kLinkRows - kGyroRows;
   }
 
-  /// Gauge and priors on the first keyframe, as the core's elimination has them; and for the sums that leave states
-  /// open (a single camera does not know its scale) next to nothing about each: 10 rad, 100 m, 1 km/s, 1 km/s^2, 100
-  /// rad/s.
+  /// Gauge and priors on the first keyframe, as the core's elimination has them;
+  /// and for the sums that leave states open (a single camera does not know its
+  /// scale) next to nothing about each: 10 rad, 100 m, 1 km/s, 1 km/s^2, 100 rad/s.
   void hold() {
     const core::State<double>& x = segment_.states.x[0];
     const Eigen::Vector3d up = x.R_GI.transpose() * (model_.g / -model_.g.norm());

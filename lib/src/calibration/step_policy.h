@@ -1,0 +1,75 @@
+// Levenberg-Marquardt's policy: whether a step is kept, how much
+// the next one is damped, and when nothing is left to gain.
+#pragma once
+
+#include "calibration/calibration_fit.h"
+#include "math/types.h"
+#include "sensors/calibration.h"
+
+namespace SEGCAL_NS {
+
+template <class S>
+class StepPolicy {
+ public:
+  void begin(S cost) {
+    cost_ = cost;
+    damping_ = fall_ = S(0);
+    flat_ = converged_ = false;
+    for (S& s : last_step_) s = S(0);
+  }
+
+  /// Square root of Levenberg-Marquardt's lambda; 0 for none.
+  S damping() const { return damping_; }
+  /// Of the last step that was kept.
+  S cost() const { return cost_; }
+
+  /// Judges a step of theta's n entries by the cost after it. `fall`: what it should gain, by the linear system (twice
+  /// that of the cost); `sigma`: of the prior. True when nothing is left to gain; kept() says whether the step stays.
+  bool judge(S trial, S fall, const S* step, int n, const S* sigma, const CalibratorOptions& options) {
+    // Near the minimum the difference drowns in the rounding of the sum.
+    const S rounding = (std::is_same_v<S, float> ? S(2e-6) : S(1e-13)) * cost_;
+    fall_ = fall;
+    kept_ = trial <= cost_ + rounding;
+    if (!kept_) {
+      damping_ = damping_ > S(0) ? damping_ * S(4) : S(0.05);
+      // A step that should gain less than this, and gains nothing,
+      // has met the rounding: damping it further cannot help.
+      const bool done = fall < S(options.converged) || damping_ > S(1e4);
+      converged_ = converged_ || done;
+      return done;
+    }
+    flat_ = cost_ - trial <= S(1e-3) * cost_;
+    converged_ = converged_ || (flat_ && fall < S(options.converged));
+    cost_ = trial;
+    if (turned_back(step, n, sigma)) {
+      damping_ = damping_ > S(0) ? damping_ * S(2) : S(0.05);
+    } else {
+      damping_ = damping_ < S(0.05) ? S(0) : damping_ * S(0.2);
+    }
+    return flat_ && fall < S(options.settled);
+  }
+  bool kept() const { return kept_; }
+  bool converged(const CalibratorOptions& options) const { return converged_ || (flat_ && fall_ < S(options.swings)); }
+
+ private:
+  /// True if this step goes against the last one (by more than 120 deg): undamped steps
+  /// swing about the minimum along weak directions, such as place against inverse
+  /// distance when there is hardly any parallax. Keeps the step for the next time.
+  bool turned_back(const S* step, int n, const S* sigma) {
+    S along = S(0), now = S(0), before = S(0);
+    for (int i = 0; i < n; ++i) {
+      const S a = step[i] / sigma[i], b = last_step_[i];
+      along += a * b;
+      now += a * a;
+      before += b * b;
+      last_step_[i] = a;
+    }
+    return along < S(0) && along * along > S(0.25) * now * before;
+  }
+
+  S damping_, cost_, fall_;
+  S last_step_[kMaxTheta];  ///< in the prior's sigmas
+  bool flat_ = false, converged_ = false, kept_ = false;
+};
+
+}  // namespace SEGCAL_NS
