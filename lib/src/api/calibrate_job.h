@@ -15,6 +15,7 @@ constexpr int kOutdatedRounds = 2;
 template <class S>
 class CalibrateJob {
  public:
+  [[gnu::cold]] CalibrateJob() = default;
   void reset() { stage_ = Stage::idle; }
   /// Slices are left.
   bool working() const { return stage_ == Stage::working; }

@@ -162,8 +162,8 @@ class Device {
   Calibration<S> working_theta() const;
 
   // device_work.h
-  bool step();
-  void finish_start();
+  [[gnu::noinline]] bool step();
+  [[gnu::cold]] void finish_start();
   [[gnu::cold]] void calibrate_as_wanted();
   [[gnu::cold]] void publish_calibration();
   void finish_calibration();

@@ -27,6 +27,7 @@ class Jobs {
   friend struct StoredFields<S>;
 
  public:
+  [[gnu::cold]] Jobs() = default;
   [[gnu::cold]] void reset();
   /// Another session: it has to know enough by itself.
   [[gnu::cold]] void begin_session(DeviceParts<S>* d);
@@ -46,7 +47,7 @@ class Jobs {
   int ends_left() const { return window_; }
 
   /// One slice; false if there is none.
-  bool step(DeviceParts<S>* d);
+  [[gnu::noinline]] bool step(DeviceParts<S>* d);
   /// The filter has no start pending (Device::finish_start): that comes first.
   void finish_score(DeviceParts<S>* d) {
     while (score_.active()) step(d);

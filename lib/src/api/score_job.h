@@ -20,6 +20,7 @@ struct Condensing {
 template <class S>
 class ScoreJob {
  public:
+  [[gnu::cold]] ScoreJob() = default;
   void reset() { active_ = false; }
   bool active() const { return active_; }
   /// Of the segment in the building slot, at `theta`. Returns where the next segment is built until this is done.

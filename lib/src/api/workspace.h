@@ -93,7 +93,7 @@ class Workspace {
     NearOrNull<Workspace> work_;
   };
 
-  void begin_lease(WorkOwner owner, Lease* lease) {
+  [[gnu::noinline]] void begin_lease(WorkOwner owner, Lease* lease) {
     eigen_assert(owner_ == WorkOwner::nobody);
     owner_ = owner;
     eliminator_.restart();

@@ -166,12 +166,12 @@ class ReducedSystem {
   X& begin_in_room() {
     static_assert(sizeof(X) <= sizeof(Room) && alignof(X) <= alignof(Room), "the triangle is too small for this");
     Room& room = memory_.template begin<Room>();
-    room.holds_bytes = sizeof(X);
+    room.set(sizeof(X));
     return *new (room.bytes) X;
   }
   template <class X>
   X& in_room() {
-    eigen_assert(memory_.template get<Room>().holds_bytes == sizeof(X));
+    eigen_assert(memory_.template get<Room>().is(sizeof(X)));
     return *std::launder(static_cast<X*>(static_cast<void*>(memory_.template get<Room>().bytes)));
   }
   static constexpr int kNumbers = packed_size(kReducedColumns);
@@ -204,9 +204,9 @@ class ReducedSystem {
   struct Triangle {
     alignas(8) S number[kNumbers];
   };
-  struct Room {
+  /// Knows by its size which of several types was begun there.
+  struct Room : Held<kKnowsWhatItHolds> {
     alignas(8) unsigned char bytes[sizeof(Triangle)];
-    std::size_t holds_bytes;  ///< of what was begun there: one of several types, by its size
   };
   OneOf<Triangle, Room> memory_;
   S row_[kReducedColumns];
