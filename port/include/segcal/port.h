@@ -47,7 +47,8 @@ __attribute__((noreturn))
 void segcal_port_assert_failed(const char *condition, const char *file, int line);
 
 /* With SEGCAL_ASSERT=1 the core checks its own assumptions, Eigen's included: for development, about twice the
-   instructions. Not given or 0: no code at all. */
+   instructions. Not given or 0: no code at all. The same for the core and its libraries store and clock: objects are
+   larger with it, and calls of a store that was compiled without it answer SEGCAL_ERROR_STATE. */
 #if defined(SEGCAL_ASSERT) && SEGCAL_ASSERT
 #define SEGCAL_PORT_ASSERT(condition) \
   ((condition) ? (void)0 : segcal_port_assert_failed(#condition, __FILE__, __LINE__))
