@@ -142,6 +142,46 @@ void test_getters_change_no_bit_with_deadlines() {
   }
 }
 
+/// Of all kept segments.
+std::vector<segcal_point_residual_t> point_residuals(const segcal_t* device) {
+  std::vector<segcal_point_residual_t> all, of_one(4000);
+  for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
+    const int n = segcal_get_point_residuals(device, slot, of_one.data(), 4000);
+    if (n > 0) all.insert(all.end(), of_one.begin(), of_one.begin() + n);
+  }
+  return all;
+}
+
+/// Residuals are those at the published calibration, or at the start, also after other rows were looked at.
+void test_residuals_do_not_follow_what_was_looked_at() {
+  Storage storage(0xFF);
+  segcal_config_t c = SyntheticStream::config();
+  c.keep_segments = SEGCAL_MAX_SEGMENTS;  // more than there will be: no calibration
+  segcal_t* device = create(&storage, c);
+  segcal_work_when_due(device, 1);
+  for (std::size_t i = 0; i < 14 * 200; ++i) {
+    segcal_push_imu(device, &long_stream().imu[i]);
+    if (i % 20 == 0) push_frame(device, long_stream().frames[i / 20], Way::tracks);
+  }
+  segcal_flush(device);
+  std::uint8_t use[SEGCAL_MAX_SEGMENTS + 1] = {};
+  segcal_segment_t segment;
+  for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
+    use[slot] = segcal_get_segment(device, slot, &segment) == SEGCAL_OK;
+  }
+  const std::vector<segcal_point_residual_t> before = point_residuals(device);
+  std::vector<double> triangle(10000);
+  std::int32_t n_theta, n_terms, dof;
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK,
+                        segcal_linearise(device, use, nullptr, 0, triangle.data(), 10000, &n_theta, &n_terms, &dof));
+  const std::vector<segcal_point_residual_t> after = point_residuals(device);
+  TEST_ASSERT_GREATER_THAN_UINT(100, before.size());
+  TEST_ASSERT_EQUAL_UINT(before.size(), after.size());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    TEST_ASSERT_TRUE(before[i].u == after[i].u && before[i].v == after[i].v);
+  }
+}
+
 /// All keyframes of a segment stand at their image's stamp plus one shift, also where a calibration with another time
 /// offset took effect while the stream went on; and each segment holds the samples since the one before.
 void test_a_new_time_offset_begins_with_a_segment() {
@@ -218,6 +258,7 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_getters_and_slices_change_no_bit);
   RUN_TEST(test_getters_change_no_bit_with_deadlines);
+  RUN_TEST(test_residuals_do_not_follow_what_was_looked_at);
 #ifndef PUBLISHING_SHORT  // too short for a second calibration
   RUN_TEST(test_a_new_time_offset_begins_with_a_segment);
 #endif

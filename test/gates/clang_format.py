@@ -18,7 +18,10 @@ SKIPPED = 77
 
 def unformatted(files):
     done = subprocess.run(["clang-format", "--dry-run", "--Werror", *map(str, files)], capture_output=True, text=True)
-    return sorted(set(re.findall(r"^(.*?):\d+:\d+: error: code should be clang-formatted", done.stderr, re.MULTILINE)))
+    found = sorted(set(re.findall(r"^(.*?):\d+:\d+: error: code should be clang-formatted", done.stderr, re.MULTILINE)))
+    if done.returncode != 0 and not found:
+        sys.exit(f"clang-format failed: {done.stderr.strip()[:500]}")
+    return found
 
 
 def self_test(root):
