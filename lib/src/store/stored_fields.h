@@ -215,7 +215,7 @@ struct StoredFields {
     const std::int64_t zero = d->theta_.effects.time_zero_ns;
     d->d_.options.prior.mean.effects.time_zero_ns = d->jobs_.report_.theta.effects.time_zero_ns = zero;
     d->jobs_.report_.release.theta.effects.time_zero_ns = zero;
-    d->d_.calibrator().theta_ = d->jobs_.report_.theta;  // what residuals are asked at
+    d->d_.calibrator().theta_ = d->jobs_.report_.theta;  // where kept segments were fitted
     d->stamp_shift_ns_ = Device<S>::stamp_shift(d->theta_);
     d->d_.monitor.reset(d->prior(), d->theta_);
     if (n.session_open) {
