@@ -4,8 +4,9 @@
 
 #include "segcal/segcal.h"
 
-static char memory[SEGCAL_STORAGE_BYTES] __attribute__((aligned(SEGCAL_STORAGE_ALIGNMENT))); /* all that it ever uses */
-static segcal_config_t config;                                                               /* zeroes: defaults */
+/* All the memory that the library ever uses; and a configuration of zeroes, which means defaults. */
+static char memory[SEGCAL_STORAGE_BYTES] __attribute__((aligned(SEGCAL_STORAGE_ALIGNMENT)));
+static segcal_config_t config;
 static segcal_result_t result;
 
 int main(int argc, char** argv) {
@@ -22,14 +23,13 @@ int main(int argc, char** argv) {
   if (fscanf(imu, "%*[^\n]") + fscanf(tracks, "%*[^\n]") != 0) return 2; /* the headers */
   for (int n = 0, row = 4; row == 4; image_ns = row_ns) {
     row = fscanf(tracks, "%" SCNd64 ",%" SCNu32 ",%f,%f", &row_ns, &p.track_id, &p.u, &p.v);
-    if (n > 0 &&
-        (row != 4 || row_ns != image_ns)) { /* the image is complete: first the IMU up to it, then its points */
+    /* When an image is complete: first the IMU up to it, then its points. */
+    if (n > 0 && (row != 4 || row_ns != image_ns)) {
       while (s.t_ns < image_ns && fscanf(imu, "%" SCNd64 ",%f,%f,%f,%f,%f,%f", &s.t_ns, &s.gyro[0], &s.gyro[1],
                                          &s.gyro[2], &s.accel[0], &s.accel[1], &s.accel[2]) == 7)
         segcal_push_imu(device, &s);
       segcal_push_tracks(device, image_ns, image, n);
-      while (segcal_background(device, 100) == 1) {
-      } /* in firmware: a task of low priority */
+      while (segcal_background(device, 100) == 1) continue; /* in firmware: a task of low priority */
       n = 0;
     }
     if (n < SEGCAL_MAX_TRACKS) image[n++] = p;
