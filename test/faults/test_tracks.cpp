@@ -1,6 +1,7 @@
 // Tracks that cannot be of one scene: found and named, and none in sound ones.
 #include <unity.h>
 
+#include <cmath>
 #include <string>
 
 #include "diagnose/fault.h"
@@ -80,6 +81,26 @@ void test_missing_images_mix_no_ids() {
   }
 }
 
+/// 8 rad/s about the optical axis: 40 % of the corners move by a fifth of the image's diagonal from one to the next.
+void test_a_roll_mixes_no_ids() {
+  SimulationResult s = session("rich");
+  std::vector<Frame>& frames = s.recording.cameras[0].frames;
+  frames.resize(30);
+  const CameraCalibration& camera = s.nominal.cameras[0];
+  const double u0 = camera.intrinsics[2], v0 = camera.intrinsics[3];
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const double c = std::cos(0.8 * static_cast<double>(i)), t = std::sin(0.8 * static_cast<double>(i));
+    frames[i].points.clear();
+    for (std::uint32_t id = 1; id <= 60; ++id) {
+      const double x = 60 * (id % 10 - 4.5), y = 80 * (id / 10 - 2.5);
+      frames[i].points.push_back({id, u0 + c * x - t * y, v0 + t * x + c * y});
+    }
+  }
+  TEST_ASSERT_EQUAL(0, track_faults(s.recording, s.nominal).size());
+  spoil::permute_ids(s.recording, 20, 1);
+  TEST_ASSERT_NOT_NULL(found(track_faults(s.recording, s.nominal), "mixed_tracks"));
+}
+
 void test_tracks_that_all_end_at_once() {
   SimulationResult s = session("arvr");
   spoil::renumber_from_middle(s.recording);
@@ -112,6 +133,7 @@ int main() {
   RUN_TEST(test_a_few_such_corners_are_usual);
   RUN_TEST(test_ids_that_change_places);
   RUN_TEST(test_missing_images_mix_no_ids);
+  RUN_TEST(test_a_roll_mixes_no_ids);
   RUN_TEST(test_tracks_that_all_end_at_once);
   RUN_TEST(test_a_poor_start_is_no_fault_of_the_tracks);
   return UNITY_END();

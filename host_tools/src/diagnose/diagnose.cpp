@@ -190,7 +190,8 @@ class Diagnoser {
   void measure_gap() {
     if (selection_.accepted.empty() && !evidence_.taken().empty()) fit_plain();  // what was fitted last was dropped
     const CoreModel& weights = evidence_.result().model;
-    report_gap({selection_, model_.terms, evidence_.sensors(),
+    const JoinedRows joined = [this](const std::vector<std::size_t>& places) { return evidence_.joined(places); };
+    report_gap({selection_, model_.terms, joined, evidence_.sensors(),
                 noise_floors(selection_.problem.noise, pixels_, out_.raw_noise, weights, out_.noise)},
                &out_);
     begin("structure of the residuals");

@@ -178,6 +178,16 @@ double Evidence::seconds_after_start(std::int64_t t_ns) const {
   return 1e-9 * static_cast<double>(t_ns - sessions_.front().cameras.front().frames.front().t_ns);
 }
 
+Rows Evidence::joined(const std::vector<std::size_t>& places) {
+  const std::vector<CoreKept> kept = segments();
+  std::vector<std::uint32_t> serials;
+  for (std::size_t i : places) serials.push_back(kept[i].segment.serial);
+  if (serials.empty()) return {};
+  Rows out = rows_of(serials, asked_);
+  reorder(place_, &out, n_theta_);
+  return out;
+}
+
 SensorPieces Evidence::sensors() {
   std::vector<CoreTerm> terms;
   for (const TermInfo& t : asked_) terms.push_back(t.term);

@@ -23,6 +23,9 @@ class Evidence {
   /// and pieces only `in_parts`: many candidates are asked about without.
   Problem at_last_fit(const std::vector<TermInfo>& candidates, bool in_parts);
   const std::vector<TermInfo>& taken() const { return taken_; }
+  /// Rows of the last fit for segments at these places in the order of time, over the same columns, joined where one
+  /// follows the other.
+  Rows joined(const std::vector<std::size_t>& places);
   /// The pieces of the last fit, sensor by sensor, over the same columns.
   SensorPieces sensors();
   /// Kept segments in the order of time.

@@ -144,7 +144,7 @@ void report_gap(const HeldOut& held_out, Diagnosis* out) {
   const double unit = gap.dof > 0 ? 1 / (gap.dof * gap.floor) : 0;
   const bool closes = gap.before > 0 && gap.closed() >= decision::kNamesFrom;
   const bool names = closes && (gap.rest <= decision::kMostRest * gap.before || !report.has_catalogue());
-  const std::vector<Fold> folds = folds_of(s);
+  const std::vector<Fold> folds = folds_of(s, held_out.joined);
   const Gap nested = nested_gap(s, folds);
   const Gap& measured = nested.before > 0 ? nested : gap;
   const double rest = nested.before > 0 ? gap.rest : 0;  // held_out_gap has it in its own

@@ -10,6 +10,7 @@ namespace host::diagnosis {
 struct HeldOut {
   const Selection& selection;
   const std::vector<TermInfo>& terms;
+  JoinedRows joined;  ///< of the last fit
   SensorPieces sensors;
   std::array<Floor, kSensors> floors;  ///< of the sensors' noise; the first is the whole's, too
 };

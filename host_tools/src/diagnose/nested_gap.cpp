@@ -9,25 +9,30 @@ namespace {
 
 constexpr std::size_t kFolds = 4;
 
-Rows sum_of_pieces(const std::vector<Piece>& pieces) {
-  std::vector<const Rows*> rows;
-  for (const Piece& p : pieces) rows.push_back(&p.rows);
-  return sum_of(rows);
+/// Pairs of neighbours, so that half of the links between segments stay; the halves are made of the same (selection.h).
+std::size_t pair_of(std::size_t place) { return (place + 1) / 2; }
+
+/// These segments alone. Their pairs go to the halves by turns.
+Problem part(const Problem& whole, const std::vector<std::size_t>& places, const JoinedRows& joined) {
+  Problem out = whole;
+  out.pieces.clear();
+  bool held_out = false;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (i > 0 && pair_of(places[i]) != pair_of(places[i - 1])) held_out = !held_out;
+    out.pieces.push_back(whole.pieces[places[i]]);
+    out.pieces.back().held_out = held_out;
+  }
+  out.all = joined(places);
+  out.train = out.held_out = {};
+  return out;
 }
 
-/// These pieces alone, with halves of their own.
-Problem part(const Problem& whole, std::vector<Piece> pieces) {
-  Problem out = whole;
-  std::vector<Piece> half[2];
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    pieces[i].held_out = is_held_out(i);
-    half[pieces[i].held_out ? 1 : 0].push_back(pieces[i]);
-  }
-  out.pieces = std::move(pieces);
-  out.all = sum_of_pieces(out.pieces);
-  out.train = sum_of_pieces(half[0]);
-  out.held_out = sum_of_pieces(half[1]);
-  return out;
+/// What a selection asks besides.
+void join_halves(const std::vector<std::size_t>& places, const JoinedRows& joined, Problem* out) {
+  std::vector<std::size_t> half[2];
+  for (std::size_t i = 0; i < places.size(); ++i) half[out->pieces[i].held_out ? 1 : 0].push_back(places[i]);
+  out->train = joined(half[0]);
+  out->held_out = joined(half[1]);
 }
 
 /// What a fold may choose from. Of a step that was dropped the columns are gone.
@@ -43,20 +48,21 @@ std::vector<Candidate> open_candidates(const Selection& selection) {
 
 /// The segments at `places` against what the others choose.
 Fold fold_of(const Selection& selection, const std::vector<Candidate>& candidates,
-             const std::vector<std::size_t>& places) {
+             const std::vector<std::size_t>& places, const JoinedRows& joined) {
   const Problem& whole = selection.problem;
-  std::vector<Piece> others, own;
+  std::vector<std::size_t> others;
   for (std::size_t i = 0; i < whole.pieces.size(); ++i) {
-    (std::count(places.begin(), places.end(), i) > 0 ? own : others).push_back(whole.pieces[i]);
+    if (std::count(places.begin(), places.end(), i) == 0) others.push_back(i);
   }
-  Fold out{part(whole, std::move(others)),
-           part(whole, std::move(own)),
+  Fold out{part(whole, others, joined),
+           part(whole, places, joined),
            places,
            selection.candidates,
            selection.accepted,
            false,
            {}};
   if (whole.pieces.size() < 2 * kFolds) return out;
+  join_halves(others, joined, &out.training);
   const Selection chosen = select_effects(candidates, {}, [&out](const std::vector<int>&) { return out.training; });
   out.missed = chosen.accepted.empty();
   if (out.missed) return out;
@@ -72,17 +78,26 @@ Fold fold_of(const Selection& selection, const std::vector<Candidate>& candidate
 
 }  // namespace
 
-std::vector<Fold> folds_of(const Selection& selection) {
+JoinedRows sums_of_pieces(const std::vector<Piece>& pieces) {
+  return [&pieces](const std::vector<std::size_t>& places) {
+    std::vector<const Rows*> rows;
+    for (std::size_t i : places) rows.push_back(&pieces[i].rows);
+    return sum_of(rows);
+  };
+}
+
+std::vector<Fold> folds_of(const Selection& selection, const JoinedRows& joined) {
   const std::size_t n = selection.problem.pieces.size(), folds = n < 2 * kFolds ? 2 : kFolds;
   std::vector<Fold> out;
   if (n < 2) return out;
   const std::vector<Candidate> candidates = open_candidates(selection);
+  const JoinedRows rows = selection.shifted ? sums_of_pieces(selection.problem.pieces) : joined;
   for (std::size_t fold = 0; fold < folds; ++fold) {
     std::vector<std::size_t> places;
     for (std::size_t i = 0; i < n; ++i) {
-      if (i % folds == fold) places.push_back(i);
+      if (pair_of(i) % folds == fold) places.push_back(i);
     }
-    out.push_back(fold_of(selection, candidates, places));
+    out.push_back(fold_of(selection, candidates, places, rows));
   }
   return out;
 }

@@ -1,15 +1,17 @@
 // The held-out gap on segments that were used neither to choose the effects nor to fit them.
 //
-// Four folds, every fourth segment one of them. For each fold the whole selection (selection.h) runs
-// again on the other three quarters, by linear algebra on the rows of the last fit, and what it takes
-// is fitted to these. Against the fold's own rows the change that it predicts is measured as in
-// gap.h. A fold for which nothing is chosen closes nothing: its excess is measured along what the
-// whole recording says, and stays. So the figure holds the chance to miss an effect, which a gap that
-// is only measured for given names does not, and it is measured whether or not a name was given.
+// Four folds, every fourth pair of neighbouring segments one of them. Pairs, because biases and
+// scales that temperature moves show where one segment is joined to the next, and in no segment by itself. For each
+// fold the whole selection (selection.h) runs again on the other three quarters, by linear algebra on the rows of the
+// last fit, and what it takes is fitted to these. Against the fold's own rows the change that it predicts is measured
+// as in gap.h. A fold for which nothing is chosen closes nothing: its excess is measured along what the whole recording
+// says, and stays. So the figure holds the chance to miss an effect, which a gap that is only measured for given names
+// does not, and it is measured whether or not a name was given.
 //
 // What all folds share is the point of linearisation (with its outliers) and the instant of a step.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "diagnose/gap.h"
@@ -26,8 +28,15 @@ struct Fold {
   std::optional<Shift> shift;      ///< whose columns stand behind those of the selection's pieces
 };
 
-/// Four; with fewer than eight segments the two halves, with the whole recording's choice.
-std::vector<Fold> folds_of(const Selection& selection);
+/// Rows of the segments at these places among a problem's pieces, joined where one follows the other.
+using JoinedRows = std::function<Rows(const std::vector<std::size_t>& places)>;
+
+/// Not joined: the links with each other are lost. `pieces` has to outlive it.
+JoinedRows sums_of_pieces(const std::vector<Piece>& pieces);
+
+/// Four; with fewer than eight segments the two halves, with the whole recording's choice. With a step in the model
+/// rows are sums of pieces, since its columns are.
+std::vector<Fold> folds_of(const Selection& selection, const JoinedRows& joined);
 
 /// `rest` is left at zero: it is of the whole recording (held_out_gap). Zero with fewer than eight segments.
 Gap nested_gap(const Selection& selection, const std::vector<Fold>& folds);
