@@ -272,6 +272,11 @@ Calibration<S> cast(const Calibration<double>& a) {
     b.camera[c].intrinsics = a.camera[c].intrinsics.cast<S>();
     b.camera[c].distortion = a.camera[c].distortion.cast<S>();
   }
+  b.imu.gyro_scale = a.imu.gyro_scale.cast<S>();
+  b.imu.gyro_misalignment = a.imu.gyro_misalignment.cast<S>();
+  b.imu.accel_scale = a.imu.accel_scale.cast<S>();
+  b.imu.accel_misalignment = a.imu.accel_misalignment.cast<S>();
+  b.imu.R_AI = a.imu.R_AI.cast<S>();
   return b;
 }
 

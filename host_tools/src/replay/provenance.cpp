@@ -96,7 +96,7 @@ nlohmann::ordered_json configuration_json(const ReplayOptions& options) {
                {"strategy", core.multi_session ? "multi" : "single"},
                {"pixel_sigma", core.pixel_sigma},
                {"track_walk", core.track_walk},
-               {"estimate_track_noise", options.estimate_track_noise},
+               {"estimate_track_noise", options.corner_noise == CornerNoise::estimated},
                {"seed", core.seed},
                {"trigger_sigma", core.trigger_fraction},
                {"keep_outdated", core.outdated_level < 0},

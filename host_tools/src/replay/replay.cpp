@@ -186,20 +186,9 @@ void count_sessions_from(std::uint32_t first, ReplayResult* out) {
   for (CoreKept& k : out->kept) k.segment.session -= first;
 }
 
-/// A second time, with the noise that the first one's tracks show; the first one's result where they show nothing.
-ReplayResult replay_with_track_noise(const std::vector<Recording>& sessions, ReplayOptions options) {
-  options.estimate_track_noise = false;
-  ReplayResult first = replay(sessions, options);
-  if (first.track_noise.points == 0) return first;
-  options.core.pixel_sigma = first.track_noise.white_px;
-  options.core.track_walk = first.track_noise.walk_px_per_sqrt_s;
-  return replay(sessions, options);
-}
-
 }  // namespace
 
-ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions& options) {
-  if (options.estimate_track_noise) return replay_with_track_noise(sessions, options);
+ReplayResult replay_as_stated(const std::vector<Recording>& sessions, const ReplayOptions& options) {
   CoreOptions core_options = options.core;
   core_options.joint_ekf = options.joint_ekf;
   if (!options.calibrate) core_options.trigger_fraction = 0;

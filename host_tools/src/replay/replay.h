@@ -11,14 +11,18 @@
 
 namespace host {
 
+/// What corners are weighed by: pixel_sigma and track_walk; what the tracks of a first replay show; or that only where
+/// it is less than stated (is_clearly_less), so that better tracks need not be stated and nothing that a model lacks,
+/// which makes residuals walk, is taken for noise.
+enum class CornerNoise { stated, less_than_stated, estimated };
+
 struct ReplayOptions {
   CoreOptions core;
   std::string profile = "mobile";
   bool joint_ekf = false;  ///< no segments: the filter gives the calibration itself, at the end of each session
   bool review = false;     ///< judge the result and name causes (review/review.h)
   std::vector<ClockSearch> clocks;  ///< what was found of the sessions' clocks, one each; may be empty
-  /// replays twice: pixel_sigma and track_walk are what the first one's tracks show
-  bool estimate_track_noise = false;
+  CornerNoise corner_noise = CornerNoise::stated;
   /// at most so many times over all recordings, each from the result of the one before; single-session only
   int passes = 1;
   bool calibrate = true;  ///< false: odometry only, the calibration stays as it is
@@ -97,7 +101,8 @@ struct ReplayResult {
   /// of these sessions, not of those before a restored state
   std::vector<std::pair<std::string, std::uint32_t>> counters;
   CoreMemory memory;
-  TrackNoise track_noise;  ///< that the kept segments' tracks show
+  TrackNoise track_noise;          ///< that the kept segments' tracks show
+  bool weighed_by_tracks = false;  ///< `model` has the noise of a first replay's tracks
   ReplayTiming timing;
   std::uint64_t result_hash = 0;       ///< at the end
   std::vector<HashCheck> hash_checks;  ///< one for each in the log
@@ -117,7 +122,10 @@ std::vector<RigFrame> rig_frames(const Recording& recording);
 /// that is not before them, as the filter wants samples up to the frame and a device sees the image later than these.
 std::vector<DeviceCall> calls_of(const Recording& recording, const std::vector<RigFrame>& frames);
 
-/// Replays the recordings one after the other, each as a session of the same device.
+/// Replays the recordings one after the other, each as a session of the same device; twice, where options.corner_noise
+/// asks for it.
 ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions& options);
+/// Once, with corners weighed by options.core.
+ReplayResult replay_as_stated(const std::vector<Recording>& sessions, const ReplayOptions& options);
 
 }  // namespace host

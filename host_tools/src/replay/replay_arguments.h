@@ -15,7 +15,8 @@ struct ReplayArguments {
   std::vector<std::string> effects;
   int cameras = 1;
   bool json = false, no_calibration = false, keep_outdated = false, hash = false, smooth_stamps = false,
-       keep_clock = false;
+       keep_clock = false, estimate_track_noise = false;
+  bool states_corner_noise = false;  ///< in --config
   ReplayOptions replay;
   std::vector<CLI::Option*> of_device;  ///< what a device log says itself
   CLI::Option *profile = nullptr, *pixel_sigma = nullptr, *track_walk = nullptr;

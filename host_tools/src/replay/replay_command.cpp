@@ -103,8 +103,17 @@ void apply_config(ReplayArguments* a, std::vector<Recording>* sessions) {
   SensorConfig config = read_config_file(a->config);
   if (a->pixel_sigma->count() > 0) config.pixel_sigma.reset();
   if (a->track_walk->count() > 0) config.track_walk.reset();
+  a->states_corner_noise |= config.pixel_sigma.has_value() || config.track_walk.has_value();
   config.apply(&a->replay.core);
   for (Recording& session : *sessions) session.imu.noise = a->replay.core.noise;
+}
+
+/// Without a word about corners they may be better than the default. A device does not replay, and a state goes on.
+CornerNoise corner_noise_of(const ReplayArguments& a, bool of_device) {
+  if (a.estimate_track_noise) return CornerNoise::estimated;
+  const bool stated = a.states_corner_noise || a.pixel_sigma->count() > 0 || a.track_walk->count() > 0;
+  const bool once = of_device || a.replay.state || a.replay.joint_ekf || !a.replay.calibrate;
+  return stated || once ? CornerNoise::stated : CornerNoise::less_than_stated;
 }
 
 int run(ReplayArguments a) {
@@ -132,6 +141,7 @@ int run(ReplayArguments a) {
   choice.apply(&a.replay.core);
   a.replay.review = !sessions.front().device && !a.replay.joint_ekf && a.replay.calibrate;
   if (a.keep_outdated) a.replay.core.outdated_level = -1;
+  a.replay.corner_noise = corner_noise_of(a, sessions.front().device.has_value());
   a.replay.progress = show_replay_progress;
   if (!a.verify_hash.empty()) read_hashes(a.verify_hash);  // a file without one is found out before the work
   ReplayResult result = replay(sessions, a.replay);

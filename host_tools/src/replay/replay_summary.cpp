@@ -43,6 +43,11 @@ void print_replay_summary(const ReplayResult& r, bool went_on) {
   for (const Note& n : r.health.notes) {
     if (r.cause.find(n.words) == std::string::npos) std::printf("note: %s\n", n.words.c_str());
   }
+  if (r.weighed_by_tracks)
+    std::printf(
+        "note: corners are weighed by the noise that their tracks show in a first replay, %.2g px and %.2g "
+        "px/sqrt(s); --pixel-sigma states another\n",
+        r.model.pixel_sigma, r.model.track_walk);
   const std::vector<std::string> names = parameter_names(c, r.calibration);
   for (const CoreChange& change : c.changes) {
     if (!change.open || r.cause.empty()) std::printf("note: %s\n", change_words(change, c).c_str());

@@ -169,7 +169,8 @@ Json result_json(const ReplayResult& out, const Provenance& from) {
                    {"track_walk_px_per_sqrt_s", out.track_noise.walk_px_per_sqrt_s},
                    {"track_points", out.track_noise.points},
                    {"stated_white_px", out.model.pixel_sigma},
-                   {"stated_walk_px_per_sqrt_s", out.model.track_walk}};
+                   {"stated_walk_px_per_sqrt_s", out.model.track_walk},
+                   {"weighed_by_tracks", out.weighed_by_tracks}};
   json["timing"] = {{"vio_ms_median", out.timing.vio_ms_median},
                     {"vio_ms_p95", out.timing.vio_ms_p95},
                     {"score_ms_median", out.timing.score_ms_median},

@@ -164,4 +164,10 @@ TrackNoise estimate_track_noise(const std::vector<CoreKept>& kept, const Calibra
   return noise;
 }
 
+bool is_clearly_less(const TrackNoise& noise, const CoreModel& stated) {
+  constexpr double kLess = 0.8;
+  return noise.points > 0 && std::hypot(noise.white_px, noise.walk_px_per_sqrt_s) <
+                                 kLess * std::hypot(stated.pixel_sigma, stated.track_walk);
+}
+
 }  // namespace host

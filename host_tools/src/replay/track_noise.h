@@ -20,4 +20,7 @@ struct TrackNoise {
 TrackNoise estimate_track_noise(const std::vector<CoreKept>& kept, const Calibration& calibration,
                                 const CoreModel& model);
 
+/// Of an error after a second, a fifth less than stated: sigmas would be a quarter too large.
+bool is_clearly_less(const TrackNoise& noise, const CoreModel& stated);
+
 }  // namespace host

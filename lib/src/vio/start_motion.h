@@ -16,6 +16,8 @@ namespace SEGCAL_NS {
 /// s of IMU samples that a start may need.
 constexpr double kStartSeconds = 1.4;
 constexpr int kStartFrames = kWindow < 8 ? kWindow : 8;  // fewer frames than this are not tried
+/// More are not waited for: tracks must last as long, and with 2 s of frames some devices did not start within 20 s.
+constexpr int kMostStartFrames = kWindow < 12 ? kWindow : 12;
 
 /// What a start works on and for.
 template <class S>

@@ -144,7 +144,7 @@ void Vio<S>::forget() {
 template <class S>
 void Vio<S>::set_calibration(const Calibration<S>& theta) {
   if (running_) {
-    take_calibration(theta, options_, &window_);
+    take_calibration(theta, &window_);
   } else {
     window_.replace_calibration(theta);
   }

@@ -17,7 +17,7 @@ template <class S>
 VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
   if (!imu.covers(t_ns, t_ns)) return VioStatus::skipped;
   time_ = arrived_ = t_ns;
-  while (window_.n_poses == kWindow || (window_.n_poses > 0 && !imu.covers(window_.pose[0].time, t_ns))) {
+  while (window_.n_poses == kMostStartFrames || (window_.n_poses > 0 && !imu.covers(window_.pose[0].time, t_ns))) {
     tracks_.forget_slot(window_.pose[0].slot);
     window_.forget_oldest();
   }

@@ -24,7 +24,6 @@ struct VioOptions {
   S sigma_gyro = S(0.01);              ///< gyroscope scale and misalignment; 0: taken as exact
   S sigma_accel = S(0.02);             ///< accelerometer scale and misalignment; 0: taken as exact
   S sigma_r_AI = S(0.02);              ///< rad; accelerometer rotation; 0: taken as exact
-  S calibrated_share = S(0.15);        ///< after set_calibration() these eight sigmas are this much of what they were
   S sigma_b_a = S(0.2);                ///< m/s^2; bias of an unknown device
   S sigma_b_g = S(0.1);                ///< rad/s
   S still_velocity_sigma = S(0.005);   ///< m/s; what "stands still" may hide

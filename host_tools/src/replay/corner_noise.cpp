@@ -1,0 +1,19 @@
+// What corners are weighed by, and the second replay where that is what their tracks show.
+#include "replay/replay.h"
+
+namespace host {
+
+ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions& options) {
+  ReplayResult first = replay_as_stated(sessions, options);
+  const TrackNoise& found = first.track_noise;
+  if (options.corner_noise == CornerNoise::stated || found.points == 0) return first;
+  if (options.corner_noise == CornerNoise::less_than_stated && !is_clearly_less(found, first.model)) return first;
+  ReplayOptions second = options;
+  second.core.pixel_sigma = found.white_px;
+  second.core.track_walk = found.walk_px_per_sqrt_s;
+  ReplayResult out = replay_as_stated(sessions, second);
+  out.weighed_by_tracks = true;
+  return out;
+}
+
+}  // namespace host

@@ -1,0 +1,82 @@
+// What corners are weighed by: better tracks than the default says are found out, and nothing else changes it.
+#include <unity.h>
+
+#include <cmath>
+
+#include "simulated_replay.h"
+
+extern "C" void setUp() {}
+extern "C" void tearDown() {}
+
+namespace {
+
+using host::CornerNoise;
+using host::ReplayResult;
+
+host::SimulationResult session(double pixel_noise) {
+  host::SimulationOptions options;
+  options.scenario = "rich";
+  options.seconds = 30;
+  options.seed = 17;
+  options.tracks.pixel_noise_px = pixel_noise;
+  return host::simulate(options);
+}
+
+ReplayResult replayed(const host::SimulationResult& session, CornerNoise noise) {
+  host::ReplayOptions options;
+  options.core.calibration = session.nominal;
+  options.core.noise = session.recording.imu.noise;
+  options.corner_noise = noise;
+  return host::replay({session.recording}, options);
+}
+
+double mean_square(const host::SimulationResult& session, const ReplayResult& r) {
+  double sum = 0;
+  for (const auto& [name, z] : test::normalised_errors(session, r.result)) sum += z * z;
+  return sum / static_cast<double>(r.result.parameters.size());
+}
+
+/// Corners of 0.1 px: with 0.5 px stated sigmas are several times too large, by their own noise they are right.
+void test_better_tracks_are_found_out() {
+  const host::SimulationResult s = session(0.1);
+  const ReplayResult stated = replayed(s, CornerNoise::stated), better = replayed(s, CornerNoise::less_than_stated);
+  TEST_ASSERT_EQUAL_STRING("calibrated", better.result.status.c_str());
+  TEST_ASSERT_TRUE(better.weighed_by_tracks && !stated.weighed_by_tracks);
+  // Restricted maximum likelihood of some 2000 points: 2 %, and what a fit with the wrong weights does to residuals.
+  TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.1, better.model.pixel_sigma);
+  TEST_ASSERT_DOUBLE_WITHIN(0.05, 0, better.model.track_walk);
+  TEST_ASSERT_DOUBLE_WITHIN(0.1, 1, better.result.chi2 / better.result.dof);
+  TEST_ASSERT_TRUE(stated.result.chi2 / stated.result.dof < 0.1);
+  // Of 26 entries a mean of 1 with a spread of sqrt(2 / 26) = 0.28, if they were independent.
+  const double z2 = mean_square(s, better);
+  std::printf("mean (error/sigma)^2: %.2f with 0.5 px stated, %.2f by the tracks\n", mean_square(s, stated), z2);
+  TEST_ASSERT_DOUBLE_WITHIN(0.7, 1, z2);
+}
+
+/// Corners as stated, or worse: one replay, to the last bit.
+void test_other_tracks_stay_as_stated() {
+  for (const double pixel_noise : {0.5, 0.8}) {
+    const host::SimulationResult s = session(pixel_noise);
+    const ReplayResult stated = replayed(s, CornerNoise::stated), kept = replayed(s, CornerNoise::less_than_stated);
+    TEST_ASSERT_FALSE(kept.weighed_by_tracks);
+    TEST_ASSERT_EQUAL_UINT64(stated.result_hash, kept.result_hash);
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, static_cast<float>(kept.model.pixel_sigma));
+  }
+}
+
+void test_estimated_in_any_case() {
+  const host::SimulationResult s = session(0.8);
+  const ReplayResult r = replayed(s, CornerNoise::estimated);
+  TEST_ASSERT_TRUE(r.weighed_by_tracks);
+  TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.8, r.model.pixel_sigma);
+}
+
+}  // namespace
+
+int main() {
+  UNITY_BEGIN();
+  RUN_TEST(test_better_tracks_are_found_out);
+  RUN_TEST(test_other_tracks_stay_as_stated);
+  RUN_TEST(test_estimated_in_any_case);
+  return UNITY_END();
+}
