@@ -111,6 +111,23 @@ void test_folds_are_pairs() {
   for (int n : times) TEST_ASSERT_EQUAL_INT(1, n);
 }
 
+/// Most of the gap must be closed by what folds choose; where they are too few to choose, nobody was asked.
+void test_folds_confirm_by_majority() {
+  const Linked linked(0.5, 4);
+  const Selection s = linked.selected();
+  std::vector<Fold> folds = folds_of(s, sums_of_pieces(linked.problem.pieces));
+  Gap gap;
+  gap.before = 100;
+  for (const auto& [after, confirmed] : {std::pair{49.0, true}, std::pair{51.0, false}}) {
+    gap.after = after;
+    TEST_ASSERT_EQUAL(confirmed, folds_confirm(gap, folds));
+  }
+  gap.before = gap.after = 0;
+  TEST_ASSERT_FALSE(folds_confirm(gap, folds));
+  for (Fold& fold : folds) fold.chooses = false;
+  TEST_ASSERT_TRUE(folds_confirm(gap, folds));
+}
+
 }  // namespace
 
 int main() {
@@ -118,5 +135,6 @@ int main() {
   RUN_TEST(test_links_are_held_out_too);
   RUN_TEST(test_links_without_effect);
   RUN_TEST(test_folds_are_pairs);
+  RUN_TEST(test_folds_confirm_by_majority);
   return UNITY_END();
 }

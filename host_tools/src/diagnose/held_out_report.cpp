@@ -50,10 +50,14 @@ std::set<Family> families_behind(const Structure& s) {
   return {};
 }
 
-std::string why_no_name(const Gap& gap, const Leftover& leftover, bool closes) {
+std::string why_no_name(const Gap& gap, const Gap& nested, const Leftover& leftover, bool closes, bool confirmed) {
   char why[200];
   const double closed = 100 * std::max(0.0, gap.closed()), rest = gap.before > 0 ? 100 * gap.rest / gap.before : 0;
-  if (closes) {
+  if (closes && !confirmed) {
+    std::snprintf(why, sizeof why,
+                  "three quarters of the recording do not choose it for the rest: %.0f %% of the excess closes there",
+                  100 * std::max(0.0, nested.closed()));
+  } else if (closes) {
     std::snprintf(why, sizeof why, "the excess falls by %.1f %%, but %.1f %% clearly follow something else%s%s", closed,
                   rest, leftover.what.empty() ? "" : ", most ", leftover.what.c_str());
   } else {
@@ -143,9 +147,10 @@ void report_gap(const HeldOut& held_out, Diagnosis* out) {
   Report report(held_out, out);
   const double unit = gap.dof > 0 ? 1 / (gap.dof * gap.floor) : 0;
   const bool closes = gap.before > 0 && gap.closed() >= decision::kNamesFrom;
-  const bool names = closes && (gap.rest <= decision::kMostRest * gap.before || !report.has_catalogue());
   const std::vector<Fold> folds = folds_of(s, held_out.joined);
   const Gap nested = nested_gap(s, folds);
+  const bool confirmed = folds_confirm(nested, folds);
+  const bool names = closes && confirmed && (gap.rest <= decision::kMostRest * gap.before || !report.has_catalogue());
   const Gap& measured = nested.before > 0 ? nested : gap;
   const double rest = nested.before > 0 ? gap.rest : 0;  // held_out_gap has it in its own
   out->before.total = (measured.before + rest) * unit;
@@ -154,7 +159,8 @@ void report_gap(const HeldOut& held_out, Diagnosis* out) {
   out->open_excess = gap.before > 0 ? (names ? 1 - gap.closed() : 1) * out->before.total : 0;
   out->noise_floor.total = gap.floor;
   out->gap_dof.total = gap.dof;
-  for (std::size_t i = 0; i < s.accepted.size(); ++i) report.add(i, names ? "" : why_no_name(gap, s.leftover, closes));
+  for (std::size_t i = 0; i < s.accepted.size(); ++i)
+    report.add(i, names ? "" : why_no_name(gap, nested, s.leftover, closes, confirmed));
   tell_sensors(gap_by_sensor(s, folds, held_out.sensors, held_out.floors), out);
   out->gap_closed = out->before.total > 0 ? std::clamp(1 - out->after.total / out->before.total, 0.0, 1.0) : 0;
 }

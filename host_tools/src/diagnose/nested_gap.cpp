@@ -60,10 +60,12 @@ Fold fold_of(const Selection& selection, const std::vector<Candidate>& candidate
            selection.candidates,
            selection.accepted,
            false,
+           false,
            {}};
   if (whole.pieces.size() < 2 * kFolds) return out;
   join_halves(others, joined, &out.training);
   const Selection chosen = select_effects(candidates, {}, [&out](const std::vector<int>&) { return out.training; });
+  out.chooses = true;
   out.missed = chosen.accepted.empty();
   if (out.missed) return out;
   out.candidates = chosen.candidates;
@@ -117,6 +119,11 @@ Gap nested_gap(const Selection& selection, const std::vector<Fold>& folds) {
   out.before = std::max(0.0, out.before);
   out.after = std::clamp(out.after_measured - decision::kCountsAsNone * out.after_sigma, 0.0, out.before);
   return out;
+}
+
+bool folds_confirm(const Gap& nested, const std::vector<Fold>& folds) {
+  const bool asked = std::any_of(folds.begin(), folds.end(), [](const Fold& fold) { return fold.chooses; });
+  return !asked || (nested.before > 0 && nested.closed() >= decision::kFoldsConfirm);
 }
 
 }  // namespace host::diagnosis

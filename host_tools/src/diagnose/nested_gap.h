@@ -24,7 +24,8 @@ struct Fold {
   std::vector<std::size_t> places;  ///< of its own segments among the selection's pieces
   std::vector<Candidate> candidates;
   std::vector<Accepted> accepted;  ///< chosen by the training
-  bool missed = false;             ///< nothing was: `accepted` is what the whole recording says
+  bool chooses = false;            ///< the training chose; with few segments it is asked nothing
+  bool missed = false;             ///< nothing was chosen: `accepted` is what the whole recording says
   std::optional<Shift> shift;      ///< whose columns stand behind those of the selection's pieces
 };
 
@@ -40,5 +41,8 @@ std::vector<Fold> folds_of(const Selection& selection, const JoinedRows& joined)
 
 /// `rest` is left at zero: it is of the whole recording (held_out_gap). Zero with fewer than eight segments.
 Gap nested_gap(const Selection& selection, const std::vector<Fold>& folds);
+
+/// Does what the folds choose themselves close enough of it (decision::kFoldsConfirm)? Yes, where none was asked.
+bool folds_confirm(const Gap& nested, const std::vector<Fold>& folds);
 
 }  // namespace host::diagnosis
