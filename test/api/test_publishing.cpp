@@ -222,7 +222,7 @@ void test_a_new_time_offset_begins_with_a_segment() {
     }
   }
   TEST_ASSERT_GREATER_OR_EQUAL_INT(1, shifted);
-  TEST_ASSERT_GREATER_OR_EQUAL_INT(3, joined);
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(2, joined);  // the fourth since the release: the first has no link, nor has a gap's
 }
 
 void test_other_capacities_are_refused_by_name() {

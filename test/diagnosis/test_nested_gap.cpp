@@ -111,21 +111,25 @@ void test_folds_are_pairs() {
   for (int n : times) TEST_ASSERT_EQUAL_INT(1, n);
 }
 
-/// Most of the gap must be closed by what folds choose; where they are too few to choose, nobody was asked.
-void test_folds_confirm_by_majority() {
+/// At least half of the folds must choose the effect itself, or its pair; what they choose beside it says nothing.
+/// Where they are too few to choose, nobody was asked.
+void test_folds_confirm_each_effect() {
   const Linked linked(0.5, 4);
-  const Selection s = linked.selected();
-  std::vector<Fold> folds = folds_of(s, sums_of_pieces(linked.problem.pieces));
-  Gap gap;
-  gap.before = 100;
-  for (const auto& [after, confirmed] : {std::pair{49.0, true}, std::pair{51.0, false}}) {
-    gap.after = after;
-    TEST_ASSERT_EQUAL(confirmed, folds_confirm(gap, folds));
+  Selection s = linked.selected();
+  std::vector<Fold> folds = folds_of(s, [&linked](const std::vector<std::size_t>& p) { return linked.joined(p); });
+  TEST_ASSERT_EQUAL_size_t(4, folds.size());
+  TEST_ASSERT_TRUE(folds_confirm(s, folds, 0));
+  for (std::size_t i = 0; i < 3; ++i) {  // these name the other candidate, "shutter"
+    folds[i].accepted[0].candidate = 1;
+    TEST_ASSERT_EQUAL(i < 2, folds_confirm(s, folds, 0));
   }
-  gap.before = gap.after = 0;
-  TEST_ASSERT_FALSE(folds_confirm(gap, folds));
+  s.pairs.push_back({0, 1});
+  TEST_ASSERT_TRUE(folds_confirm(s, folds, 0));
+  s.pairs.clear();
+  for (Fold& fold : folds) fold.missed = true;
+  TEST_ASSERT_FALSE(folds_confirm(s, folds, 0));
   for (Fold& fold : folds) fold.chooses = false;
-  TEST_ASSERT_TRUE(folds_confirm(gap, folds));
+  TEST_ASSERT_TRUE(folds_confirm(s, folds, 0));
 }
 
 }  // namespace
@@ -135,6 +139,6 @@ int main() {
   RUN_TEST(test_links_are_held_out_too);
   RUN_TEST(test_links_without_effect);
   RUN_TEST(test_folds_are_pairs);
-  RUN_TEST(test_folds_confirm_by_majority);
+  RUN_TEST(test_folds_confirm_each_effect);
   return UNITY_END();
 }

@@ -13,17 +13,19 @@ namespace {
 using host::CornerNoise;
 using host::ReplayResult;
 
-host::SimulationResult session(double pixel_noise) {
+host::SimulationResult session(double pixel_noise, double walk = 0) {
   host::SimulationOptions options;
   options.scenario = "rich";
   options.seconds = 30;
   options.seed = 17;
   options.tracks.pixel_noise_px = pixel_noise;
+  options.tracks.walk_px_per_sqrt_s = walk;
   return host::simulate(options);
 }
 
-ReplayResult replayed(const host::SimulationResult& session, CornerNoise noise) {
+ReplayResult replayed(const host::SimulationResult& session, CornerNoise noise, const char* profile = "mobile") {
   host::ReplayOptions options;
+  options.profile = profile;
   options.core.calibration = session.nominal;
   options.core.noise = session.recording.imu.noise;
   options.corner_noise = noise;
@@ -64,6 +66,17 @@ void test_other_tracks_stay_as_stated() {
   }
 }
 
+/// Profile mcu is built without walks along tracks: all of it counts as white.
+void test_a_profile_without_walks() {
+  const host::SimulationResult s = session(0.1, 0.2);
+  const ReplayResult r = replayed(s, CornerNoise::less_than_stated, "mcu");
+  TEST_ASSERT_EQUAL_STRING("calibrated", r.result.status.c_str());
+  TEST_ASSERT_TRUE(r.weighed_by_tracks);
+  TEST_ASSERT_EQUAL_DOUBLE(0, r.model.track_walk);
+  // sqrt(0.1^2 + 0.2^2 1 s); walks are known to some 10 % only, and what is left of theta's errors walks too.
+  TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.224, r.model.pixel_sigma);
+}
+
 void test_estimated_in_any_case() {
   const host::SimulationResult s = session(0.8);
   const ReplayResult r = replayed(s, CornerNoise::estimated);
@@ -77,6 +90,7 @@ int main() {
   UNITY_BEGIN();
   RUN_TEST(test_better_tracks_are_found_out);
   RUN_TEST(test_other_tracks_stay_as_stated);
+  RUN_TEST(test_a_profile_without_walks);
   RUN_TEST(test_estimated_in_any_case);
   return UNITY_END();
 }

@@ -22,6 +22,8 @@ constexpr double farthest = 2;            // tangent of 63 degrees from the axis
 // have 0 to 0.02; 0.07 are left by a lens that odometry fails with.
 constexpr double most_unlike = 0.08;
 constexpr double a_jump = 0.2;  // of the image's diagonal, beside the other corners' motion, from one image to the next
+// from one image to the next; ids in reversed order look like half a turn, ids at random like a zoom to a point
+constexpr double most_roll_rad = 1.2, most_zoom = 1.5;
 constexpr double most_jumping = 0.3;  // share of corners: a few wrong matches are no mixed-up ids
 // of an image's corners with the one before; where half are usual, fewer are a loss
 constexpr double shared_at_least = 0.05;
@@ -123,9 +125,12 @@ Share beside_similarity(const Matches& pixels, double tolerance_px) {
     to.emplace_back(static_cast<float>(pixels.to[i].x()), static_cast<float>(pixels.to[i].y()));
   }
   cv::Mat fits;
-  cv::estimateAffinePartial2D(from, to, fits, cv::RANSAC, tolerance_px);
-  const auto fit = fits.empty() ? 0 : static_cast<std::size_t>(cv::countNonZero(fits));
-  return {pixels.size() - fit, pixels.size()};
+  const cv::Mat A = cv::estimateAffinePartial2D(from, to, fits, cv::RANSAC, tolerance_px);
+  if (A.empty() || fits.empty()) return {pixels.size(), pixels.size()};
+  const double c = A.at<double>(0, 0), s = A.at<double>(1, 0), zoom = std::hypot(c, s);
+  if (std::abs(std::atan2(s, c)) > most_roll_rad || zoom > most_zoom || zoom < 1 / most_zoom)
+    return {pixels.size(), pixels.size()};
+  return {pixels.size() - static_cast<std::size_t>(cv::countNonZero(fits)), pixels.size()};
 }
 
 /// Corners that jump across the image while the others do not.

@@ -121,9 +121,20 @@ Gap nested_gap(const Selection& selection, const std::vector<Fold>& folds) {
   return out;
 }
 
-bool folds_confirm(const Gap& nested, const std::vector<Fold>& folds) {
-  const bool asked = std::any_of(folds.begin(), folds.end(), [](const Fold& fold) { return fold.chooses; });
-  return !asked || (nested.before > 0 && nested.closed() >= decision::kFoldsConfirm);
+bool folds_confirm(const Selection& selection, const std::vector<Fold>& folds, std::size_t accepted) {
+  const int own = selection.accepted[accepted].candidate;
+  std::vector<std::string> names{selection.candidates[own].name};
+  for (const Pair& pair : selection.pairs) {
+    if (pair.accepted == own) names.push_back(selection.candidates[pair.other].name);
+  }
+  const auto chooses = [&names](const Fold& fold) {
+    return !fold.missed && std::any_of(fold.accepted.begin(), fold.accepted.end(), [&](const Accepted& a) {
+      return std::count(names.begin(), names.end(), fold.candidates[a.candidate].name) > 0;
+    });
+  };
+  const auto asked = std::count_if(folds.begin(), folds.end(), [](const Fold& fold) { return fold.chooses; });
+  const auto agree = std::count_if(folds.begin(), folds.end(), chooses);
+  return asked == 0 || static_cast<double>(agree) >= decision::kFoldsConfirm * static_cast<double>(asked);
 }
 
 }  // namespace host::diagnosis

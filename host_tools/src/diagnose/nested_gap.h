@@ -42,7 +42,8 @@ std::vector<Fold> folds_of(const Selection& selection, const JoinedRows& joined)
 /// `rest` is left at zero: it is of the whole recording (held_out_gap). Zero with fewer than eight segments.
 Gap nested_gap(const Selection& selection, const std::vector<Fold>& folds);
 
-/// Does what the folds choose themselves close enough of it (decision::kFoldsConfirm)? Yes, where none was asked.
-bool folds_confirm(const Gap& nested, const std::vector<Fold>& folds);
+/// Do enough folds choose this effect themselves, or what it makes a pair with (decision::kFoldsConfirm)? Yes, where
+/// none was asked.
+bool folds_confirm(const Selection& selection, const std::vector<Fold>& folds, std::size_t accepted);
 
 }  // namespace host::diagnosis

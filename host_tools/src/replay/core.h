@@ -132,6 +132,7 @@ struct CoreModel {
   double bias_a_sigma = 0, bias_g_sigma = 0, velocity_sigma = 0, inverse_depth_sigma = 0,
          turned_inverse_depth_sigma = 0;
   double track_walk = 0;
+  bool weighs_walks = false;  ///< the profile is built with SEGCAL_TRACK_WALK
 };
 
 struct CoreLandmark {

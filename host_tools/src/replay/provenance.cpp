@@ -29,6 +29,10 @@ std::vector<std::string> files_read(int n_cameras) {
   return files;
 }
 
+const char* name_of(CornerNoise noise) {
+  return noise == CornerNoise::stated ? "stated" : noise == CornerNoise::estimated ? "estimated" : "less_than_stated";
+}
+
 }  // namespace
 
 Provenance device_of(const fs::path& recording) {
@@ -96,7 +100,7 @@ nlohmann::ordered_json configuration_json(const ReplayOptions& options) {
                {"strategy", core.multi_session ? "multi" : "single"},
                {"pixel_sigma", core.pixel_sigma},
                {"track_walk", core.track_walk},
-               {"estimate_track_noise", options.corner_noise == CornerNoise::estimated},
+               {"corner_noise", name_of(options.corner_noise)},
                {"seed", core.seed},
                {"trigger_sigma", core.trigger_fraction},
                {"keep_outdated", core.outdated_level < 0},

@@ -130,9 +130,9 @@ a wrong start does not spoil the trajectory. That estimate stays inside the filt
 replaces it. With --joint-ekf the filter has the result's prior and the stated pixel noise, its estimate at the end of a
 session is the result, and the next session goes on from it with all of its information.
 
-With --state each run is the next session of the same device: two runs give the bits of one run over both recordings. The file
-holds the kept segments, epochs and calibration; the options, priors and start must be those of the run that made it. OUT holds the
-calibration from all that the device remembers, and the trajectory and segments of this run:
+With --state each run is the next session of the same device: two runs give the bits of one run over both recordings with
+--pixel-sigma. The file holds the kept segments, epochs and calibration; the options, priors and start must be those of the
+run that made it. OUT holds the calibration from all that the device remembers, and the trajectory and segments of this run:
   segcal replay monday --state device.state --out mon
   segcal replay tuesday --state device.state --calib monday/camchain-imucam.yaml --out tue
 

@@ -31,7 +31,7 @@ class Vio {
   /// Forgets everything and waits for frames.
   [[gnu::cold]] void reset(const Calibration<S>& theta, const VioOptions<S>& options);
 
-  /// A new calibration for the running filter. It replaces the filter's own, with a smaller prior.
+  /// A new calibration for the running filter: in place of its own, which it knows as well as before (sensor_priors.h).
   void set_calibration(const Calibration<S>& theta);
   /// See VioOptions::late_start_at_once.
   void finish_late_starts(bool at_once) { options_.late_start_at_once = at_once; }

@@ -124,7 +124,8 @@ class ProfileCore final : public Core {
             m.velocity_sigma,
             m.inverse_depth_sigma,
             m.turned_inverse_depth_sigma,
-            m.track_walk};
+            m.track_walk,
+            SEGCAL_TRACK_WALK != 0};
   }
 
   CoreRows linearise(const std::vector<std::uint32_t>& serials, const std::vector<CoreTerm>& candidates) override {
