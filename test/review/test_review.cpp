@@ -152,7 +152,7 @@ void test_a_camera_that_turned_is_named() {
   for (const Case& c : {Case{1, "20", ""},
                         {3, "20", ""},
                         {8, "20", "a camera that moved"},
-                        {1, "30", "a camera that moved"},
+                        {1, "30", "disagree with each other"},
                         {2, "30", "disagree with each other"}}) {
     const Id id = Id().add("seed", c.seed).add("at", c.at_s);
     if (!test::selected(id.text())) continue;
