@@ -124,8 +124,8 @@ void test_extrinsic_step() {
 }
 
 /// A rate that follows the heading, as a magnet's field would make it: in the words of the dictionary on each axis, and
-/// nothing else. The heading is known but for where the session began, so that cosine and sine share the 0.006 rad/s. Of
-/// seeds 1 to 4 these words are found in 2, 3 and 4; seed 1 is `unexplained` with a window of 19 poses, not with 11.
+/// nothing else. The heading is known but for where the session began, so that cosine and sine share the 0.006 rad/s.
+/// Of seeds 1 to 4 these words are found in 2, 3 and 4; seed 1 is `unexplained` with a window of 19 poses, not with 11.
 void test_heading_has_words_of_its_own() {
   const Diagnosis d = diagnosed("rich", 60, 2, "outside:heading_error=0.006");
   TEST_ASSERT_EQUAL_STRING_MESSAGE("explained", d.verdict.c_str(), d.sentence.c_str());
