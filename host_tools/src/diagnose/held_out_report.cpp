@@ -62,7 +62,8 @@ std::string why_no_name(const Gap& gap, const Leftover& leftover, bool closes) {
   return why;
 }
 
-constexpr const char* kNotConfirmed = "with a quarter of the recording held out at a time, the rest mostly does not call for it";
+constexpr const char* kNotConfirmed =
+    "with a quarter of the recording held out at a time, the rest mostly does not call for it";
 
 /// Terms without a name claim nothing.
 std::vector<bool> confirmed_effects(const Selection& s, const std::vector<Fold>& folds) {
