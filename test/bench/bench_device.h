@@ -17,7 +17,7 @@
 namespace bench {
 
 /// What all benchmarks run on: 100 tracks of 6 to 45 frames, IMU 200 Hz, camera 10 Hz, so that the filter's window of
-/// 11 poses is always full.
+/// 20 poses is always full.
 inline host::SimulationResult simulated_session() {
   host::SimulationOptions options;
   options.scenario = "rich";
