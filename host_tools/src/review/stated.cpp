@@ -79,7 +79,13 @@ std::vector<Note> notes_on_noise(const Recording& recording, const ReplayResult&
   judge_imu("accel_noise", "accelerometer", raw.accel, "accelerometer_noise_density", &out);
   const diagnosis::PixelNoise pixel = diagnosis::pixel_noise(result.kept);
   if (pixel.sigma > 0) {
-    const std::string advice = to_state("pixel_sigma_px", pixel.factor * result.model.pixel_sigma);
+    // Neighbours show white noise alone: stated without the walk it would make sigmas too small.
+    const TrackNoise& tracks = result.track_noise;
+    const std::string advice =
+        tracks.points == 0
+            ? to_state("pixel_sigma_px", pixel.factor * result.model.pixel_sigma)
+            : formatted("--estimate-track-noise weighs by what the tracks show, %.2g px and %.2g px/sqrt(s)",
+                        tracks.white_px, tracks.walk_px_per_sqrt_s);
     judge("pixel_noise", "corner", pixel.factor, pixel.sigma, "sigmas are too small by up to that. " + advice, advice,
           &out);
   }
