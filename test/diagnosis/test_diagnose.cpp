@@ -123,8 +123,9 @@ void test_extrinsic_step() {
   TEST_ASSERT_DOUBLE_WITHIN(3 * sigma + 0.1 * 0.012, 0.012, step);
 }
 
-/// Rows exposed from both ends at once, which the catalogue lacks: a small gyro_lag is called for by all of the recording
-/// and closes the gap of the halves, but three of four folds do not choose it. It had a name before they were asked.
+/// Rows exposed from both ends at once, which the catalogue lacks: a small gyro_lag is called for by all of the
+/// recording and closes the gap of the halves, but three of four folds do not choose it. It had a name before they were
+/// asked.
 void test_a_name_that_folds_do_not_choose() {
   const Diagnosis d = diagnosed("rich", 60, 35010052, "outside:two_way_shutter=4e-6");
   TEST_ASSERT_TRUE_MESSAGE(d.effects.empty(), d.sentence.c_str());
