@@ -81,20 +81,20 @@ void CalibrateJob<S>::judge_change(DeviceParts<S>* d) {
   if constexpr (kEpochs > 0) changed_ = changed_ || (d->changes.open() && agreement_.changed(S(kFalseChange)));
 }
 
-/// Drops epochs that theta has left (Epoch::holds_at); true if there were any, and theta is to be found again.
+/// Epochs that theta has left tell less (Epoch::bent_at). True if there are any, and theta is to be found again.
 template <class S>
-bool CalibrateJob<S>::drop_far_epochs(DeviceParts<S>* d) {
-  bool dropped = false;
+bool CalibrateJob<S>::weaken_far_epochs(DeviceParts<S>* d) {
+  bool weakened = false;
   if constexpr (kEpochs > 0) {
-    for (int i = d->epochs.count() - 1; i >= 0 && d->calibrator().fit().converged; --i) {
-      if (d->epochs.epoch(i).holds_at(d->calibrator().theta(), d->prior(),
-                                      work_.template numbers<Epoch<S>::kScratch>()))
-        continue;
-      outdate_epoch(i, d);
-      dropped = dropped_any_ = true;
+    for (int i = 0; i < d->epochs.count() && d->calibrator().fit().converged; ++i) {
+      const S bent =
+          d->epochs.epoch(i).bent_at(d->calibrator().theta(), d->prior(), work_.template numbers<Epoch<S>::kScratch>());
+      if (!(bent > S(1))) continue;
+      d->epochs.weaken(i, bent);
+      weakened = true;
     }
   }
-  return dropped;
+  return weakened;
 }
 
 }  // namespace SEGCAL_NS
