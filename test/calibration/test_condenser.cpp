@@ -123,8 +123,8 @@ double worst_distance(const Epoch<double>& epoch, const ThetaPrior<double>& prio
   return delta.cwiseQuotient(P.diagonal().cwiseSqrt()).cwiseAbs().maxCoeff();
 }
 
-/// theta_0 a fifth of the prior's sigmas beside the fit, in any direction: some twenty of the epoch's own sigmas. Widened
-/// by what the bound is exceeded by, its optimum is the fit's within its sigmas.
+/// theta_0 a fifth of the prior's sigmas beside the fit, in any direction: some twenty of the epoch's own sigmas.
+/// Widened by what the bound is exceeded by, its optimum is the fit's within its sigmas.
 void test_a_far_epoch_tells_as_much_as_it_is_right() {
   double untouched = 0;
   for (int seed = 1; seed <= 6; ++seed) {

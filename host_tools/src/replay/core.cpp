@@ -1,5 +1,7 @@
 #include "replay/core.h"
 
+#include <algorithm>
+
 #include "replay/profiles.h"
 
 namespace host {
@@ -8,6 +10,7 @@ namespace host {
 #define SEGCAL_DECLARE(profile)                                  \
   namespace segcal_##profile##_core {                            \
     std::unique_ptr<Core> make_core(const CoreOptions& options); \
+    int most_segments();                                         \
   }
 SEGCAL_FOR_EACH_PROFILE(SEGCAL_DECLARE)
 #undef SEGCAL_DECLARE
@@ -15,6 +18,15 @@ SEGCAL_FOR_EACH_PROFILE(SEGCAL_DECLARE)
 std::unique_ptr<Core> make_core(const std::string& profile, const CoreOptions& options) {
 #define SEGCAL_CALL(name) \
   if (profile == #name) return segcal_##name##_core::make_core(options);
+  SEGCAL_FOR_EACH_PROFILE(SEGCAL_CALL)
+#undef SEGCAL_CALL
+  refuse_profile(profile);
+}
+
+int segments_kept(const std::string& profile, int wanted) {
+  if (wanted > 0) return wanted;
+#define SEGCAL_CALL(name) \
+  if (profile == #name) return std::min(8, segcal_##name##_core::most_segments());
   SEGCAL_FOR_EACH_PROFILE(SEGCAL_CALL)
 #undef SEGCAL_CALL
   refuse_profile(profile);

@@ -37,7 +37,7 @@ struct CoreOptions {
   double gravity = 0;        ///< m/s^2; 0: nobody stated it, the standard value is taken
   std::string metric = "A";  ///< A, D, E, set_d or random
   bool multi_session = false;
-  int segments = 8;
+  int segments = 0;  ///< to keep; 0: 8, or as many as the profile holds
   double segment_s = 4;
   bool adaptive_segments = false;  ///< segments of half to twice segment_s, where motion says
   double pixel_sigma = 0.5;        ///< px, white noise of a corner per axis
@@ -240,5 +240,7 @@ class Core {
 /// `profile`: mcu, mobile, host or mobile_double. Throws InputError
 /// for another name or a configuration that the core refuses.
 std::unique_ptr<Core> make_core(const std::string& profile, const CoreOptions& options);
+/// How many segments a core of the profile keeps, where `wanted` are (CoreOptions::segments).
+int segments_kept(const std::string& profile, int wanted);
 
 }  // namespace host

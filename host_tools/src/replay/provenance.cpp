@@ -93,7 +93,7 @@ nlohmann::ordered_json configuration_json(const ReplayOptions& options) {
   }
   json.update({{"cameras", core.calibration.cameras.size()},
                {"metric", core.metric},
-               {"segments", core.segments},
+               {"segments", segments_kept(options.profile, core.segments)},
                {"segment_s", core.segment_s},
                {"adaptive_segments", core.adaptive_segments},
                {"gravity", core.gravity > 0 ? nlohmann::ordered_json(core.gravity) : nlohmann::ordered_json()},

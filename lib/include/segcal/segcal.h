@@ -320,8 +320,7 @@ typedef struct {
   uint32_t filter_restarts, standstill_frames, features_used, features_gated;
   uint32_t segments_closed, segments_discarded, segments_unsettled, segments_ended_early;
   uint32_t landmarks_left_out, points_left_out;
-  uint32_t segments_outdated; /* dropped by a calibration: contradicted by newer ones, or condensed at a theta that it
-                                 left */
+  uint32_t segments_outdated; /* dropped by a calibration: contradicted by newer ones */
   uint32_t segments_missed;   /* ended while a calibration was under way */
   uint32_t slices_late; /* times that a score, a calibration or the filter's start was due and segcal_background had not
                            done its slices: see there */
@@ -539,8 +538,8 @@ int segcal_get_filter_calibration(segcal_t* device, segcal_result_t* result);
 int segcal_get_posterior(const segcal_t* device, double* mean, double* covariance, int32_t capacity);
 /* Epoch `index`, 0: the oldest. SEGCAL_ERROR_STATE: there is none; SEGCAL_ERROR_BUSY: while work is pending. */
 int segcal_get_epoch(segcal_t* device, int32_t index, segcal_epoch_t* out);
-/* Change `index` of the last four, 0: the newest; -1: one that is open, while which calibrations wait until the
-   database is full. SEGCAL_ERROR_STATE: there is none. */
+/* Change `index` of the last SEGCAL_MAX_EPOCHS, 0: the newest; -1: one that is open, while which calibrations wait
+   until the database is full. SEGCAL_ERROR_STATE: there is none. */
 int segcal_get_change(const segcal_t* device, int32_t index, segcal_change_t* out);
 int segcal_get_direction(const segcal_t* device, int32_t index, segcal_direction_t* direction);
 /* The segment scored last (index -1) or slot `index` of the database, 0..SEGCAL_MAX_SEGMENTS. SEGCAL_ERROR_STATE if

@@ -100,7 +100,9 @@
        : SEGCAL_MAX_EPOCHS *                                                                                        \
                  (SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) + 32u * SEGCAL_MAX_CAMERAS + 40u) + \
                   (SEGCAL_MAX_EFFECT_ESTIMATES + 1u) * (4u + SEGCAL_REAL_BYTES) + 80u) +                            \
-             SEGCAL_REAL_BYTES * (15u * SEGCAL_LEFT_COLUMNS + 10u * SEGCAL_THETA_COLUMNS + 100u) + 448u)
+             SEGCAL_REAL_BYTES *                                                                                    \
+                 (15u * SEGCAL_LEFT_COLUMNS + 2u * (SEGCAL_MAX_EPOCHS + 1u) * SEGCAL_THETA_COLUMNS + 100u) +        \
+             448u)
 
 /* In two blocks (blocks.h), or one behind the other. */
 #define SEGCAL_COLD_BYTES (SEGCAL_DATABASE_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_EFFECT_BYTES / 2u + 768u)

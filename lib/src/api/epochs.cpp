@@ -10,15 +10,11 @@ void read_epoch(const Epoch<Real>& epoch, Device<Real>& device, segcal_epoch_t* 
   const ThetaPrior<Real>& prior = device.options().prior;
   const int n = epoch.columns();
   Real row[kMaxTheta + 1], work[kMaxTheta + 1];
-  const Real none[kMaxTheta] = {};
   Workspace<Real>::Lease memory;
   device.begin_question(&memory);
   PackedTriangle<Real> T(memory.numbers<packed_size(kMaxTheta + 1)>(), n + 1);
   write_prior(prior, epoch.theta, &T);
-  for (int i = 0; i < n; ++i) {
-    epoch.row_at(none, i, row);
-    fold_rows(T, row, 1, n + 1, i, n + 1);
-  }
+  fold_moved(epoch.information, epoch.theta, epoch.theta, &T);
   Calibration<Real> theta = epoch.theta;
   for (int i = 0; i < n; ++i) row[i] = T(i, n);
   back_substitute(T, n, row);

@@ -20,14 +20,14 @@ void Jobs<S>::end_score(DeviceParts<S>* d) {
   if (wanted_then_ || (enough && d->options.calibrates_itself)) begin_calibration(score_.theta(), d);
 }
 
-/// The kept segments tell enough for the first time; or so many were condensed since the last calibration that sigmas
-/// should have halved: three times as many as it was made from.
+/// The kept segments tell enough for the first time; or as many were condensed since the last calibration as it was
+/// made from: where theta_0 comes from half of what is known, later epochs are linearised near enough (Epoch::bent_at).
 template <class S>
 bool Jobs<S>::worth_a_calibration(DeviceParts<S>* d) {
   if (waited_enough(d)) return true;
   if (score_.emptied()) return false;
   if (!score_.condenses()) return score_.kept() && !knew_enough_ && knows_enough(d);
-  if constexpr (kEpochs > 0) return d->epochs.segments() + d->database().size() >= 4 * made_from_;
+  if constexpr (kEpochs > 0) return d->epochs.segments() + d->database().size() >= 2 * made_from_;
   return false;
 }
 

@@ -60,9 +60,9 @@ class ScoreJob {
 
  private:
   [[gnu::cold]] bool score_step(DeviceParts<S>* d, ScoreReport<S>* report);
-  bool condense_step(DeviceParts<S>* d);
+  [[gnu::cold]] bool condense_step(DeviceParts<S>* d);
   bool empty_step(DeviceParts<S>* d);
-  void begin_emptying(DeviceParts<S>* d);
+  [[gnu::cold]] void begin_emptying(DeviceParts<S>* d);
   [[gnu::cold]] bool analyse_segment_step(DeviceParts<S>* d, Segment<S>* segment);
   void settle(DeviceParts<S>* d, const Segment<S>& segment);
   void publish(DeviceParts<S>* d, ScoreReport<S>* report);

@@ -45,7 +45,7 @@ class Agreement {
 
   /// Takes the next older segment, in slices; true when outdated()
   /// is its verdict. An outdated one says nothing to the rest.
-  bool take_step(const SegmentInformation<S>& information) {
+  [[gnu::cold]] bool take_step(const SegmentInformation<S>& information) {
     SEGCAL_SLICES(place_) {
       outdated_ = false;
       if (agreed_ > 0) {
@@ -69,7 +69,7 @@ class Agreement {
   void know_spread(S sum, int degrees) { (outdated_ ? spread_of_outdated_ : spread_).add(sum / noise_, degrees); }
   /// After the last one: whether all that is outdated, together, contradicts all that agreed; by chance with
   /// probability p. Either may scatter more.
-  bool changed(S p) {
+  [[gnu::cold]] bool changed(S p) {
     if (outdated_items_ == 0) return false;
     PackedTriangle<S> T = copy_of_newer(), older = outdated_ones();
     S* row = block();

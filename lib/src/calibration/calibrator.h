@@ -116,11 +116,11 @@ class Calibrator {
   GuestLink<S> guest(int i);
   const Landmark<S>& tie(int t) const;
   S tie_prior_share(int t) const;
-  bool total_cost_step();
+  [[gnu::cold]] bool total_cost_step();
   [[gnu::cold]] PackedTriangle<S> begin_linearisation(S damping, const CandidateTerms* candidates, bool with_prior);
   bool linearise_step(SegmentEliminator<S>* eliminator, S damping, const CandidateTerms* candidates = nullptr,
                       bool with_prior = true);
-  bool step_back_step(SegmentEliminator<S>* eliminator, S damping);
+  [[gnu::cold]] bool step_back_step(SegmentEliminator<S>* eliminator, S damping);
   void gather_step(const SegmentEliminator<S>& eliminator, int i);
   bool refine_landmarks_step();
   void solve_theta();
@@ -130,7 +130,7 @@ class Calibrator {
   }
   void save_states(int i) { memory_.save(i, segment_[i]->states); }
   [[gnu::cold]] void restore();
-  bool iterate_step(SegmentEliminator<S>* eliminator, const CalibratorOptions& options);
+  [[gnu::cold]] bool iterate_step(SegmentEliminator<S>* eliminator, const CalibratorOptions& options);
 
   Near<Segment<S>> segment_[kMaxSegments];
   SegmentLink<S> link_[kMaxSegments];

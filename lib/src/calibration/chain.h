@@ -42,8 +42,8 @@ class Chain {
   /// Takes segment i, just eliminated. `passes_on`: a later segment hangs on its last keyframe. `left`: what
   /// solve_guest_step() will need; null: nobody will ask (with candidates it would not fit).
   /// `global` gathers all rows that touch ties and theta only. In slices; true when it is taken.
-  bool add_step(SegmentEliminator<S>* segment, bool has_guest, bool passes_on, LeftRows<S>* left,
-                PackedTriangle<S>* global) {
+  [[gnu::cold]] bool add_step(SegmentEliminator<S>* segment, bool has_guest, bool passes_on, LeftRows<S>* left,
+                              PackedTriangle<S>* global) {
     SEGCAL_SLICES(place_) {
       // What came from the left stands in the rows of "last" of the segment before: its separator is our guest.
       take_from_left();
@@ -67,8 +67,8 @@ class Chain {
 
   /// After add() of all segments: step of the guest of `segment`, just eliminated as it was then, for known steps of
   /// its last keyframe (zero if it was not passed on) and of ties and theta. In slices; true when it is known.
-  bool solve_guest_step(SegmentEliminator<S>* segment, bool passes_on, const LeftRows<S>& left, const S* last_step,
-                        const S* global_step, S* guest_step) {
+  [[gnu::cold]] bool solve_guest_step(SegmentEliminator<S>* segment, bool passes_on, const LeftRows<S>& left,
+                                      const S* last_step, const S* global_step, S* guest_step) {
     SEGCAL_SLICES(place_) {
       restore(left);
       for (row_ = 0; passes_on && row_ < kStateColumns; ++row_) {

@@ -40,7 +40,8 @@ class Condenser {
   void restart() { place_ = inner_ = 0; }
 
   /// Moves the segment's states and overwrites its information. In slices; true when it is done, and condensed() tells.
-  bool step(Segment<S>* segment, const MeasurementModel<S>& model, const CondenseMemory<S>& m, const Epoch<S>* epoch) {
+  [[gnu::cold]] bool step(Segment<S>* segment, const MeasurementModel<S>& model, const CondenseMemory<S>& m,
+                          const Epoch<S>* epoch) {
     SEGCAL_SLICES(place_) {
       begin(*segment);
       SEGCAL_AWAIT(place_, settle_step(segment, epoch->theta, model, m));
@@ -60,7 +61,7 @@ class Condenser {
   bool condensed() const { return condensed_; }
 
   /// After step(), with the same arguments; `pull`: the segment's, on what is known with it.
-  void take(Segment<S>* segment, const CondenseMemory<S>& m, const Pull<S>& pull, Epoch<S>* epoch) {
+  [[gnu::cold]] void take(Segment<S>* segment, const CondenseMemory<S>& m, const Pull<S>& pull, Epoch<S>* epoch) {
     epoch->add(rows_of(segment), dof_, pull, segment->session, segment->serial);
     if (epoch->image_points < 1000000000) epoch->image_points += m.eliminator->counts().image_points;
     m.chain->hand_on(&left_);
@@ -76,7 +77,7 @@ class Condenser {
   bool joined() const { return guest_.join != Join::none; }
   PackedTriangle<S> rows_of(Segment<S>* segment) { return segment->information.triangle(); }
 
-  void begin(const Segment<S>& s) {
+  [[gnu::cold]] void begin(const Segment<S>& s) {
     condensed_ = false;
     guest_ = GuestLink<S>{};
     odometry_ = s.states.x[s.n_keyframes - 1];
@@ -99,8 +100,8 @@ class Condenser {
   }
 
   /// One step of the states, with theta held; then each landmark to its best place.
-  bool settle_step(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model,
-                   const CondenseMemory<S>& m) {
+  [[gnu::cold]] bool settle_step(Segment<S>* segment, const Calibration<S>& theta, const MeasurementModel<S>& model,
+                                 const CondenseMemory<S>& m) {
     const int n = theta.columns();
     S* step = m.step;
     SEGCAL_SLICES(inner_) {

@@ -24,25 +24,10 @@ namespace SEGCAL_NS {
 /// outdated; what is not found at once has moved an epoch by a fraction of what the limit allows.
 constexpr double kFalseAlarm = 1e-4;
 
-/// Folds rows over theta into a triangle, moved from where they
-/// are linearised; without what they leave over themselves.
-template <class S>
-void fold_moved(const SegmentInformation<S>& rows, const Calibration<S>& from, const Calibration<S>& to,
-                PackedTriangle<S>* T) {
-  const int n = rows.n_theta;
-  S offset[kMaxTheta], row[kMaxTheta + 1];
-  difference(from, to, offset);
-  for (int i = 0; i < n; ++i) {
-    for (int c = 0; c <= n; ++c) row[c] = c < i ? S(0) : rows.R(i, c);
-    for (int c = i; c < n; ++c) row[n] -= row[c] * offset[c];
-    fold_rows(*T, row, 1, n + 1, i, n + 1);
-  }
-}
-
 /// What a segment's rows pull at the optimum of `known`, which
 /// has them in it and the prior. `scratch`: SegmentScatter's.
 template <class S>
-Pull<S> pull_on(const SegmentInformation<S>& rows, const PackedTriangle<S>& known, S* scratch) {
+[[gnu::cold]] Pull<S> pull_on(const SegmentInformation<S>& rows, const PackedTriangle<S>& known, S* scratch) {
   const int n = rows.n_theta;
   S theta[kMaxTheta];
   for (int i = 0; i < n; ++i) theta[i] = known(i, n);
@@ -66,8 +51,8 @@ class Contradiction {
   }
   /// `rows`: [theta | rhs] of the segment, linearised at the newest epoch's theta_0. `kept_at`: where the kept
   /// segments' information is. In slices; true when found() tells.
-  bool step(const SegmentInformation<S>& rows, const Epochs<S>& epochs, const Database<S>& database,
-            const ThetaPrior<S>& prior, const Calibration<S>& kept_at, S* scratch) {
+  [[gnu::cold]] bool step(const SegmentInformation<S>& rows, const Epochs<S>& epochs, const Database<S>& database,
+                          const ThetaPrior<S>& prior, const Calibration<S>& kept_at, S* scratch) {
     const int newest = epochs.count() - 1;
     const Epoch<S>& E = epochs.epoch(newest);
     PackedTriangle<S> known(scratch, E.columns() + 1), own(scratch + packed_size(E.columns() + 1), E.columns() + 1);

@@ -10,6 +10,7 @@
 // comparison with others must exceed.
 #pragma once
 
+#include "calibration/moved_rows.h"
 #include "calibration/prior.h"
 #include "information/marginal.h"
 #include "information/segment_information.h"
@@ -54,8 +55,8 @@ struct Epoch {
   }
 
   /// Takes the rows of one segment at theta_0: the triangle over [theta | rhs], `residual_dof` for dof.
-  void add(const PackedTriangle<S>& rows, S residual_dof, const Pull<S>& pull, std::uint32_t session,
-           std::uint32_t serial) {
+  [[gnu::cold]] void add(const PackedTriangle<S>& rows, S residual_dof, const Pull<S>& pull, std::uint32_t session,
+                         std::uint32_t serial) {
     const int n = columns();
     // Beside what is there already: in a large sum float would lose what one segment adds.
     PackedTriangle<S> T = information.triangle();
@@ -73,15 +74,12 @@ struct Epoch {
   }
 
   /// Takes in another epoch, whose rows are moved to this one's theta_0.
-  void merge(const Epoch& other) {
+  [[gnu::cold]] void merge(const Epoch& other) {
     const int n = columns();
-    S offset[kMaxTheta], row[kMaxTheta + 1];
+    S offset[kMaxTheta];
     difference(other.theta, theta, offset);
     PackedTriangle<S> T = information.triangle();
-    for (int i = 0; i <= n; ++i) {
-      other.row_at(offset, i, row);
-      fold_rows(T, row, 1, n + 1, i, n + 1);
-    }
+    fold_moved_rows(other.information, offset, n + 1, &T);
     segments += other.segments;
     image_points += other.image_points;
     dof += other.dof;
@@ -92,15 +90,8 @@ struct Epoch {
     last_serial = other.last_serial > last_serial ? other.last_serial : last_serial;
   }
 
-  /// Row i of [R | d - R offset | ...], 0 <= i <= n: what the epoch says about theta [-] (theta_0 [+] offset).
-  void row_at(const S* offset, int i, S* row) const {
-    const int n = columns();
-    for (int c = 0; c <= n; ++c) row[c] = c < i ? S(0) : information.R(i, c);
-    for (int c = i; c < n; ++c) row[n] -= information.R(i, c) * offset[c];
-  }
-
-  /// The same rows as a segment's information at `at`.
-  void move_to(const Calibration<S>& at, SegmentInformation<S>* out) const {
+  /// Its rows as a segment's information at `at`.
+  [[gnu::cold]] void move_to(const Calibration<S>& at, SegmentInformation<S>* out) const {
     const int n = columns();
     S offset[kMaxTheta], row[kMaxTheta + 1];
     difference(theta, at, offset);
@@ -109,7 +100,7 @@ struct Epoch {
     PackedTriangle<S> T = out->triangle();
     T.clear();
     for (int i = 0; i <= n; ++i) {
-      row_at(offset, i, row);
+      moved_row(information, offset, i, row);
       for (int c = i; c <= n; ++c) T.row(i)[c] = row[c];
     }
   }
@@ -117,16 +108,13 @@ struct Epoch {
   static constexpr int kScratch = packed_size(kMaxTheta + 1);
   /// How far beyond the bound (kMostBent) theta is, 1 at the bound. `scratch`: kScratch numbers. Where segments scatter
   /// by s times their sigmas, so do those of the epoch.
-  S bent_at(const Calibration<S>& at, const ThetaPrior<S>& prior, S* scratch) const {
+  [[gnu::cold]] S bent_at(const Calibration<S>& at, const ThetaPrior<S>& prior, S* scratch) const {
     const int n = columns();
     S offset[kMaxTheta], row[kMaxTheta + 1];
     difference(theta, at, offset);
     PackedTriangle<S> T(scratch, n + 1);
     write_prior(prior, theta, &T);
-    for (int i = 0; i < n; ++i) {
-      for (int c = 0; c <= n; ++c) row[c] = c < i ? S(0) : information.R(i, c);
-      fold_rows(T, row, 1, n + 1, i, n + 1);
-    }
+    fold_moved(information, theta, theta, &T);
     const S variance = pulls.expected > S(0) ? pulls.found / pulls.expected : S(1);
     const S most = S(kMostBent) * (variance > S(1) ? square_root(variance) : S(1));
     S bent = S(0);
@@ -152,7 +140,7 @@ struct Epoch {
     S offset[kMaxTheta], row[kMaxTheta + 1], sum = S(0);
     difference(theta, at, offset);
     for (int i = 0; i < n; ++i) {
-      row_at(offset, i, row);
+      moved_row(information, offset, i, row);
       sum += row[n] * row[n];
     }
     return sum;
@@ -191,7 +179,7 @@ class Epochs {
     return n;
   }
 
-  Epoch<S>& begin(const Calibration<S>& theta, std::uint32_t session) {
+  [[gnu::cold]] Epoch<S>& begin(const Calibration<S>& theta, std::uint32_t session) {
     if (count_ > 0 && newest().segments == 0) --count_;
     if (count_ == kEpochs) {
       epoch_[1].merge(epoch_[0]);
@@ -201,7 +189,7 @@ class Epochs {
     return epoch_[count_++];
   }
   /// An empty one at its place in time, before those whose newest segment came after `serial`.
-  Epoch<S>& insert(const Calibration<S>& theta, std::uint32_t session, std::uint32_t serial) {
+  [[gnu::cold]] Epoch<S>& insert(const Calibration<S>& theta, std::uint32_t session, std::uint32_t serial) {
     begin(theta, session);
     int i = count_ - 1;
     for (; i > 0 && epoch_[i - 1].last_serial > serial; --i) epoch_[i] = epoch_[i - 1];
@@ -209,7 +197,7 @@ class Epochs {
     return epoch_[i];
   }
   void weaken(int i, S factor) { epoch_[i].weaken(factor); }
-  void drop(int i) {
+  [[gnu::cold]] void drop(int i) {
     for (--count_; i < count_; ++i) epoch_[i] = epoch_[i + 1];
   }
 
@@ -230,15 +218,12 @@ class Epochs {
     return sum;
   }
   /// Folds row i of each epoch, 0 <= i <= n, into a triangle over [theta | rhs].
-  void fold_into(const Calibration<S>& theta, PackedTriangle<S>* T) const {
+  [[gnu::cold]] void fold_into(const Calibration<S>& theta, PackedTriangle<S>* T) const {
     const int n = theta.columns();
-    S offset[kMaxTheta], row[kMaxTheta + 1];
+    S offset[kMaxTheta];
     for (int e = 0; e < count_; ++e) {
       difference(epoch_[e].theta, theta, offset);
-      for (int i = 0; i <= n; ++i) {
-        epoch_[e].row_at(offset, i, row);
-        fold_rows(*T, row, 1, n + 1, i, n + 1);
-      }
+      fold_moved_rows(epoch_[e].information, offset, n + 1, T);
     }
   }
 

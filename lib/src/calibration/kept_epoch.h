@@ -14,7 +14,7 @@ class KeptEpoch {
   /// `segments`: in order of time, with information at epoch->theta.
   /// `scratch`: kScratch numbers. In slices; true when all are in the epoch.
   template <class Pointer>
-  bool step(const Pointer* segments, int count, const ThetaPrior<S>& prior, Epoch<S>* epoch, S* scratch) {
+  [[gnu::cold]] bool step(const Pointer* segments, int count, const ThetaPrior<S>& prior, Epoch<S>* epoch, S* scratch) {
     const int n = epoch->columns();
     PackedTriangle<S> known(scratch, n + 1);
     SEGCAL_SLICES(place_) {

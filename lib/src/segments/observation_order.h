@@ -7,7 +7,7 @@ namespace SEGCAL_NS {
 
 /// Heap sort: in place, no recursion, the same order everywhere.
 template <class S>
-void sort_observations(Segment<S>* s) {
+[[gnu::cold]] void sort_observations(Segment<S>* s) {
   Observation* o = s->observation;
   const auto key = [](const Observation& z) {
     return (std::uint32_t(z.landmark) << 16) | (std::uint32_t(z.keyframe) << 8) | z.camera;

@@ -228,5 +228,7 @@ class ProfileCore final : public Core {
 
 std::unique_ptr<Core> make_core(const CoreOptions& options) { return std::make_unique<ProfileCore>(options); }
 
+int most_segments() { return SEGCAL_MAX_SEGMENTS; }
+
 }  // namespace SEGCAL_NS
 }  // namespace host
