@@ -34,7 +34,7 @@ void parameter_names(const Calibration<Real>& theta, segcal_parameter_t* out) {
   for (int i = 0; i < theta.effects.count(); ++i) describe(theta.effects.term[i], out++);
 }
 
-[[gnu::cold]] void parameter_values(const Calibration<Real>& mean, const Calibration<Real>& theta, double* out) {
+void parameter_values(const Calibration<Real>& mean, const Calibration<Real>& theta, double* out) {
   const auto put = [&out](const auto& v, int n) {
     for (int i = 0; i < n; ++i) *out++ = static_cast<double>(v(i));
   };
