@@ -4,10 +4,13 @@ import dataclasses
 
 import numpy as np
 
+import change_words
 import evidence
+import forms
 import fusion
 import logs
 import population
+import problem
 import tables
 
 WORST = 10  # logs that a report shows
@@ -63,7 +66,14 @@ class Fused:
     runs: list                     # those with evidence, as the fit took them
     fit: fusion.Device
     units: list
+    axes: forms.Axes
     distance: dict = dataclasses.field(default_factory=dict)   # by parameter, sigmas from its model
+
+
+def axes_of(runs):
+    results = [r.record["result"] for r in runs]
+    starts = [min((s["start_ns"] for s in result.get("segments", [])), default=None) for result in results]
+    return forms.axes_of(starts, [r.place for r in runs], [result.get("temperature_degC") for result in results])
 
 
 def fuse_devices(runs):
@@ -72,38 +82,37 @@ def fuse_devices(runs):
     for device, own in sorted(grouped([r for r in runs if r.evidence], "device").items()):
         names = own[0].evidence.names
         own = [r for r in own if r.evidence.names == names]
-        groups.append((device, own, fusion.common([r.evidence for r in own])))
-    dispersion = fusion.dispersion_of([e for _, _, e in groups])
-    tests = max(1, sum(fusion.tests_of(e) for _, _, e in groups))
-    out = []
-    for device, own, rows in groups:
-        units = [p["unit"] for p in own[0].record["result"]["parameters"]]
-        out.append(Fused(device, own[0].model, own, fusion.fuse(rows, dispersion, tests), units))
-    return out, dispersion
+        groups.append((device, own, fusion.common([r.evidence for r in own]), axes_of(own)))
+    fits, dispersion = fusion.fuse_fleet([rows for _, _, rows, _ in groups], [axes for _, _, _, axes in groups])
+    return [Fused(device, own[0].model, own, fit, [p["unit"] for p in own[0].record["result"]["parameters"]], axes)
+            for (device, own, _, axes), fit in zip(groups, fits)], dispersion
+
+
+def since(d, block):
+    """Index of the first log of which the fused value is true: after the last step, and of a trend the last log alone."""
+    own = [c.form for c in d.fit.changes if c.block == block]
+    return len(d.runs) - 1 if any(f.kind == forms.TREND for f in own) else max((f.first for f in own), default=0)
 
 
 def device_rows(fused):
     rows = []
     for d in fused:
         sigma, prior = np.sqrt(np.diag(d.fit.covariance)), np.sqrt(np.diag(d.fit.prior))
+        warm = {c.block for c in d.fit.changes if c.form.kind == forms.TEMPERATURE}
         for i, name in enumerate(d.fit.names):
-            since = [s.first for s in d.fit.steps if s.block == fusion.block_of(name)]
+            block = problem.block_of(name)
             rows.append({"device": d.device, "model": d.model, "name": name, "unit": d.units[i], "value": d.fit.value[i], "sigma": sigma[i],
                          "initial": d.fit.initial[i], "prior_sigma": prior[i], "logs": len(d.runs),
-                         "from_place": d.runs[max(since, default=0)].place, "distance_sigma": d.distance.get(name)})
+                         "from_place": d.runs[since(d, block)].place, "at_degC": d.axes.reference_degC() if block in warm else None,
+                         "distance_sigma": d.distance.get(name)})
     return rows
 
 
-def change_rows(fused):
-    rows = []
-    for d in fused:
-        for step in d.fit.steps:
-            first, sigma = d.runs[step.first], np.sqrt(np.diag(step.covariance))
-            for k, i in enumerate(fusion.indices(d.fit.names, step.block)):
-                rows.append({"device": d.device, "model": d.model, "block": step.block, "from_place": first.place, "from_log": first.log,
-                             "statistic": step.statistic, "log10_p": step.log10_p, "name": d.fit.names[i], "unit": d.units[i],
-                             "step": step.value[k], "sigma": sigma[k]})
-    return rows
+def add_fused(rows, fused):
+    """To each log's parameters: the device's value at that log, by all logs."""
+    at = {(d.device, run.place, name): value for d in fused for k, run in enumerate(d.runs) for name, value in zip(d.fit.names, d.fit.at(k))}
+    for row in (*rows["parameters"], *rows["effects"]):
+        row["fused"] = at.get((row["device"], row["place"], row["name"]))
 
 
 def outlier_limit(fused):
@@ -138,8 +147,8 @@ def outliers(fused):
     """Devices away from their model, but for those that a change explains: they are named for that."""
     limit = outlier_limit(fused)
     for d in fused:
-        changed = {step.block for step in d.fit.steps}
-        judged = ((n, abs(v)) for n, v in d.distance.items() if v is not None and fusion.block_of(n) not in changed)
+        changed = {c.block for c in d.fit.changes}
+        judged = ((n, abs(v)) for n, v in d.distance.items() if v is not None and problem.block_of(n) not in changed)
         name, distance = max(judged, key=lambda x: x[1], default=("", 0))
         if distance > limit:
             yield found("outlier", distance, d.device, d.runs[-1].log, f"{name} is {d.distance[name]:+.1f} sigmas from the other devices of its model")
@@ -180,9 +189,8 @@ def attention(fused, runs):
     """What to look at, the gravest first: changes, outliers and misfits of devices, then logs that gave nothing."""
     all_found = [*outliers(fused), *one_a_device([*badly_fitting(runs), *silent(runs)])]
     for d in fused:
-        for step in d.fit.steps:
-            log = d.runs[step.first].log
-            all_found.append(found("change", np.sqrt(step.statistic), d.device, log, f"{step.block} changed before {tables.last_part(log)}"))
+        for c in d.fit.changes:
+            all_found.append(found("change", np.sqrt(c.statistic), d.device, change_words.log_of(d, c), change_words.sentence(d, c)))
     misfits = {f["device"] for f in all_found if f["kind"] == "misfit"}
     for run in runs:
         share = 0.5 if run.device in misfits else 1  # what its logs say, the device's own row says for all of them
@@ -202,6 +210,7 @@ def rows_of_fleet(runs):
     rows = tables.rows_of_runs(runs)
     rows["models"] = model_rows(fused)
     rows["devices"] = device_rows(fused)
-    rows["changes"] = change_rows(fused)
+    rows["changes"] = [row for d in fused for row in change_words.rows_of(d)]
+    add_fused(rows, fused)
     rows["attention"] = attention(fused, runs)
     return rows, dispersion

@@ -28,11 +28,10 @@ function panel(into, title, device, block) {
   const box = document.createElement("div"), head = document.createElement("h3"), div = document.createElement("div"), traces = [];
   head.textContent = title; div.className = "plotly-graph-div"; box.append(head, div); into.append(box);
   block.names.forEach((name, i) => {
-    const color = colors[i %% colors.length], now = block.now[i];
+    const color = colors[i %% colors.length];
     traces.push({x: device.places, y: block.values[i], text: device.logs, name, mode: "lines+markers", line: {color, width: 1.3}, marker: {size: 5},
                  error_y: {type: "data", array: block.sigmas[i], width: 3, thickness: 1}, hovertemplate: "%%{text}<br>%%{y:.4g}<extra>" + name + "</extra>"});
-    if (now) traces.push({x: [now[0] - 0.4, device.places.at(-1) + 0.4], y: [now[1], now[1]], mode: "lines", showlegend: false, hoverinfo: "skip",
-                          line: {color, width: 2, dash: "dash"}});
+    traces.push({x: device.places, y: block.fused[i], mode: "lines", showlegend: false, hoverinfo: "skip", line: {color, width: 2, dash: "dash"}});
   });
   const own = structuredClone(layout);
   own.shapes = block.changed.map(x => ({type: "line", x0: x - 0.5, x1: x - 0.5, yref: "paper", y0: 0, y1: 1, line: {color: "#c92a2a", width: 1.5, dash: "dot"}}));
@@ -92,33 +91,42 @@ def to_look_at(attention, names):
                    note(f"The gravest first; {more} more in attention.parquet." if more else "The gravest first. All of attention.parquet."))
 
 
-def step_of(row):
-    name = row["name"].rpartition(".")[2]
-    return f"{name} {words.with_digits_of(row['step'], row['sigma'])} ± {words.with_digits_of(row['sigma'], row['sigma'])}"
+def size_of(row):
+    return row["rate"] if row["step"] is None else row["step"]
+
+
+def size_words(row):
+    return f"{row['name'].rpartition('.')[2]} {words.with_digits_of(size_of(row), row['sigma'])} ± {words.with_digits_of(row['sigma'], row['sigma'])}"
+
+
+def form_words(row, names):
+    first = names.get(row["from_log"], row["from_log"])
+    said = {"step": f"step before {first}", "trend": f"trend since {first}"}.get(row["form"], row["form"])
+    return f"{said}, or {row['or_form'].replace(', ', ' or ')}: not told apart" if row["or_form"] else said
 
 
 def changes(rows, names, drawn):
     """All changes, and the trends of the surest."""
     if not rows["changes"]:
         return section("Changes", note("No device changed beyond what its logs scatter by."))
-    steps = {}
+    found = {}
     for row in rows["changes"]:
-        steps.setdefault((row["device"], row["block"], row["from_place"]), []).append(row)
-    ordered = sorted(steps.items(), key=lambda item: item[1][0]["log10_p"])
-    cells = [(device, Sentence(block), names.get(own[0]["from_log"], own[0]["from_log"]),
-              Sentence(f"{', '.join(map(step_of, own))} {own[0]['unit'].strip('-')}"), f"1e{own[0]['log10_p']:.0f}")
-             for (device, block, _), own in ordered]
+        found.setdefault((row["device"], row["block"], row["form"], row["from_place"]), []).append(row)
+    ordered = sorted(found.values(), key=lambda own: own[0]["log10_p"])
+    cells = [(own[0]["device"], Sentence(own[0]["block"]), Sentence(form_words(own[0], names)),
+              Sentence(f"{', '.join(map(size_words, own))} {(own[0]['rate_unit'] or own[0]['unit']).strip('-')}"), f"1e{own[0]['log10_p']:.0f}")
+             for own in ordered]
     panels = [Html(f'<div data-change="{escape(device)}" data-block="{escape(block)}"></div>')
-              for device, block in dict.fromkeys((d, panel_of(own)) for (d, _, _), own in ordered) if device in drawn][:MOST_PANELS]
-    return section("Changes", table(("device", "what", "before", "step ± sigma", "chance"), cells),
+              for device, block in dict.fromkeys((own[0]["device"], panel_of(own)) for own in ordered) if device in drawn][:MOST_PANELS]
+    return section("Changes", table(("device", "what", "form", "step or rate ± sigma", "chance"), cells),
                    joined(Html('<div class="panels">'), *panels, Html("</div>")),
-                   note("A fall, a repair, an exchanged part: from this log on the device has another value. Chance: that a fleet without any change shows "
-                        "one like it."))
+                   note("Step: a fall, a repair, an exchanged part; from this log on the device has another value. Trend: it ages, linear in time. Temperature: "
+                        "linear in the log's mean temperature. Chance: that a fleet without any change shows one like it."))
 
 
-def panel_of(step):
+def panel_of(change):
     """The panel in which a change of several parameters is seen best."""
-    return history.block_of(max(step, key=lambda row: abs(row["step"] / row["sigma"]))["name"])
+    return history.block_of(max(change, key=lambda row: abs(size_of(row) / row["sigma"]))["name"])
 
 
 def statuses(runs):
@@ -175,20 +183,19 @@ def models(rows, named):
 
 
 def trends(rows, devices):
-    """{device: what its panels show}: each log's fit less the start, with its sigma, and the fused value since the last change."""
+    """{device: what its panels show}: each log's fit less the start, with its sigma, and the fused value at each."""
     usable = {r["key"] for r in rows["runs"] if r["status"] in ("calibrated", "insufficient")}
     of_log = {(r["device"], r["place"], r["name"]): r for r in [*rows["parameters"], *rows["effects"]] if r["key"] in usable and words.is_number(r["mean"])}
-    fused, runs, steps, out = {}, {}, {}, {}
+    steps = {(r["device"], r["name"], r["from_place"]) for r in rows["changes"] if r["form"] == "step"}
+    fused, runs, out = {}, {}, {}
     for row in rows["devices"]:
         fused.setdefault(row["device"], {})[row["name"]] = row
     for row in rows["runs"]:
         runs.setdefault(row["device"], []).append(row)
-    for row in rows["changes"]:
-        steps.setdefault(row["device"], {})[row["name"], row["from_place"]] = row
     for device in devices:
         names = list(fused[device])
         own = [r for r in runs[device] if (device, r["place"], names[0]) in of_log]
-        places, changed = [r["place"] for r in own], steps.get(device, {})
+        places = [r["place"] for r in own]
         blocks = []
         for title, members in history.blocks(names).items():
             at = [fused[device][n] for n in members]
@@ -197,8 +204,8 @@ def trends(rows, devices):
                 "title": title, "unit": at[0]["unit"], "names": [n.rpartition(".")[2] for n in members],
                 "values": [[short(r["mean"] - f["initial"]) if r else None for r in line] for line, f in zip(each, at)],
                 "sigmas": [[short(r["sigma"]) if r else None for r in line] for line in each],
-                "now": [[f["from_place"], short(f["value"] - f["initial"])] for f in at],
-                "changed": sorted({place for name, place in changed if name in members})})
+                "fused": [[short(r["fused"] - f["initial"]) if r and r["fused"] is not None else None for r in line] for line, f in zip(each, at)],
+                "changed": sorted({place for at_device, name, place in steps if at_device == device and name in members})})
         out[device] = {"places": places, "logs": [os.path.basename(r["log"]) for r in own], "blocks": blocks}
     return out
 
@@ -210,7 +217,7 @@ def trend_section(drawn, total):
     more = f" {total - len(drawn)} more devices in parameters.parquet." if total > len(drawn) else ""
     return section("Trend per device", Html(f'<p><label>Device: <select id="device">{options}</select></label></p><div class="panels" id="trend"></div>'),
                    note("Each log's own fit less the start, with one sigma; where a log tells nothing, it is the start with the prior's sigma. Dashed: all logs "
-                        f"together, since the last change. Dotted: a change.{more}"))
+                        f"together, with what changed. Dotted: a step.{more}"))
 
 
 def script(drawn):

@@ -10,6 +10,8 @@ sys.path.insert(0, str(pathlib.Path(sys.argv[1]) / "host_tools" / "fleet"))
 import evidence  # noqa: E402
 import fusion  # noqa: E402
 import population  # noqa: E402
+import problem  # noqa: E402
+import search  # noqa: E402
 from made_up import INITIAL, NAMES, SIGMA, drawn, result_of  # noqa: E402
 
 SEED = int(sys.argv[2]) if len(sys.argv) > 2 else 1
@@ -30,11 +32,11 @@ def test_fused_sigmas_are_honest(random):
     for _ in range(40):
         truth = drawn(random)
         logs = device(truth, random, 6)
-        one, all_six = fusion.fuse(logs[:1]), fusion.fuse(logs, tests=40 * fusion.tests_of(logs))
+        one, all_six = fusion.fuse(logs[:1]), fusion.fuse(logs, tests=40 * search.tests_of(logs))
         sigma = np.sqrt(np.diag(all_six.covariance))
         squares.append(np.mean(((all_six.value - truth) / sigma) ** 2))
         narrower.append(np.median(sigma / np.sqrt(np.diag(one.covariance))))
-        named += len(all_six.steps)
+        named += len(all_six.changes)
     between("mean of (error / sigma)^2", 0.85, np.mean(squares), 1.15)
     between("sigma of six logs over sigma of one", 0, np.median(narrower), 0.25)  # each tells other directions
     assert named == 0, f"{named} changes named in devices that did not; seed {SEED}"
@@ -54,11 +56,11 @@ def test_step_is_found_in_its_place(random):
     for block, size in (("cam0.r_CI", 0.04), ("gyro.scale", 0.03), ("cam0.focal length and centre", 15.0)):
         old = drawn(random)
         new = old.copy()
-        chosen = fusion.indices(NAMES, block)
+        chosen = problem.indices(NAMES, block)
         new[chosen[0]] += size
         fused = fusion.fuse(device(old, random, 5) + device(new, random, 4))
-        assert [(s.first, s.block) for s in fused.steps] == [(5, block)], f"{block}: {fused.steps}; seed {SEED}"
-        step = fused.steps[0]
+        assert [(c.form.kind, c.form.first, c.block) for c in fused.changes] == [("step", 5, block)], f"{block}: {fused.changes}; seed {SEED}"
+        step = fused.changes[0]
         far = (step.value - (new - old)[chosen]) / np.sqrt(np.diag(step.covariance))
         between(f"{block}: step, error / sigma", 0, np.abs(far).max(), 4)
         now = (fused.value - new) / np.sqrt(np.diag(fused.covariance))
@@ -71,11 +73,11 @@ def test_dispersion(random):
     for logs in devices:
         for log in logs:
             log.z = log.z + np.sqrt(8) * random.normal(size=len(log.z))
-    ratio = fusion.dispersion_of(devices)
+    ratio = fusion.dispersion_of([problem.solve(logs, []) for logs in devices])
     between("dispersion", 7.2, ratio, 10.8)  # a median of 20 ratios with 65 degrees of freedom each: four sigmas
-    tests = sum(map(fusion.tests_of, devices))
-    assert not any(fusion.fuse(logs, ratio, tests).steps for logs in devices)
-    assert any(fusion.fuse(logs, 1.0, tests).steps for logs in devices), "without it, changes are invented: else this shows nothing"
+    tests = sum(map(search.tests_of, devices))
+    assert not any(fusion.fuse(logs, ratio, tests).changes for logs in devices)
+    assert any(fusion.fuse(logs, 1.0, tests).changes for logs in devices), "without it, changes are invented: else this shows nothing"
 
 
 def test_population(random):
