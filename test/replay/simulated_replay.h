@@ -34,7 +34,7 @@ inline host::SimulationResult simulated_pair(const std::string& scenario, double
 
 /// As `segcal replay` does it, from the device's data sheet.
 inline host::ReplayResult replayed(const host::SimulationResult& session, const std::string& profile = "mobile",
-                                   int segments = 8) {
+                                   int segments = 0) {
   host::ReplayOptions options;
   options.core.calibration = session.nominal;
   options.core.noise = session.recording.imu.noise;
