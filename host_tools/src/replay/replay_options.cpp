@@ -36,7 +36,7 @@ void add_database_options(CLI::App* sub, ReplayArguments* a) {
                   "how segments are rated: A, D, E or random; set_d: the most informative set as a whole")
       ->capture_default_str();
   sub->add_option("--segments", core.segments, "segments to keep in the database")
-      ->default_str("8, of profile mcu 7")
+      ->default_str("8, or as many as the profile holds")
       ->check(CLI::PositiveNumber);
   sub->add_option("--segment-seconds", core.segment_s, "length of a segment, s")
       ->capture_default_str()
