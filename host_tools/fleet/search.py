@@ -1,6 +1,6 @@
 """Whether a device was one and the same all the time, and if not, what of it changed in which form.
 
-Of all changes, each block in each form, the one that lowers the cost most is taken if that is beyond chance, then the next: forward
+Of all changes, each block in each form, the one that is least likely by chance is taken if that is beyond the level, then the next: forward
 selection, as the core's own test for outdated segments divides by the noise that the logs show among themselves. A trend looks like
 several steps as long as it is not taken; so after each one that is added the earlier ones are chosen anew (looked_back)."""
 

@@ -20,7 +20,7 @@ FAULTS = {
     "filter_restarts": "Times that the odometry lost its way and began anew",
     "segments_discarded": "Segments with too few keyframes or landmarks",
     "segments_unsettled": "Segments that contradict their own IMU data or did not fit",
-    "segments_outdated": "Segments dropped: newer ones contradict them, so that the device has changed, or they were condensed at a calibration that was left since",
+    "segments_outdated": "Segments dropped: newer ones contradict them, so that the device has changed, or they were condensed before a calibration that failed",
     "segments_missed": "Segments that ended while a calibration was under way and were left out",
     "points_left_out": "Corner points left out since they lie far from where the model has them",
 }

@@ -5,7 +5,7 @@
 
 #include "../support/cases.h"
 #include "../support/synthetic_segments.h"
-#include "calibration/epoch.h"
+#include "calibration/epochs.h"
 
 namespace test {
 

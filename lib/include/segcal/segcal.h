@@ -320,7 +320,7 @@ typedef struct {
   uint32_t filter_restarts, standstill_frames, features_used, features_gated;
   uint32_t segments_closed, segments_discarded, segments_unsettled, segments_ended_early;
   uint32_t landmarks_left_out, points_left_out;
-  uint32_t segments_outdated; /* dropped by a calibration: contradicted by newer ones */
+  uint32_t segments_outdated; /* dropped: contradicted by newer ones, or condensed before a calibration that failed */
   uint32_t segments_missed;   /* ended while a calibration was under way */
   uint32_t slices_late; /* times that a score, a calibration or the filter's start was due and segcal_background had not
                            done its slices: see there */
@@ -427,7 +427,8 @@ typedef struct {
 
 /* An epoch: what segments that were condensed said about the calibration (segcal_config_t.condense). Values and sigmas
    are those that these segments and the prior give, without the kept segments and the other epochs; sigmas are scaled
-   like the last release's. Order and units of segcal_result_t.parameter. */
+   like the last release's, and wider where theta has left the calibration that they were condensed at. Order and units
+   of segcal_result_t.parameter. */
 typedef struct {
   int32_t segments;
   uint32_t first_session, last_session; /* from 0: sessions since segcal_create */

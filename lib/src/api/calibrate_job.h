@@ -66,7 +66,7 @@ class CalibrateJob {
   [[gnu::cold]] bool drop_misfits_step(DeviceParts<S>* d);
   [[gnu::cold]] bool measure_residuals_step(DeviceParts<S>* d);
   void add_residuals(DeviceParts<S>* d, const Segment<S>& s);
-  bool weaken_far_epochs(DeviceParts<S>* d);
+  bool widen_far_epochs(DeviceParts<S>* d);
   static void outdate_epoch(int i, DeviceParts<S>* d) {
     d->faults.segments_outdated += static_cast<std::uint32_t>(d->epochs.epoch(i).segments);
     d->epochs.drop(i);
@@ -101,7 +101,7 @@ template <class S>
       // Without the outdated ones theta is another, and there may be more that do not agree with that.
       SEGCAL_AWAIT(place_, drop_outdated_step(d));
       // Only then: where theta is another, it is the newest that is far from where it was linearised, and right.
-      if (!dropped_ && !weaken_far_epochs(d)) break;
+      if (!dropped_ && !widen_far_epochs(d)) break;
       n_ = d->database().in_order(segment_);
     }
     SEGCAL_PAUSE(place_);

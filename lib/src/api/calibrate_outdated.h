@@ -81,20 +81,18 @@ void CalibrateJob<S>::judge_change(DeviceParts<S>* d) {
   if constexpr (kEpochs > 0) changed_ = changed_ || (d->changes.open() && agreement_.changed(S(kFalseChange)));
 }
 
-/// Epochs that theta has left tell less (Epoch::bent_at). True if there are any, and theta is to be found again.
+/// Epochs that theta has left tell less (Epoch::widen_for). True if there are any, and theta is to be found again.
 template <class S>
-bool CalibrateJob<S>::weaken_far_epochs(DeviceParts<S>* d) {
-  bool weakened = false;
+bool CalibrateJob<S>::widen_far_epochs(DeviceParts<S>* d) {
+  bool widened = false;
   if constexpr (kEpochs > 0) {
-    for (int i = 0; i < d->epochs.count() && d->calibrator().fit().converged; ++i) {
-      const S bent =
-          d->epochs.epoch(i).bent_at(d->calibrator().theta(), d->prior(), work_.template numbers<Epoch<S>::kScratch>());
-      if (!(bent > S(1))) continue;
-      d->epochs.weaken(i, bent);
-      weakened = true;
+    if (!d->calibrator().fit().converged) return false;
+    S* scratch = work_.template numbers<Epoch<S>::kScratch>();
+    for (int i = 0; i < d->epochs.count(); ++i) {
+      if (d->epochs.widen(i, d->calibrator().theta(), d->prior(), scratch)) widened = true;
     }
   }
-  return weakened;
+  return widened;
 }
 
 }  // namespace SEGCAL_NS

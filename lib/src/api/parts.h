@@ -6,6 +6,7 @@
 #include "api/workspace.h"
 #include "calibration/changes.h"
 #include "calibration/condenser.h"
+#include "calibration/epochs.h"
 #include "database/database.h"
 #include "diagnosis/effect_monitor.h"
 #include "segments/builder.h"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "api/release.h"
-#include "calibration/epoch.h"
+#include "calibration/epochs.h"
 #include "database/database.h"
 #include "math/hash.h"
 

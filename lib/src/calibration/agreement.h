@@ -15,7 +15,7 @@
 // convicts nobody, then, and nor do several that could not stand in for what they convict.
 #pragma once
 
-#include "calibration/epoch.h"
+#include "calibration/epochs.h"
 #include "calibration/spread.h"
 #include "information/marginal.h"
 #include "information/metrics.h"

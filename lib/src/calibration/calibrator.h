@@ -8,6 +8,7 @@
 #include "calibration/calibration_fit.h"
 #include "calibration/chain.h"
 #include "calibration/condenser.h"
+#include "calibration/epochs.h"
 #include "calibration/fit_memory.h"
 #include "calibration/global_system.h"
 #include "calibration/partitions.h"

@@ -8,7 +8,7 @@
 
 namespace SEGCAL_NS {
 
-/// As many as epochs: four in profiles mobile and host.
+/// As many as epochs; a build without any keeps none.
 constexpr int kChanges = SEGCAL_MAX_EPOCHS > 0 ? SEGCAL_MAX_EPOCHS : 1;
 /// Probability that a calibration after a false alarm (kFalseAlarm), which also dropped something, finds a change.
 constexpr double kFalseChange = 1e-4;

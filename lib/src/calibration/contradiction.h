@@ -12,7 +12,7 @@
 // variance that sigmas are scaled for.
 #pragma once
 
-#include "calibration/epoch.h"
+#include "calibration/epochs.h"
 #include "calibration/scatter.h"
 #include "database/database.h"
 #include "math/quantiles.h"

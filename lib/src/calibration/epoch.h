@@ -3,7 +3,7 @@
 // A segment whose states and landmarks are eliminated says |R delta - d|^2 + rho^2 about delta = theta [-] theta_0,
 // near the theta_0 where it was linearised. Such rows of many segments fold into one triangle of n (n + 3) / 2 numbers,
 // whatever their number: that is an epoch. It cannot be linearised again. A calibration takes epochs beside the
-// segments that can, as it takes its prior, as long as theta stays near theta_0.
+// segments that can, as it takes its prior; where theta has left theta_0, with its sigmas widened.
 //
 // By how much its segments disagree about theta is measured as each comes, as scatter.h does of the segments that are
 // kept: from its pull on what was known with it. The sum tells by how much sigmas are to be scaled, and what a
@@ -17,13 +17,17 @@
 
 namespace SEGCAL_NS {
 
-constexpr int kEpochs = SEGCAL_MAX_EPOCHS;
 /// How far theta may be from theta_0 in each entry: delta^2 over (prior's sigma x the epoch's own sigma). The quadratic
 /// lacks terms in delta^2, and calibrations are curved over the range that priors allow: in the epoch's own sigmas its
 /// optimum is off by some delta^2 / (sigma_prior sigma). Of 224 synthetic cases nine in ten within the bound have their
 /// worst entry within half a sigma of the fit's optimum; beyond it, with sigmas widened in proportion, within 0.8 of
 /// those, up to a hundred times the bound (docs/results.md, "Epochs").
 constexpr double kMostBent = 1.5;
+/// Exceeding the bound by less is not worth another fit.
+constexpr double kWorthWidening = 1.1;
+/// Of the prior's sigma: an entry that the epoch tells no better is not asked. There is nothing left to be widened, and
+/// where the prior holds theta, what there is of a distance is rounding.
+constexpr double kHardlyTold = 0.8;
 
 /// What is left of a segment's pull on theta, and what noise as stated leaves of it (scatter.h).
 template <class S>
@@ -119,19 +123,24 @@ struct Epoch {
     const S most = S(kMostBent) * (variance > S(1) ? square_root(variance) : S(1));
     S bent = S(0);
     for (int i = 0; i < n; ++i) {
-      const S one = S(1);
-      const S of_entry = offset[i] * offset[i] / (most * prior.sigma[i] * marginal_sigma(T, n, i, &one, 1, row));
+      const S one = S(1), sigma = marginal_sigma(T, n, i, &one, 1, row);
+      if (sigma > S(kHardlyTold) * prior.sigma[i]) continue;
+      const S of_entry = offset[i] * offset[i] / (most * prior.sigma[i] * sigma);
       if (of_entry > bent) bent = of_entry;
     }
     return bent;
   }
-  /// Sigmas of what it says become wider by `factor`.
-  void weaken(S factor) {
+  /// Where theta is beyond the bound, its sigmas become wider by what it is exceeded by, so that it tells as much as it
+  /// is right. True if that changed anything. `scratch`: kScratch numbers.
+  [[gnu::cold]] bool widen_for(const Calibration<S>& at, const ThetaPrior<S>& prior, S* scratch) {
+    const S bent = segments > 0 ? bent_at(at, prior, scratch) : S(0);
+    if (!(bent > S(kWorthWidening))) return false;
     const int n = columns();
     PackedTriangle<S> T = information.triangle();
     for (int i = 0; i < n; ++i) {
-      for (int c = i; c <= n; ++c) T.row(i)[c] /= factor;
+      for (int c = i; c <= n; ++c) T.row(i)[c] /= bent;
     }
+    return true;
   }
 
   /// Its cost at theta, without rho^2, which nothing can lower.
@@ -156,88 +165,6 @@ struct Epoch {
       fold_rows(T, row, 1, n + 1, i, n + 1);
     }
   }
-};
-
-template <class S>
-struct StoredFields;  // store/stored_fields.h
-
-/// The epochs of a device, oldest first. When there is no place for another, the two oldest become one.
-template <class S>
-class Epochs {
-  friend struct StoredFields<S>;
-
- public:
-  void clear() { count_ = 0; }
-  int count() const { return count_; }
-  const Epoch<S>& epoch(int i) const { return epoch_[i]; }
-  /// Null if there is none.
-  const Epoch<S>* find(int i) const { return i >= 0 && i < count_ ? &epoch_[i] : nullptr; }
-  Epoch<S>& newest() { return epoch_[count_ - 1]; }
-  int segments() const {
-    int n = 0;
-    for (int i = 0; i < count_; ++i) n += epoch_[i].segments;
-    return n;
-  }
-
-  [[gnu::cold]] Epoch<S>& begin(const Calibration<S>& theta, std::uint32_t session) {
-    if (count_ > 0 && newest().segments == 0) --count_;
-    if (count_ == kEpochs) {
-      epoch_[1].merge(epoch_[0]);
-      drop(0);
-    }
-    epoch_[count_].begin(theta, session);
-    return epoch_[count_++];
-  }
-  /// An empty one at its place in time, before those whose newest segment came after `serial`.
-  [[gnu::cold]] Epoch<S>& insert(const Calibration<S>& theta, std::uint32_t session, std::uint32_t serial) {
-    begin(theta, session);
-    int i = count_ - 1;
-    for (; i > 0 && epoch_[i - 1].last_serial > serial; --i) epoch_[i] = epoch_[i - 1];
-    epoch_[i].begin(theta, session);
-    return epoch_[i];
-  }
-  void weaken(int i, S factor) { epoch_[i].weaken(factor); }
-  [[gnu::cold]] void drop(int i) {
-    for (--count_; i < count_; ++i) epoch_[i] = epoch_[i + 1];
-  }
-
-  std::int32_t image_points() const {
-    std::int32_t n = 0;
-    for (int i = 0; i < count_; ++i) n += epoch_[i].image_points;
-    return n;
-  }
-
-  S cost(const Calibration<S>& theta) const {
-    S sum = S(0);
-    for (int i = 0; i < count_; ++i) sum += epoch_[i].cost(theta);
-    return sum;
-  }
-  S dof() const {
-    S sum = S(0);
-    for (int i = 0; i < count_; ++i) sum += epoch_[i].dof;
-    return sum;
-  }
-  /// Folds row i of each epoch, 0 <= i <= n, into a triangle over [theta | rhs].
-  [[gnu::cold]] void fold_into(const Calibration<S>& theta, PackedTriangle<S>* T) const {
-    const int n = theta.columns();
-    S offset[kMaxTheta];
-    for (int e = 0; e < count_; ++e) {
-      difference(epoch_[e].theta, theta, offset);
-      fold_moved_rows(epoch_[e].information, offset, n + 1, T);
-    }
-  }
-
- private:
-  std::int32_t count_ = 0;
-  Epoch<S> epoch_[kEpochs > 0 ? kEpochs : 1];
-};
-
-/// Of a build without epochs.
-template <class S>
-struct NoEpochs {
-  void clear() {}
-  static constexpr int count() { return 0; }
-  const Epoch<S>* find(int) const { return nullptr; }
 };
 
 }  // namespace SEGCAL_NS

@@ -106,7 +106,8 @@ uint32_t segcal_store_blocks(const segcal_flash_t* flash) {
   // than its bytes in memory; and the same again for the next one.
   const std::uint32_t page = f.page_bytes(), rest = sizeof(CalibrationReport<Real>) + sizeof(DeviceOptions<Real>) +
                                                     sizeof(StoredNumbers<Real>);
-  const std::uint32_t epochs = kEpochs > 0 ? kEpochs * (sizeof(Epoch<Real>) + 32 + page) + page : 0;
+  const std::uint32_t epochs =
+      kEpochs > 0 ? kEpochs * (sizeof(Epoch<Real>) + 32 + page) + sizeof(Changes<Real>) + 32 + page : 0;
   const std::uint32_t bytes = SEGCAL_MAX_SEGMENTS * (sizeof(Segment<Real>) + 32 + page) + epochs + rest + 4 * page;
   const std::uint32_t of_block = flash->erase_bytes - page;
   return 2 * ((bytes + of_block - 1) / of_block);
