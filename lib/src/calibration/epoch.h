@@ -133,7 +133,7 @@ struct Epoch {
   /// Where theta is beyond the bound, its sigmas become wider by what it is exceeded by, so that it tells as much as it
   /// is right. True if that changed anything. `scratch`: kScratch numbers.
   [[gnu::cold]] bool widen_for(const Calibration<S>& at, const ThetaPrior<S>& prior, S* scratch) {
-    const S bent = segments > 0 ? bent_at(at, prior, scratch) : S(0);
+    const S bent = bent_at(at, prior, scratch);
     if (!(bent > S(kWorthWidening))) return false;
     const int n = columns();
     PackedTriangle<S> T = information.triangle();
