@@ -211,6 +211,42 @@ void test_whitening() {
   test::check_near(Id().add("check", "whitening"), "residual alone", 0, (alone - rows.r).norm(), 1e-12 * rows.r.norm());
 }
 
+/// The link's cost with one of the six scales moved.
+double cost_at(Link link, int scale, double step) {
+  (scale < 3 ? link.imu.gyro_scale(scale) : link.imu.accel_scale(scale - 3)) += step;
+  const ImuIntegral<double> I = integrate<double>(link, link.imu, link.x0);
+  Vec<double, 15> w;
+  TEST_ASSERT_TRUE(whiten_residual(I, ImuNoise<double>(), link_residual(I, link.x0, link.x1, kGravity), &w));
+  return w.squaredNorm();
+}
+
+/// r' P^-1 r changes with a scale through P too; the column without the readings' noise says by how much.
+void test_rows_are_the_slope_of_the_cost() {
+  Columns offset = Columns::Zero();
+  // Some sigmas: white noise is 7e-5 rad, 9e-4 m/s and 1e-4 m after 0.2 s.
+  offset.head<9>() << 2e-4, -1e-4, 1.5e-4, 3e-4, -2e-4, 1e-4, 3e-3, 2e-3, -2.5e-3;
+  Link link = links()[0];
+  complete(&link, offset);
+  const ImuIntegral<double> I = integrate<double>(link, link.imu, link.x0);
+  ImuRows<double> rows;
+  link_rows<double>(I, link.x0, link.x1, link.x0, link.x1, kGravity, &rows);
+  ImuRows<double> plain = rows;
+  take_noise_off_scales(I, &rows);
+  TEST_ASSERT_TRUE(whiten(I, ImuNoise<double>(), &rows));
+  TEST_ASSERT_TRUE(whiten(I, ImuNoise<double>(), &plain));
+  double by_noise = 0, left = 0;
+  for (int scale = 0; scale < 6; ++scale) {
+    const int column = 2 * kStateColumns + (scale < 3 ? scale : scale + 3);
+    const double h = 1e-5, slope = (cost_at(link, scale, h) - cost_at(link, scale, -h)) / (2 * h);
+    by_noise += std::pow(slope - 2 * plain.J.col(column).dot(plain.r), 2);
+    left += std::pow(slope - 2 * rows.J.col(column).dot(rows.r), 2);
+    std::printf("scale %d: slope %.3f, 2 J'r %.3f, without noise %.3f\n", scale, slope,
+                2 * plain.J.col(column).dot(plain.r), 2 * rows.J.col(column).dot(rows.r));
+  }
+  // The axes turn within the link, and the gyroscope's noise has a part in the velocity's, with the force.
+  test::check_between(Id().add("check", "slope"), "of P's part, left", 0, std::sqrt(left / by_noise), 0.25);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -219,5 +255,6 @@ int main(int argc, char** argv) {
   RUN_TEST(test_link_in_double);
   RUN_TEST(test_link_in_float);
   RUN_TEST(test_whitening);
+  RUN_TEST(test_rows_are_the_slope_of_the_cost);
   return UNITY_END();
 }

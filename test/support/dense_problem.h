@@ -97,7 +97,10 @@ class DenseProblem {
   void add_theta_prior(const ThetaPrior<double>& prior) {
     double offset[kMaxTheta];
     difference(prior.mean, theta_, offset);
-    for (int i = 0; i < theta_.columns(); ++i) add_single(theta_column() + i, 1 / prior.sigma[i], offset[i]);
+    for (int i = 0; i < theta_.columns(); ++i) {
+      add_single(theta_column() + i, 1 / prior.sigma[i], offset[i]);
+      if (damping_ > 0) add_single(theta_column() + i, damping_ / (0.1 * prior.sigma[i]), 0);
+    }
   }
 
   /// [theta | rhs] after all other columns have been eliminated: any number of rows, no triangle.
@@ -169,7 +172,7 @@ class DenseProblem {
     const Segment<double>& segment = *segments_[s];
     const Landmark<double>& l = segment.states.landmark[j];
     const bool own = landmark_column(s, j) > state_column(s, 0);
-    if (own) add_single(landmark_column(s, j) + 2, 1 / model_.depth_sigma(segment.wide_depth_prior), l.rho);
+    if (own) add_single(landmark_column(s, j) + 2, 1 / model_.depth_sigma(l.rho, segment.wide_depth_prior), l.rho);
     if (own && damping_ > 0) {
       for (int i = 0; i < 3; ++i) add_single(landmark_column(s, j) + i, damping_ / 0.02, 0);
     }
@@ -265,6 +268,7 @@ class DenseProblem {
                 int column1, ImuTermColumns<double>& terms) {
     ImuRows<double> rows;
     link_rows(I, x0, x1, x0, x1, model_.g, &rows);
+    take_noise_off_scales(I, &rows);
     link_term_columns(rows, &terms);
     Eigen::MatrixXd J_terms(15, terms.n);
     for (int t = 0; t < terms.n; ++t) J_terms.col(t) = Eigen::Map<const Eigen::VectorXd>(terms.link[t], 15);

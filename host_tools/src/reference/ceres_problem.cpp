@@ -89,8 +89,9 @@ void CeresProblem::add_points() {
   if (image_points_ == 0) delete loss;
   for (std::size_t l = 0; l < landmark_.size(); ++l) {
     if (!used(l)) continue;
-    ceres_.AddResidualBlock(weak_prior<kLandmarkSize, 1>(2, 0, problem_.landmarks[l].prior_sigma), nullptr,
-                            landmark_[l].data());
+    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<DepthPrior, 1, kLandmarkSize>(
+                                new DepthPrior{problem_.landmarks[l].prior_sigma}),
+                            nullptr, landmark_[l].data());
   }
 }
 

@@ -38,7 +38,8 @@ Eigen::MatrixXd CeresProblem::point_covariance(const std::vector<std::size_t>& p
 /// Part of what is known of a landmark's inverse distance that
 /// comes from its prior: so much of an unknown is not fitted.
 double CeresProblem::prior_share(std::size_t landmark) const {
-  const double sigma = problem_.landmarks[landmark].prior_sigma, prior = 1 / (sigma * sigma);
+  const double sigma = depth_sigma(landmark_[landmark][2], problem_.landmarks[landmark].prior_sigma);
+  const double prior = 1 / (sigma * sigma);
   const std::vector<std::size_t>& points = used_points_[landmark];
   std::vector<double> weights;
   const auto n = static_cast<Eigen::Index>(points.size());

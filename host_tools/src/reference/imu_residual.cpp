@@ -3,10 +3,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "reference/link_covariance.h"
+
 namespace host::reference {
 namespace {
 
-using Matrix15 = Eigen::Matrix<double, kLinkRows, kLinkRows>;
 using Jet21 = ceres::Jet<double, kIntegralInputs>;
 
 double seconds(std::int64_t from_ns, std::int64_t to_ns) { return static_cast<double>(to_ns - from_ns) * 1e-9; }
@@ -27,52 +28,6 @@ void interpolate(const std::vector<ImuSample>& samples, std::size_t first, std::
     *accel += weight * Eigen::Vector3d(samples[i].accel[0], samples[i].accel[1], samples[i].accel[2]);
   }
 }
-
-/// Skew matrix of the cross product.
-Eigen::Matrix3d crossing(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-Eigen::Matrix3d triangle(const double* s, const double* m) {
-  Eigen::Matrix3d T;
-  T << s[0], m[0], m[1], 0, s[1], m[2], 0, 0, s[2];
-  return T;
-}
-
-/// How errors [rotation | velocity | position | b_a | b_g] grow, and what noise is added per second.
-struct ErrorModel {
-  Eigen::Matrix3d rate_by_bias, force_by_bias;  ///< in I
-  Matrix15 noise = Matrix15::Zero();            ///< of b_a and b_g
-  double gyro2 = 0, accel2 = 0;
-
-  ErrorModel(const CoreModel& model, const LinkNoise& white, const double* inputs, const Eigen::Matrix3d& R_AI) {
-    rate_by_bias = -triangle(inputs + 6, inputs + 9).inverse();
-    force_by_bias = -(R_AI.transpose() * triangle(inputs + 12, inputs + 15).inverse());
-    gyro2 = white.gyro * white.gyro;
-    accel2 = white.accel * white.accel;
-    for (int i = 0; i < 3; ++i) {
-      noise(9 + i, 9 + i) = model.accel_random_walk * model.accel_random_walk;
-      noise(12 + i, 12 + i) = model.gyro_random_walk * model.gyro_random_walk;
-    }
-  }
-
-  /// The derivative of the covariance by time. White noise of the sensors enters as their biases do.
-  Matrix15 slope(const Matrix15& P, const Eigen::Matrix3d& R, const Eigen::Vector3d& w,
-                 const Eigen::Vector3d& f) const {
-    Matrix15 A = Matrix15::Zero(), Q = noise;
-    A.block<3, 3>(0, 0) = -crossing(w);
-    A.block<3, 3>(0, 12) = rate_by_bias;
-    A.block<3, 3>(3, 0) = -R * crossing(f);
-    A.block<3, 3>(3, 9) = R * force_by_bias;
-    A.block<3, 3>(6, 3).setIdentity();
-    Q.block<3, 3>(0, 0) = gyro2 * rate_by_bias * rate_by_bias.transpose();
-    Q.block<3, 3>(3, 3) = accel2 * A.block<3, 3>(3, 9) * A.block<3, 3>(3, 9).transpose();
-    const Matrix15 AP = A * P;
-    return AP + AP.transpose() + Q;
-  }
-};
 
 }  // namespace
 
@@ -127,27 +82,22 @@ LinkResidual::LinkResidual(const Problem& problem, const Link& link)
         inputs);
 }
 
-/// The covariance of the integral and the biases by the same Runge-Kutta method, beside the integral itself.
 void LinkResidual::weigh(const CoreModel& model, const LinkNoise& white, const double* inputs) {
   const Sensor<double> sensor(inputs, R_AI0_);
   const ErrorModel errors(model, white, inputs, R_AI0_);
-  Integral<double> x;
-  Matrix15 P = Matrix15::Zero();
-  for (const Step& step : steps_) {
-    const double h = step.h;
-    const auto w = [&](int k) { return sensor.rate(step.gyro[k]); };
-    const auto f = [&](int k) { return sensor.force(step.accel[k]); };
-    const Eigen::Matrix3d R0 = x.q.toRotationMatrix();
-    const Eigen::Vector3d middle_turn = 0.25 * h * (w(0) + w(1));
-    const Eigen::Matrix3d R1 = R0 * turned_by(middle_turn.data()).toRotationMatrix();
-    integrate(step, sensor, &x);
-    const Eigen::Matrix3d R2 = x.q.toRotationMatrix();
-    const Matrix15 k1 = errors.slope(P, R0, w(0), f(0)), k2 = errors.slope(P + 0.5 * h * k1, R1, w(1), f(1));
-    const Matrix15 k3 = errors.slope(P + 0.5 * h * k2, R1, w(1), f(1)), k4 = errors.slope(P + h * k3, R2, w(2), f(2));
-    P += (h / 6) * (k1 + 2 * (k2 + k3) + k4);
+  const Eigen::LLT<LinkMatrix> llt(covariance(steps_, sensor, errors));
+  weight_ = llt.matrixL().solve(LinkMatrix::Identity());
+  for (int k = 0; k < 6; ++k) {
+    scale_[k] = inputs[scale_input(k)];
+    by_scale_[k] = llt.solve(covariance(steps_, sensor, errors.of_axis(k))).transpose() / scale_[k];
   }
-  const Eigen::LLT<Matrix15> llt(P);
-  weight_ = llt.matrixL().solve(Matrix15::Identity());
+}
+
+/// What the weights' way with the scales does to a residual.
+LinkMatrix LinkResidual::by_scales(const double* inputs) const {
+  LinkMatrix out = LinkMatrix::Identity();
+  for (int k = 0; k < 6; ++k) out += (inputs[scale_input(k)] - scale_[k]) * by_scale_[k];
+  return out;
 }
 
 template <class T>
@@ -194,7 +144,7 @@ void LinkResidual::evaluate_alone(double const* const* parameters, const double*
   for (const Step& step : steps_) integrate(step, sensor, &x);
   Vector15 r;
   residual(x, parameters[0], parameters[1], parameters[2], parameters[3], r.data());
-  Eigen::Map<Vector15>{residuals} = weight_ * r;
+  Eigen::Map<Vector15>{residuals} = weight_ * (by_scales(inputs) * r);
 }
 
 bool LinkResidual::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
@@ -218,7 +168,10 @@ bool LinkResidual::Evaluate(double const* const* parameters, double* residuals, 
     value(i) = r[i].a;
     J.row(i) = r[i].v.transpose();
   }
-  Eigen::Map<Eigen::Matrix<double, kLinkRows, 1>>{residuals} = weight_ * value;
+  const LinkMatrix scaled = by_scales(inputs);
+  J = (scaled * J).eval();
+  for (int k = 0; k < 6; ++k) J.col(kAll - kIntegralInputs + scale_input(k)) += by_scale_[k] * value;
+  Eigen::Map<Eigen::Matrix<double, kLinkRows, 1>>{residuals} = weight_ * (scaled * value);
   const Eigen::Matrix<double, kLinkRows, kAll> whitened = weight_ * J;
   const auto put = [&](int block, int at, auto width) {
     constexpr int n = decltype(width)::value;

@@ -90,7 +90,12 @@ void integrate(const Step& step, const Sensor<T>& sensor, Integral<T>* x) {
 constexpr int kAll = 2 * (kPoseSize + kMotionSize) + kImuSize;
 using Jet45 = ceres::Jet<double, kAll>;
 
-/// One IMU link, with fixed weights: [rotation | velocity | position | b_a | b_g], whitened.
+using LinkMatrix = Eigen::Matrix<double, kLinkRows, kLinkRows>;
+
+/// One IMU link, whitened: [rotation | velocity | position | b_a | b_g]. The weights are fixed but for how they follow
+/// the sensors' scales s, to first order: P(s)^-1/2 r = W (r + sum_k (s_k - s_k0) / s_k0 P_k P^-1 r), P_k being what
+/// axis k's white noise has of the covariance P. Otherwise a scale could make noise small, and nothing would stand
+/// against it.
 class LinkResidual final
     : public ceres::SizedCostFunction<kLinkRows, kPoseSize, kMotionSize, kPoseSize, kMotionSize, kImuSize> {
  public:
@@ -105,12 +110,15 @@ class LinkResidual final
   void residual(const Integral<T>& integral, const T* pose0, const T* motion0, const T* pose1, const T* motion1,
                 T* out) const;
   void weigh(const CoreModel& model, const LinkNoise& white, const double* inputs);
+  LinkMatrix by_scales(const double* inputs) const;
 
   const State &from_, &to_;
   const Eigen::Matrix3d& R_AI0_;
   double dt_, gravity_;
   std::vector<Step> steps_;
-  Eigen::Matrix<double, kLinkRows, kLinkRows> weight_;  ///< whitened = weight residual
+  LinkMatrix weight_;       ///< whitened = weight residual
+  LinkMatrix by_scale_[6];  ///< P_k P^-1 / s_k of the gyroscope's and the accelerometer's axes
+  double scale_[6];         ///< s_k0
 };
 
 /// The IMU's block of a calibration, its turn zero.

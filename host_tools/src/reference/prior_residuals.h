@@ -28,6 +28,21 @@ ceres::CostFunction* weak_prior(int first, double about, double sigma) {
   return new ceres::AutoDiffCostFunction<WeakPrior<Block, N>, N, Block>(f);
 }
 
+/// No landmark is behind the camera, by more than noise does (1/m).
+constexpr double kBehindSigma = 0.05;
+
+/// Of the prior on an inverse distance, `sigma` in front of the camera.
+inline double depth_sigma(double inverse_distance, double sigma) { return inverse_distance < 0 ? kBehindSigma : sigma; }
+
+struct DepthPrior {
+  double sigma;  ///< 1/m, in front of the camera
+  template <class T>
+  bool operator()(const T* landmark, T* residual) const {
+    residual[0] = landmark[2] / T(landmark[2] < T(0) ? kBehindSigma : sigma);
+    return true;
+  }
+};
+
 /// Log(Exp(turn) R0 mean') in the first three entries of `out`.
 template <class T>
 Vector3<T> turn_from(const T* turn, const Eigen::Matrix3d& R0, const Eigen::Matrix3d& mean) {

@@ -135,6 +135,9 @@ struct CoreModel {
   bool weighs_walks = false;  ///< the profile is built with SEGCAL_TRACK_WALK
 };
 
+/// 1/m, of the prior on an inverse distance below zero (kBehindDepthSigma in lib/src/segments/landmark_guess.h).
+constexpr double behind_inverse_depth_sigma = 0.05;
+
 struct CoreLandmark {
   std::uint32_t track_id = 0;
   int tie = -1;  ///< the same number in several segments: one landmark; -1: the segment's own

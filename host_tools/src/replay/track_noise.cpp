@@ -58,7 +58,10 @@ Track track_of(const CoreKept& kept, const std::vector<TrackResidual>& points, c
       for (int axis = 0; axis < 2; ++axis) out.J[axis](i, c) = slope(axis);
     }
   }
-  const double sigma = kept.turned_only ? model.turned_inverse_depth_sigma : model.inverse_depth_sigma;
+  const CoreLandmark& landmark = kept.landmarks[static_cast<std::size_t>(points.front().measured->landmark)];
+  const double sigma = landmark.inverse_distance < 0 ? behind_inverse_depth_sigma
+                       : kept.turned_only            ? model.turned_inverse_depth_sigma
+                                                     : model.inverse_depth_sigma;
   out.depth_information = 1 / (sigma * sigma);
   return out;
 }

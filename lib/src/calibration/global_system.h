@@ -25,17 +25,17 @@ class GlobalSystem {
     return PackedTriangle<S>(data_ + packed_size(columns() + 1) - packed_size(n), n);
   }
 
-  /// Empties the triangle but for the prior on theta.
-  void clear_to_prior(const ThetaPrior<S>& prior, const Calibration<S>& theta) {
+  /// Empties the triangle but for the prior on theta, and its damping.
+  void clear_to_prior(const ThetaPrior<S>& prior, const Calibration<S>& theta, S damping) {
     triangle().clear();
     PackedTriangle<S> T = theta_triangle();
-    write_prior(prior, theta, &T);
+    write_prior(prior, theta, &T, damping);
   }
 
   /// Prior on the inverse distance of tie t, and its damping.
   void add_tie(int t, const Landmark<S>& landmark, const MeasurementModel<S>& model, S damping) {
     const int first = kLandmarkColumns * t;
-    fold_scalar(first + 2, S(1) / model.inverse_depth_sigma, landmark.rho);
+    fold_scalar(first + 2, S(1) / model.depth_sigma(landmark.rho, false), landmark.rho);
     for (int c = 0; damping > S(0) && c < kLandmarkColumns; ++c) {
       fold_scalar(first + c, damping / kTypicalLandmarkStep<S>, S(0));
     }

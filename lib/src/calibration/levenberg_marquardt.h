@@ -11,7 +11,7 @@ bool Calibrator<S>::total_cost_step() {
     total_ = prior_cost(*prior_, theta_);
     if (kEpochs > 0 && epochs_) total_ += epochs_->cost(theta_);
     for (int t = 0; t < partitions_.ties().count(); ++t)
-      total_ += inverse_depth_cost(tie(t), model_.inverse_depth_sigma);
+      total_ += inverse_depth_cost(tie(t), model_.depth_sigma(tie(t).rho, false));
     begin_costs();
     for (i_ = 0; i_ < count_; ++i_) {
       SEGCAL_AWAIT(inner_place_, costs().step(*segment_[i_], guest(i_), theta_, model_));
@@ -68,8 +68,9 @@ bool Calibrator<S>::run_step(const CalibratorOptions& options, SegmentEliminator
       SEGCAL_AWAIT(place_, iterate_step(eliminator, options));
     }
     fit_.cost = policy_.cost();
-    fit_.converged = policy_.converged(options);
     SEGCAL_AWAIT(place_, linearise_step(eliminator, S(0)));
+    solve_theta();
+    fit_.converged = policy_.converged(fall_, options);
     set_chi2();
   }
   SEGCAL_SLICES_END(place_);

@@ -15,7 +15,8 @@ S Calibrator<S>::tie_prior_share(int t) const {
     const int j = partitions_.ties().landmark(t, i);
     if (j >= 0) fold_landmark(*segment_[i], j, theta_, model_, &R);
   }
-  const S prior = S(1) / (model_.inverse_depth_sigma * model_.inverse_depth_sigma);
+  const S sigma = model_.depth_sigma(tie(t).rho, false);
+  const S prior = S(1) / (sigma * sigma);
   return prior / (R(2, 2) * R(2, 2) + prior);
 }
 
@@ -50,7 +51,7 @@ PackedTriangle<S> Calibrator<S>::begin_linearisation(S damping, const CandidateT
   const int ties = partitions_.ties().count();
   global_.begin(ties, theta_.columns() + (candidates ? candidates->count() : 0));
   global_.triangle().clear();
-  if (with_prior) global_.clear_to_prior(*prior_, theta_);
+  if (with_prior) global_.clear_to_prior(*prior_, theta_, damping);
   for (int t = 0; t < ties; ++t) global_.add_tie(t, tie(t), model_, damping);
   work_.template begin<Chain<S>>().begin(global_.columns());
   const bool with_epochs = kEpochs > 0 && with_prior && epochs_ && epochs_->count() > 0;

@@ -43,16 +43,23 @@ template <class S>
   for (int i = 0; i < mean.effects.count(); ++i) put(1, S(term_prior_sigma(mean.effects.term[i])));
 }
 
-/// Puts the prior's rows into a triangle over [theta | rhs], with or without candidates between, linearised at theta.
+/// A usual step of theta, in the prior's sigmas: damping is measured against it.
 template <class S>
-void write_prior(const ThetaPrior<S>& prior, const Calibration<S>& theta, PackedTriangle<S>* triangle) {
+constexpr S kTypicalThetaStep = S(0.1);
+
+/// Puts the prior's rows into a triangle over [theta | rhs], with or without candidates between, linearised at theta.
+/// With the rows of `damping`, if there is any, folded into them: sigma is smaller, and pulls as before.
+template <class S>
+void write_prior(const ThetaPrior<S>& prior, const Calibration<S>& theta, PackedTriangle<S>* triangle,
+                 S damping = S(0)) {
   const int n = theta.columns();
   S offset[kMaxTheta];
   difference(prior.mean, theta, offset);
   triangle->clear();
+  const S damped = damping / kTypicalThetaStep<S>, stiffer = square_root(S(1) + damped * damped);
   for (int i = 0; i < n; ++i) {
-    triangle->row(i)[i] = S(1) / prior.sigma[i];
-    triangle->row(i)[triangle->columns() - 1] = -offset[i] / prior.sigma[i];
+    triangle->row(i)[i] = stiffer / prior.sigma[i];
+    triangle->row(i)[triangle->columns() - 1] = -offset[i] / (prior.sigma[i] * stiffer);
   }
 }
 

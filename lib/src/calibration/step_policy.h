@@ -13,8 +13,8 @@ class StepPolicy {
  public:
   void begin(S cost) {
     cost_ = cost;
-    damping_ = fall_ = S(0);
-    flat_ = converged_ = false;
+    damping_ = S(0);
+    flat_ = kept_ = false;
     for (S& s : last_step_) s = S(0);
   }
 
@@ -28,28 +28,29 @@ class StepPolicy {
   bool judge(S trial, S fall, const S* step, int n, const S* sigma, const CalibratorOptions& options) {
     // Near the minimum the difference drowns in the rounding of the sum.
     const S rounding = (std::is_same_v<S, float> ? S(2e-6) : S(1e-13)) * cost_;
-    fall_ = fall;
+    // A damped one should gain little wherever it starts.
+    const bool whole = !(damping_ > S(0));
     kept_ = trial <= cost_ + rounding;
     if (!kept_) {
-      damping_ = damping_ > S(0) ? damping_ * S(4) : S(0.05);
+      damping_ = damping_ > S(0) ? damping_ * S(4) : S(0.01);
       // A step that should gain less than this, and gains nothing,
-      // has met the rounding: damping it further cannot help.
-      const bool done = fall < S(options.converged) || damping_ > S(1e4);
-      converged_ = converged_ || done;
-      return done;
+      // has met the rounding: damping it cannot help.
+      return (whole && fall < S(options.converged)) || damping_ > S(1e4);
     }
     flat_ = cost_ - trial <= S(1e-3) * cost_;
-    converged_ = converged_ || (flat_ && fall < S(options.converged));
     cost_ = trial;
     if (turned_back(step, n, sigma)) {
-      damping_ = damping_ > S(0) ? damping_ * S(2) : S(0.05);
+      damping_ = damping_ > S(0) ? damping_ * S(2) : S(0.01);
     } else {
-      damping_ = damping_ < S(0.05) ? S(0) : damping_ * S(0.2);
+      damping_ = damping_ < S(0.008) ? S(0) : damping_ * S(0.2);
     }
-    return flat_ && fall < S(options.settled);
+    return whole && flat_ && fall < S(options.settled);
   }
   bool kept() const { return kept_; }
-  bool converged(const CalibratorOptions& options) const { return converged_ || (flat_ && fall_ < S(options.swings)); }
+  /// `left`: what an undamped step from where the last kept one led should gain.
+  bool converged(S left, const CalibratorOptions& options) const {
+    return left < S(options.converged) || (flat_ && left < S(options.swings));
+  }
 
  private:
   /// True if this step goes against the last one (by more than 120 deg): undamped steps
@@ -67,9 +68,9 @@ class StepPolicy {
     return along < S(0) && along * along > S(0.25) * now * before;
   }
 
-  S damping_, cost_, fall_;
+  S damping_, cost_;
   S last_step_[kMaxTheta];  ///< in the prior's sigmas
-  bool flat_ = false, converged_ = false, kept_ = false;
+  bool flat_ = false, kept_ = false;
 };
 
 }  // namespace SEGCAL_NS

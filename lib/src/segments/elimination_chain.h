@@ -53,6 +53,7 @@ void SegmentEliminator<S>::link_keyframes(const Segment<S>& segment, int k, cons
   const ImuIntegral<S>& I = linked().link.result();
   ImuRows<S>& rows = linked().chain.begin_rows();
   link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model.g, &rows);
+  take_noise_off_scales(I, &rows);
   link_term_columns(rows, &imu_terms_);
   whiten(I, model.imu, &rows, &imu_terms_);
   linked().chain.begin_link(rows, imu_terms_, &reduced_);
@@ -67,6 +68,7 @@ void SegmentEliminator<S>::link_guest(const Segment<S>& segment, const GuestLink
     const ImuIntegral<S>& I = linked().link.result();
     ImuRows<S>& rows = linked().chain.begin_rows();
     link_rows(I, guest.state, x, guest.state, x, model.g, &rows);
+    take_noise_off_scales(I, &rows);
     link_term_columns(rows, &imu_terms_);
     if (whiten(I, model.imu, &rows, &imu_terms_)) linked().chain.add_guest_link(rows, imu_terms_, &reduced_);
   } else {

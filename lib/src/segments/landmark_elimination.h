@@ -136,9 +136,10 @@ LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const C
   gap_.last = kLandmarkColumns + layout.cameras() - first_;
   const int priors = damping > S(0) ? 4 : 1;
   for (int i = 0; i < priors; ++i) clear(i);
-  depth_sigma_ = model.depth_sigma(segment.wide_depth_prior);
+  const S rho = segment.states.landmark[j].rho;
+  depth_sigma_ = model.depth_sigma(rho, segment.wide_depth_prior);
   own(0)[2] = S(1) / depth_sigma_;
-  row(0)[stride_ - 1] = -segment.states.landmark[j].rho / depth_sigma_;
+  row(0)[stride_ - 1] = -rho / depth_sigma_;
   for (int i = 1; i < priors; ++i) own(i)[i - 1] = damping;
   rows_ = priors;
   add_observations(segment, j, theta, model, layout, camera_terms, &fit);

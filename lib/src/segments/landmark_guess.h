@@ -24,6 +24,11 @@ constexpr S kSegmentDepthSigma = S(5);
 /// the map there, and so p_CI (at 2 1/m to a tenth, at 20 1/m not at all).
 template <class S>
 constexpr S kTurnedDepthSigma = S(20);
+/// No landmark is behind the camera, but noise may put one at infinity there, by this much (20 m behind). Images alone
+/// are the same for the path and landmarks mirrored, rho and all positions with the other sign: where the IMU tells
+/// little, a fit with a prior that is even in rho ends there.
+template <class S>
+constexpr S kBehindDepthSigma = S(0.05);
 /// The filter, whose pull comes anew with each part of a track.
 template <class S>
 constexpr S kFilterDepthSigma = S(5);

@@ -46,7 +46,7 @@ S image_cost(const Segment<S>& segment, int j, const TiedLandmarks& tied, const 
              const MeasurementModel<S>& model) {
   const S inverse_variance = S(1) / (model.pixel_sigma * model.pixel_sigma);
   const Landmark<S>& l = segment.states.landmark[j];
-  S sum = tied.place_of(j) >= 0 ? S(0) : inverse_depth_cost(l, model.depth_sigma(segment.wide_depth_prior));
+  S sum = tied.place_of(j) >= 0 ? S(0) : inverse_depth_cost(l, model.depth_sigma(l.rho, segment.wide_depth_prior));
   if constexpr (kTrackWalk) {
     if (TrackNoise<S>::walks(model)) {
       TrackNoise<S> track;

@@ -113,7 +113,7 @@ template <class S>
 S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                 const Landmark<S>& l, S* triangle) {
   const S inverse_sigma = S(1) / model.pixel_sigma;
-  const S depth_sigma = model.depth_sigma(segment.wide_depth_prior);
+  const S depth_sigma = model.depth_sigma(l.rho, segment.wide_depth_prior);
   const S prior = l.rho / depth_sigma;
   S cost = prior * prior;
   LandmarkRows<S> rows(triangle);

@@ -18,7 +18,10 @@ struct MeasurementModel {
   S velocity_sigma = S(30);                             ///< m/s
   S inverse_depth_sigma = kSegmentDepthSigma<S>;        ///< 1/m, about zero
   S turned_inverse_depth_sigma = kTurnedDepthSigma<S>;  ///< 1/m, in a segment whose images show no translation
-  S depth_sigma(bool wide) const { return wide ? turned_inverse_depth_sigma : inverse_depth_sigma; }
+  /// Of the prior on inverse distance rho, 1/m.
+  S depth_sigma(S rho, bool wide) const {
+    return rho < S(0) ? kBehindDepthSigma<S> : wide ? turned_inverse_depth_sigma : inverse_depth_sigma;
+  }
   S huber = S(3);  ///< whitened length of an image residual above which its weight falls
 };
 

@@ -43,6 +43,7 @@ struct ImuIntegral {
   Mat<S, 3, kInputs> J_v, J_p;
   Mat<S, 9, 9> P;    ///< covariance of (rotation, velocity, position)
   Mat<S, 9, 6> P_b;  ///< covariance of (truth minus integral) with the bias walk (b_a, b_g) over the link
+  S accel_density2;  ///< (m/s^2)^2/Hz, of the accelerometer's white noise in P
 };
 
 /// Columns of d w_I or d f_A by (bias, scale, misalignment): -M [I | diag(x) | mixed(x)], x the corrected reading.
@@ -170,6 +171,7 @@ void ImuIntegrator<S>::begin(const ImuCalibration<S>& imu, const Vec3<S>& b_a, c
   I_.J_p.setZero();
   I_.P.setZero();
   I_.P_b.setZero();
+  I_.accel_density2 = noise.accel * noise.accel;
 }
 
 template <class S>

@@ -84,6 +84,37 @@ void link_rows(const ImuIntegral<S>& I, const State<S>& x0, const State<S>& x1, 
   }
 }
 
+/// Adds `weight` |u| times the residual's part along u, in three rows from `row` on, to a column.
+template <class S>
+void add_along(const Vec3<S>& u, S weight, int row, int column, ImuRows<S>* rows) {
+  const S length = square_root(u.squaredNorm());
+  if (!(length > S(0))) return;
+  const S part = weight / length * u.dot(rows->r.template segment<3>(row));
+  for (int i = 0; i < 3; ++i) rows->J(row + i, column) += part * u(i);
+}
+
+/// Takes the readings' noise out of the columns by their scales, before whitening. A column by scale s of axis k, dr /
+/// ds, holds the same noise as r, so that E[J' P^-1 r] is not zero at the truth but -tr(P_k P^-1) / s, P_k being what
+/// axis k's white noise has of P: about two for each link and axis of the accelerometer. A fit of such rows ends where
+/// the scale makes noise small, sigmas off where an IMU is rough. r' P(s)^-1 r is the likelihood of the readings (P is
+/// of scaled noise), and its derivative has dr / ds + P_k P^-1 r / s, the column without its noise. White noise of the
+/// accelerometer is nearly all of P's velocity and position, alike in all directions: P_k P^-1 r is r along the axis,
+/// times that share.
+template <class S>
+void take_noise_off_scales(const ImuIntegral<S>& I, ImuRows<S>* rows) {
+  constexpr int th = 2 * kStateColumns;
+  const S along = I.P(3, 3) + I.P(4, 4) + I.P(5, 5);
+  if (!(along > S(0))) return;
+  const S share = S(3) * I.accel_density2 / along;  // over dt
+  for (int k = 0; k < 3; ++k) {
+    // By the bias: minus dt / s times the axis as it was on average.
+    const Vec3<S> rate = I.J_R.col(kInputBg + k), force = I.J_v.col(kInputBa + k);
+    add_along<S>(rate, S(1) / I.dt, 0, th + k, rows);
+    add_along<S>(force, share, 3, th + 6 + k, rows);
+    add_along<S>(force, share, 6, th + 6 + k, rows);
+  }
+}
+
 /// The same columns for terms, after link_rows(): the rotation's at its residual, not whitened.
 template <class S>
 void link_term_columns(const ImuRows<S>& rows, ImuTermColumns<S>* columns) {

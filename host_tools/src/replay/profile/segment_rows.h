@@ -145,6 +145,7 @@ class SegmentRows {
           segment_.integrate(k + 1, theta_, x[k].b_a, x[k].b_g, model_.imu, &imu_terms_);
       core::ImuRows<double> rows;
       core::link_rows(I, x[k], x[k + 1], x[k], x[k + 1], model_.g, &rows);
+      core::take_noise_off_scales(I, &rows);
       core::link_term_columns(rows, &imu_terms_);
       // Columns: both states, and behind them what is no state.
       constexpr Index kStates = 2 * core::kStateColumns;

@@ -1,0 +1,105 @@
+// When a fit is at its end: what a damped step gains does not tell, and a path mirrored with its map is none.
+#include <memory>
+
+#include "../support/cases.h"
+#include "../support/synthetic_segments.h"
+#include "calibration/calibrator.h"
+
+using namespace SEGCAL_NS;
+using test::Id;
+
+extern "C" void setUp() {}
+extern "C" void tearDown() {}
+
+namespace {
+
+void test_a_damped_step_is_not_the_end() {
+  const CalibratorOptions options;
+  const double step[1] = {1e-3}, sigma[1] = {1};
+  StepPolicy<double> policy;
+  policy.begin(1000);
+  // Along a curved valley: the whole step should gain five and costs, the damped one gains next to nothing.
+  TEST_ASSERT_FALSE(policy.judge(1100, 5, step, 1, sigma, options));
+  TEST_ASSERT_TRUE(policy.damping() > 0);
+  TEST_ASSERT_FALSE(policy.judge(1000 - 1e-5, 1e-5, step, 1, sigma, options));
+  TEST_ASSERT_TRUE(policy.kept());
+  TEST_ASSERT_FALSE(policy.converged(5, options));
+  // Damped again and of no use: no rounding has been met.
+  TEST_ASSERT_FALSE(policy.judge(1100, 5, step, 1, sigma, options));
+  TEST_ASSERT_FALSE(policy.judge(1000, 1e-5, step, 1, sigma, options));
+  TEST_ASSERT_FALSE(policy.converged(5, options));
+}
+
+void test_a_whole_step_that_gains_nothing_is_the_end() {
+  const CalibratorOptions options;
+  const double step[1] = {1e-3}, sigma[1] = {1};
+  StepPolicy<double> policy;
+  policy.begin(1000);
+  TEST_ASSERT_TRUE(policy.judge(1000 - 1e-5, 1e-5, step, 1, sigma, options));
+  TEST_ASSERT_TRUE(policy.converged(1e-5, options));
+  policy.begin(1000);
+  TEST_ASSERT_TRUE(policy.judge(1000.1, 1e-5, step, 1, sigma, options));  // rounding
+  TEST_ASSERT_TRUE(policy.converged(1e-5, options));
+}
+
+/// As if the first steps had been taken the wrong way: two hundredths of the path with the other sign, and landmarks at
+/// infinity. With all of it mirrored, landmarks behind the camera, images are the same but for the lever arm's part.
+void start_the_wrong_way(Segment<double>* segment) {
+  const Vec3<double> start = segment->states.x[0].p_GI;
+  for (int k = 0; k < segment->n_keyframes; ++k) {
+    State<double>& x = segment->states.x[k];
+    x.p_GI = start - 0.02 * (x.p_GI - start);
+    x.v_GI *= -0.02;
+  }
+  for (int j = 0; j < segment->n_landmarks; ++j) {
+    Landmark<double>& l = segment->states.landmark[j];
+    l.o = start + (l.o - start) * 0.02;
+    l.rho = 0;
+  }
+}
+
+int behind(const Segment<double>& segment) {
+  int n = 0;
+  for (int j = 0; j < segment.n_landmarks; ++j) n += segment.states.landmark[j].rho < -0.15 ? 1 : 0;
+  return n;
+}
+
+/// With an IMU that hardly says where the device went.
+void test_no_landmark_goes_behind_the_camera() {
+  static Calibrator<double> calibrator;
+  static SegmentEliminator<double> eliminator;
+  test::SyntheticOptions session_options;
+  session_options.segments = 1;
+  session_options.keyframes = 16;
+  session_options.landmarks = 60;
+  session_options.device = 0;
+  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+    session_options.seed = seed;
+    const test::SyntheticSession session(session_options);
+    MeasurementModel<double> model;
+    model.imu.accel = 2;  // m/s^2/sqrt(Hz), a thousand times the usual
+    ThetaPrior<double> prior;
+    prior.mean = session.nominal;
+    default_prior_sigmas(prior.mean, prior.sigma);
+    auto segment = std::make_unique<Segment<double>>(*session.segments[0]);
+    start_the_wrong_way(segment.get());
+    const Id id = Id().add("check", "wrong_way").add("seed", static_cast<int>(seed));
+    Segment<double>* pointer[] = {segment.get()};
+    calibrator.begin(pointer, 1, prior, prior.mean, model);
+    CalibratorOptions options;
+    options.max_iterations = 60;
+    calibrator.run(options, &eliminator);
+    test::check_between(id, "landmarks behind the camera", 0, behind(*segment), 0);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  test::select_cases(argc, argv);
+  UNITY_BEGIN();
+  RUN_TEST(test_a_damped_step_is_not_the_end);
+  RUN_TEST(test_a_whole_step_that_gains_nothing_is_the_end);
+  RUN_TEST(test_no_landmark_goes_behind_the_camera);
+  return UNITY_END();
+}
