@@ -10,13 +10,13 @@ namespace {
 using namespace test;
 
 // A score takes up to 1180 slices (320 in profile mcu): a segment lasts so many samples. A
-// calibration takes up to 60,000 from three and four segments in profile mobile, 28,000 from
+// calibration takes up to 56,000 from three and four segments in profile mobile, 35,000 from
 // eight in mcu: so many segments its window has. Where it starts in motion, profile mcu does
 // that in slices that have half a second (SEGCAL_START_DELAY_MS): it starts at rest.
 constexpr bool kMcu = SEGCAL_PROFILE == SEGCAL_PROFILE_MCU;
 constexpr double kSegmentSeconds = 6, kRestSeconds = 2;
 constexpr int kSegments = kMcu ? 8 : 3;
-constexpr int kWindow = kMcu ? 26 : 50;
+constexpr int kWindow = kMcu ? 30 : 48;
 constexpr int kSeconds = kMcu ? 450 : 640;
 /// the first one, from 25 or 55 s on, has taken effect by then
 constexpr std::size_t kRequest = (kMcu ? 240 : 320) * 200;

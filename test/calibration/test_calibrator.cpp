@@ -157,8 +157,8 @@ void test_far_start() {
   }
 }
 
-/// Above a floor, 12 to 25 cm away: the priors on inverse distances pull the world away from their fixed anchors, and
-/// only the gauge holds it. A fit that creeps does not settle.
+/// Above a floor, 12 to 25 cm away: priors that count from fixed anchors would pull the world away from them, and only
+/// the gauge would hold it. A fit that creeps does not settle.
 void test_near_landmarks_do_not_drive_the_world_away() {
   for (std::uint32_t seed : {94u, 95u, 96u}) {
     SyntheticOptions options = device(seed);
@@ -170,8 +170,8 @@ void test_near_landmarks_do_not_drive_the_world_away() {
     const Id id = Id().add("check", "near").add("seed", seed);
     test::check_true(id, "did not converge", out.fit.converged);
     test::check_between(id, "iterations", 1, out.fit.iterations, 10);
-    // Each iteration moves it by the pull (some 2400) over the square
-    // of the hold: by 0.2 um, and float rounds a metre to 0.1 um.
+    // Nothing pulls; from fixed anchors a pull of 2400 over the square of the hold
+    // would move it by 0.2 um with each iteration. Float rounds a metre to 0.1 um.
     test::check_near(id, "the first keyframe moved, m", 0, out.gauge_moved, 1e-5);
   }
 }

@@ -42,6 +42,28 @@ void test_a_whole_step_that_gains_nothing_is_the_end() {
   TEST_ASSERT_TRUE(policy.converged(1e-5, options));
 }
 
+/// Damping is for steps that swing, which gain something each time; rounding turns steps back as well.
+void test_only_steps_that_gain_are_damped() {
+  const CalibratorOptions options;
+  const double there[1] = {1}, back[1] = {-1}, sigma[1] = {1};
+  for (const double fall : {0.5 * options.converged, 2 * options.converged}) {
+    StepPolicy<double> policy;
+    policy.begin(1000);
+    policy.judge(900, 100, there, 1, sigma, options);
+    TEST_ASSERT_TRUE(policy.damping() == 0);
+    policy.judge(900 - fall, fall, back, 1, sigma, options);
+    TEST_ASSERT_EQUAL(fall > options.converged, policy.damping() > 0);
+  }
+  // A damped one should gain little wherever it is: it swings all the same.
+  StepPolicy<double> policy;
+  policy.begin(1000);
+  TEST_ASSERT_FALSE(policy.judge(1100, 5, there, 1, sigma, options));
+  TEST_ASSERT_FALSE(policy.judge(990, 1e-3, there, 1, sigma, options));
+  const double damping = policy.damping();
+  TEST_ASSERT_FALSE(policy.judge(980, 1e-3, back, 1, sigma, options));
+  TEST_ASSERT_TRUE(damping > 0 && policy.damping() > damping);
+}
+
 /// As if the first steps had been taken the wrong way: two hundredths of the path with the other sign, and landmarks at
 /// infinity. With all of it mirrored, landmarks behind the camera, images are the same but for the lever arm's part.
 void start_the_wrong_way(Segment<double>* segment) {
@@ -100,6 +122,7 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_a_damped_step_is_not_the_end);
   RUN_TEST(test_a_whole_step_that_gains_nothing_is_the_end);
+  RUN_TEST(test_only_steps_that_gain_are_damped);
   RUN_TEST(test_no_landmark_goes_behind_the_camera);
   return UNITY_END();
 }

@@ -70,7 +70,7 @@ void test_time_offsets() {
 /// 1 %: over half a frame's 4.8 ms the velocity changes.
 void test_rolling_shutter() {
   for (const char* scenario : scenarios("nav", "arvr")) {
-    expect_only(diagnosed(scenario, 121, "rolling_shutter=2e-5"), "rolling_shutter", 2e-5, 0.01);
+    expect_only(diagnosed(scenario, 120, "rolling_shutter=2e-5"), "rolling_shutter", 2e-5, 0.01);
   }
 }
 

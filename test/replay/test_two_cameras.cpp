@@ -73,9 +73,7 @@ void check_pairs(bool matches, double baseline_limit) {
   }
   if (study.n < devices()) return;
   check_honest(id, study);
-  // The limit is that of the study of 20 devices. Of four, twelve numbers, the root mean square scatters by a fifth.
-  const double chance = test::long_run() ? 1 : 1.2;
-  test::check_between(id, "baseline, m", 0, std::sqrt(study.baseline / study.n), chance * baseline_limit);
+  test::check_between(id, "baseline, m", 0, std::sqrt(study.baseline / study.n), baseline_limit);
 }
 
 /// Devices scatter by 10 mm in the baseline. With common points it is known as well as the image points allow; without,

@@ -50,8 +50,6 @@ void test_noise_that_is_three_times_off_is_named() {
       const std::pair<const char*, Stated> cases[] = {
           {"gyro_noise", {factor, 1, 1, g}}, {"accel_noise", {1, factor, 1, g}}, {"pixel_noise", {1, 1, factor, g}}};
       for (const auto& [name, stated] : cases) {
-        // There the fit does not settle, and is refused without a word about corners (known limits of the README).
-        if (scenario == std::string("nav") && name == std::string("pixel_noise") && factor < 1) continue;
         const Id id = Id().add("scenario", scenario).add("sensor", name).add("factor", factor);
         if (!test::selected(id.text())) continue;
         const std::map<std::string, double> found = named(notes_of(session, stated));

@@ -28,7 +28,7 @@ class DenseProblem {
   DenseProblem(const std::vector<const Segment<double>*>& segments, const Calibration<double>& theta,
                const MeasurementModel<double>& model, double damping, const std::vector<SameLandmark>& same = {},
                const CandidateTerms& candidates = {})
-      : segments_(segments), theta_(theta), model_(model), damping_(damping) {
+      : segments_(segments), theta_(theta), model_(model), damping_(damping), same_(same) {
     for (int i = 0; i < theta.effects.count(); ++i) terms_.push_back(theta.effects.term[i]);
     for (int i = 0; i < candidates.count(); ++i) terms_.push_back(candidates.term[i]);
     for (const Segment<double>* s : segments) {
@@ -168,11 +168,28 @@ class DenseProblem {
     for (int i = 0; i < kStateColumns; ++i) add_single(column + i, damping_ / typical[i / 3], 0);
   }
 
+  bool is_tie(int s, int j) const {
+    return std::any_of(same_.begin(), same_.end(),
+                       [&](const SameLandmark& l) { return l.first_segment == s && l.first_landmark == j; });
+  }
+
+  void add_depth_prior(int s, int j, const DepthPrior<double>& prior) {
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(columns());
+    row.segment<3>(landmark_column(s, j)) = prior.row.l;
+    row.segment<6>(state_column(s, prior.keyframe)) = prior.row.pose;
+    row.segment<6>(theta_column() + theta_.camera_column(prior.camera)) = prior.row.extrinsics;
+    add_row(row, -prior.r);
+  }
+
   void add_landmark(int s, int j) {
     const Segment<double>& segment = *segments_[s];
     const Landmark<double>& l = segment.states.landmark[j];
     const bool own = landmark_column(s, j) > state_column(s, 0);
-    if (own) add_single(landmark_column(s, j) + 2, 1 / model_.depth_sigma(l.rho, segment.wide_depth_prior), l.rho);
+    if (own && is_tie(s, j)) {  // no segment's camera is the first: from the fixed point
+      add_single(landmark_column(s, j) + 2, 1 / model_.depth_sigma(l.rho, false), l.rho);
+    } else if (own) {
+      add_depth_prior(s, j, depth_prior(segment, j, l, theta_, model_));
+    }
     if (own && damping_ > 0) {
       for (int i = 0; i < 3; ++i) add_single(landmark_column(s, j) + i, damping_ / 0.02, 0);
     }
@@ -298,6 +315,7 @@ class DenseProblem {
   Calibration<double> theta_;
   MeasurementModel<double> model_;
   double damping_;
+  std::vector<SameLandmark> same_;
   std::vector<Term> terms_;  ///< of theta, then candidates
   int nuisance_ = 0;
   std::vector<int> first_;

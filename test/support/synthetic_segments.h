@@ -5,7 +5,9 @@
 #include <memory>
 #include <vector>
 
+#include "nominal.h"
 #include "path.h"
+#include "segments/observation_order.h"
 #include "segments/triangulation.h"
 
 namespace test {
@@ -25,34 +27,6 @@ struct SyntheticOptions {
   double track_walk = 0;                 ///< px/sqrt(s), drift of the image points along their tracks
   double start_error = 1;                ///< of the states that the segments begin with
 };
-
-inline Calibration<double> nominal_calibration(Distortion model) {
-  Calibration<double> theta;
-  CameraCalibration<double>& camera = theta.camera[0];
-  camera.model = model;
-  camera.intrinsics << 256, 256, 320, 240;
-  camera.distortion.setZero();
-  if (model == Distortion::fov) camera.distortion(0) = 0.92;
-  if (model == Distortion::radtan) camera.distortion << -0.05, 0.01, 0, 0;
-  if (model == Distortion::equidistant) camera.distortion << -0.01, 0.01, 0, 0;
-  camera.R_CI << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  camera.p_CI << 0.02, -0.03, 0.05;
-  return theta;
-}
-
-/// Deviations of real devices from nominal, one standard deviation.
-inline std::vector<double> device_sigmas(const Calibration<double>& theta) {
-  std::vector<double> s;
-  const auto put = [&s](int n, double value) { s.insert(s.end(), n, value); };
-  put(3, 0.012);
-  put(3, 0.004);
-  put(4, 1.0);
-  put(theta.camera[0].distortion_columns(), 0.004);
-  put(3, 0.004);
-  put(3, 0.002);
-  put(9, 0.012);
-  return s;
-}
 
 class SyntheticSession {
  public:
@@ -130,7 +104,17 @@ class SyntheticSession {
     see_landmarks(t0, segment);
     for (std::size_t i = 0; i < map_.size(); ++i)
       follow(t0, map_[i], 0, options_.keyframes, static_cast<std::uint32_t>(i), segment);
-    for (int j = 0; j < segment->n_landmarks; ++j) triangulate(segment, j, nominal, model, 1e6);
+    drop_without_place(segment);
+  }
+
+  /// As the library does: a first point that nominal's lens does not image has no ray.
+  void drop_without_place(Segment<double>* segment) const {
+    for (int j = 0; j < segment->n_landmarks; ++j) {
+      if (triangulate(segment, j, nominal, model, 1e6)) continue;
+      for (int o = segment->first_observation[j]; o < segment->first_observation[j + 1]; ++o)
+        segment->observation[o].landmark = kDroppedLandmark;
+    }
+    index_observations(segment, 1);
   }
 
   void store_imu(double t0, Segment<double>* segment) {

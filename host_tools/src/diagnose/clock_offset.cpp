@@ -90,14 +90,14 @@ void count_from_recording(const AlignedSessions& aligned, Diagnosis* out) {
 }  // namespace
 
 Diagnosis with_clocks_aligned(const std::vector<Recording>& sessions, const CoreOptions& options,
-                              const std::function<Diagnosis(const std::vector<Recording>&)>& run) {
+                              const RunAligned& run) {
   AlignedSessions aligned = by_stated_offset(sessions, options);
-  Diagnosis out = run(aligned.sessions);
+  Diagnosis out = run(aligned.sessions, "");
   if (!out.lost.empty()) {
     AlignedSessions moved = by_rotation(sessions, options);
     if (moved.searched) {
       aligned = std::move(moved);
-      out = run(aligned.sessions);
+      out = run(aligned.sessions, effect_name);
     }
   }
   if (aligned.offset_s != 0) count_from_recording(aligned, &out);

@@ -25,8 +25,9 @@ using namespace diagnosis;
 
 class Diagnoser {
  public:
-  Diagnoser(const std::vector<Recording>& sessions, const DiagnoseOptions& options)
+  Diagnoser(const std::vector<Recording>& sessions, const std::string& told, const DiagnoseOptions& options)
       : sessions_(sessions),
+        told_(told),
         options_(options),
         has_temperature_(
             std::all_of(sessions.begin(), sessions.end(), [](const Recording& r) { return r.imu.has_temperature; })),
@@ -191,7 +192,7 @@ class Diagnoser {
     if (selection_.accepted.empty() && !evidence_.taken().empty()) fit_plain();  // what was fitted last was dropped
     const CoreModel& weights = evidence_.result().model;
     const JoinedRows joined = [this](const std::vector<std::size_t>& places) { return evidence_.joined(places); };
-    report_gap({selection_, model_.terms, joined, evidence_.sensors(),
+    report_gap({selection_, model_.terms, told_, joined, evidence_.sensors(),
                 noise_floors(selection_.problem.noise, pixels_, out_.raw_noise, weights, out_.noise)},
                &out_);
     begin("structure of the residuals");
@@ -209,6 +210,7 @@ class Diagnoser {
   }
 
   const std::vector<Recording>& sessions_;
+  const std::string& told_;
   const DiagnoseOptions& options_;
   bool has_temperature_;
   SearchedModel model_;
@@ -228,9 +230,10 @@ class Diagnoser {
 
 Diagnosis diagnose(const std::vector<Recording>& sessions, const DiagnoseOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  Diagnosis out = with_clocks_aligned(sessions, options.core, [&options](const std::vector<Recording>& aligned) {
-    return Diagnoser(aligned, options).run();
-  });
+  Diagnosis out = with_clocks_aligned(sessions, options.core,
+                                      [&options](const std::vector<Recording>& aligned, const std::string& told) {
+                                        return Diagnoser(aligned, told, options).run();
+                                      });
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return out;
 }

@@ -65,11 +65,13 @@ std::string why_no_name(const Gap& gap, const Leftover& leftover, bool closes) {
 constexpr const char* kNotConfirmed =
     "with a quarter of the recording held out at a time, the rest mostly does not call for it";
 
-/// Terms without a name claim nothing.
-std::vector<bool> confirmed_effects(const Selection& s, const std::vector<Fold>& folds) {
+/// Terms without a name claim nothing; of an effect that was told before the fit refines the value only.
+std::vector<bool> confirmed_effects(const Selection& s, const std::vector<Fold>& folds, const std::string& told) {
   std::vector<bool> out;
-  for (std::size_t i = 0; i < s.accepted.size(); ++i)
-    out.push_back(s.candidates[s.accepted[i].candidate].name == "unlisted" || folds_confirm(s, folds, i));
+  for (std::size_t i = 0; i < s.accepted.size(); ++i) {
+    const std::string& name = s.candidates[s.accepted[i].candidate].name;
+    out.push_back(name == "unlisted" || name == told || folds_confirm(s, folds, i));
+  }
   return out;
 }
 
@@ -172,7 +174,7 @@ void report_gap(const HeldOut& held_out, Diagnosis* out) {
   out->before.total = (measured.before + rest) * unit;
   out->after.total = (measured.after + rest) * unit;
   out->after_sigma = measured.after_sigma * unit;
-  const std::vector<bool> confirmed = confirmed_effects(s, folds);
+  const std::vector<bool> confirmed = confirmed_effects(s, folds, held_out.told);
   const double open = names ? std::min(1.0, 1 - gap.closed() + unconfirmed_share(s, confirmed)) : 1;
   out->open_excess = gap.before > 0 ? open * out->before.total : 0;
   out->noise_floor.total = gap.floor;

@@ -10,7 +10,8 @@ namespace host::diagnosis {
 struct HeldOut {
   const Selection& selection;
   const std::vector<TermInfo>& terms;
-  JoinedRows joined;  ///< of the last fit
+  const std::string& told;  ///< an effect that needs no folds to be there (clock_offset.h); empty: none
+  JoinedRows joined;        ///< of the last fit
   SensorPieces sensors;
   std::array<Floor, kSensors> floors;  ///< of the sensors' noise; the first is the whole's, too
 };

@@ -65,10 +65,10 @@ struct Tangent {
   explicit Tangent(const Eigen::Vector3d& direction) : e1(direction.unitOrthogonal()), e2(direction.cross(e1)) {}
 };
 
-/// Pixel of a landmark. False where it has no image.
+/// A landmark in the camera, times its inverse distance from the anchor.
 template <class T>
-bool predicted(const CameraCalibration& camera0, const State& state0, const Landmark& landmark0, const T* pose,
-               const T* landmark, const T* camera, Vector2<T>* uv) {
+Vector3<T> in_camera(const CameraCalibration& camera0, const State& state0, const Landmark& landmark0, const T* pose,
+                     const T* landmark, const T* camera) {
   const Tangent tangent(landmark0.direction);
   Vector3<T> m =
       landmark0.direction.cast<T>() + landmark[0] * tangent.e1.cast<T>() + landmark[1] * tangent.e2.cast<T>();
@@ -78,7 +78,14 @@ bool predicted(const CameraCalibration& camera0, const State& state0, const Land
   const Eigen::Quaternion<T> q_GI = state0.q_GI.cast<T>() * turned_by(pose);
   const Eigen::Quaternion<T> q_CI = turned_by(camera) * Eigen::Quaterniond(camera0.R_CI).cast<T>();
   const Vector3<T> from_I = m + rho * (landmark0.anchor.cast<T>() - p_GI);
-  const Vector3<T> h = q_CI * (q_GI.conjugate() * from_I) + rho * Vector3<T>(camera[3], camera[4], camera[5]);
+  return q_CI * (q_GI.conjugate() * from_I) + rho * Vector3<T>(camera[3], camera[4], camera[5]);
+}
+
+/// Pixel of a landmark. False where it has no image.
+template <class T>
+bool predicted(const CameraCalibration& camera0, const State& state0, const Landmark& landmark0, const T* pose,
+               const T* landmark, const T* camera, Vector2<T>* uv) {
+  const Vector3<T> h = in_camera(camera0, state0, landmark0, pose, landmark, camera);
   if (!(h.z() > T(0.17) * h.norm())) return false;  // within 80 degrees of the axis
   const Vector2<T> d = distorted(camera0.model, camera + 10, Vector2<T>(h.x() / h.z(), h.y() / h.z()));
   *uv = Vector2<T>(camera[6] * d.x() + camera[8], camera[7] * d.y() + camera[9]);

@@ -32,6 +32,10 @@ void CeresProblem::fill() {
   points_of_.assign(problem_.landmarks.size(), 0);
   used_points_.resize(problem_.landmarks.size());
   for (const Point& z : problem_.points) points_of_[static_cast<std::size_t>(z.landmark)] += z.rejected ? 0 : 1;
+  depth_prior_.assign(problem_.landmarks.size(), nullptr);
+  first_point_.assign(problem_.landmarks.size(), 0);
+  for (std::size_t i = problem_.points.size(); i-- > 0;)
+    first_point_[static_cast<std::size_t>(problem_.points[i].landmark)] = i;
 }
 
 /// The drift of a point, and its step from the point of the track
@@ -62,6 +66,22 @@ double CeresProblem::drift_variance(std::size_t from, std::size_t to) const {
   return std::pow(problem_.model.track_walk, 2) * 1e-9 * static_cast<double>(time(to) - time(from));
 }
 
+void CeresProblem::add_depth_prior(std::size_t l) {
+  const Landmark& landmark = problem_.landmarks[l];
+  if (landmark.tie) {
+    depth_prior_[l] = ceres_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<TieDepthPrior, 1, kLandmarkSize>(new TieDepthPrior{landmark.prior_sigma}),
+        nullptr, landmark_[l].data());
+    return;
+  }
+  const Point& z = problem_.points[first_point_[l]];
+  const auto k = static_cast<std::size_t>(z.state), c = static_cast<std::size_t>(z.camera);
+  depth_prior_[l] =
+      ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<DepthPrior, 1, kLandmarkSize, kPoseSize, kCameraSize>(
+                                  new DepthPrior{problem_.theta.cameras[c], problem_.states[k], landmark}),
+                              nullptr, landmark_[l].data(), pose_[k].data(), camera_[c].data());
+}
+
 void CeresProblem::add_points() {
   auto* const loss = new ceres::HuberLoss(problem_.model.huber);  // one for all: Ceres deletes it once
   for (std::size_t i = 0; i < problem_.points.size(); ++i) {
@@ -88,10 +108,7 @@ void CeresProblem::add_points() {
   }
   if (image_points_ == 0) delete loss;
   for (std::size_t l = 0; l < landmark_.size(); ++l) {
-    if (!used(l)) continue;
-    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<DepthPrior, 1, kLandmarkSize>(
-                                new DepthPrior{problem_.landmarks[l].prior_sigma}),
-                            nullptr, landmark_[l].data());
+    if (used(l)) add_depth_prior(l);
   }
 }
 

@@ -37,6 +37,8 @@ class CeresProblem {
   using Motion = std::array<double, kMotionSize>;
   void fill();
   void add_points();
+  void add_depth_prior(std::size_t landmark);
+  double depth_prior_slope(std::size_t landmark) const;
   void add_motion();
   void add_priors();
   double prior_share(std::size_t landmark) const;
@@ -54,6 +56,8 @@ class CeresProblem {
   std::vector<std::array<double, kCameraSize>> camera_;
   std::array<double, kImuSize> imu_{};
   std::vector<int> points_of_;
+  std::vector<std::size_t> first_point_;               ///< per landmark
+  std::vector<ceres::ResidualBlockId> depth_prior_;    ///< per landmark that is used
   std::vector<std::array<double, 2>> drift_;           ///< px, per point
   std::vector<int> drift_before_;                      ///< point of the same track before; -1: it begins there
   std::vector<ceres::ResidualBlockId> block_;          ///< per point that is used

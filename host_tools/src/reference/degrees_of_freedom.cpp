@@ -35,11 +35,20 @@ Eigen::MatrixXd CeresProblem::point_covariance(const std::vector<std::size_t>& p
   return C;
 }
 
+/// Of the prior's residual by the landmark's inverse distance.
+double CeresProblem::depth_prior_slope(std::size_t landmark) const {
+  std::vector<double*> parameters;
+  ceres_.GetParameterBlocksForResidualBlock(depth_prior_[landmark], &parameters);
+  double r = 0, J[kLandmarkSize] = {};
+  double* jacobians[3] = {J, nullptr, nullptr};
+  ceres_.GetCostFunctionForResidualBlock(depth_prior_[landmark])->Evaluate(parameters.data(), &r, jacobians);
+  return J[2];
+}
+
 /// Part of what is known of a landmark's inverse distance that
 /// comes from its prior: so much of an unknown is not fitted.
 double CeresProblem::prior_share(std::size_t landmark) const {
-  const double sigma = depth_sigma(landmark_[landmark][2], problem_.landmarks[landmark].prior_sigma);
-  const double prior = 1 / (sigma * sigma);
+  const double slope = depth_prior_slope(landmark), prior = slope * slope;
   const std::vector<std::size_t>& points = used_points_[landmark];
   std::vector<double> weights;
   const auto n = static_cast<Eigen::Index>(points.size());

@@ -31,14 +31,31 @@ ceres::CostFunction* weak_prior(int first, double about, double sigma) {
 /// No landmark is behind the camera, by more than noise does (1/m).
 constexpr double kBehindSigma = 0.05;
 
-/// Of the prior on an inverse distance, `sigma` in front of the camera.
-inline double depth_sigma(double inverse_distance, double sigma) { return inverse_distance < 0 ? kBehindSigma : sigma; }
+/// An inverse distance over its sigma, which is `sigma` in front of the camera.
+template <class T>
+T over_depth_sigma(const T& inverse_distance, double sigma) {
+  return inverse_distance / T(inverse_distance < T(0) ? kBehindSigma : sigma);
+}
 
+/// Of a landmark from the camera that saw it first.
 struct DepthPrior {
-  double sigma;  ///< 1/m, in front of the camera
+  const CameraCalibration& camera0;
+  const State& state0;
+  const Landmark& landmark0;
+  template <class T>
+  bool operator()(const T* landmark, const T* pose, const T* camera, T* residual) const {
+    const Vector3<T> h = in_camera(camera0, state0, landmark0, pose, landmark, camera);
+    residual[0] = over_depth_sigma<T>(landmark[2] / h.norm(), landmark0.prior_sigma);
+    return true;
+  }
+};
+
+/// Of a tie, from its anchor: no segment's camera is the first.
+struct TieDepthPrior {
+  double sigma;  ///< 1/m
   template <class T>
   bool operator()(const T* landmark, T* residual) const {
-    residual[0] = landmark[2] / T(landmark[2] < T(0) ? kBehindSigma : sigma);
+    residual[0] = over_depth_sigma<T>(landmark[2], sigma);
     return true;
   }
 };
@@ -79,8 +96,7 @@ struct ImuPrior {
   }
 };
 
-/// Where the world stands is free but for the priors on inverse distances from fixed anchors
-/// (segments/landmark_guess.h).
+/// Where the world stands is free but for the priors of ties, which count from fixed points (calibration/ties.h).
 struct Gauge {
   const State& state;
   template <class T>

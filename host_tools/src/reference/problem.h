@@ -35,7 +35,8 @@ struct BiasWalk {
 struct Landmark {
   Eigen::Vector3d anchor{0, 0, 0}, direction{0, 0, 1};
   double inverse_distance = 0;  ///< 1/m
-  double prior_sigma = 5;       ///< 1/m, of the weak prior about zero on the inverse distance
+  double prior_sigma = 5;       ///< 1/m, of the weak prior about zero on the inverse distance from the first camera
+  bool tie = false;             ///< of several segments: the prior counts from the anchor
 };
 
 struct Point {

@@ -72,7 +72,8 @@ struct KeptBuilder {
     }
     const bool wide = turned_only && l.tie < 0;
     problem.landmarks.push_back({l.anchor, l.direction, l.inverse_distance,
-                                 wide ? problem.model.turned_inverse_depth_sigma : problem.model.inverse_depth_sigma});
+                                 wide ? problem.model.turned_inverse_depth_sigma : problem.model.inverse_depth_sigma,
+                                 l.tie >= 0});
     return next;
   }
 

@@ -27,15 +27,19 @@ struct Weights {
   Eigen::VectorXd point, step;  ///< 1: as stated; less: off
 };
 
-/// The landmark's image with its direction and inverse distance moved by d.
-Eigen::Vector2d image(const CameraCalibration& camera, const CoreState& x, const CoreLandmark& l,
-                      const Eigen::Vector3d& d) {
+/// The landmark in the camera, times its inverse distance, with that and its direction moved by d.
+Eigen::Vector3d in_camera(const CameraCalibration& camera, const CoreState& x, const CoreLandmark& l,
+                          const Eigen::Vector3d& d) {
   const Eigen::Vector3d e1 = l.direction.unitOrthogonal(), e2 = l.direction.cross(e1);
   const double rho = l.inverse_distance + d(2);
   const Eigen::Vector3d h_G = l.direction + d(0) * e1 + d(1) * e2 + rho * (l.anchor - x.p_GI);
   const Eigen::Quaterniond q_GI(x.q_GI_wxyz(0), x.q_GI_wxyz(1), x.q_GI_wxyz(2), x.q_GI_wxyz(3));
-  const Eigen::Vector3d h = camera.R_CI * (q_GI.conjugate() * h_G) + rho * camera.p_CI;
-  return distort(camera, h.head<2>() / h.z());
+  return camera.R_CI * (q_GI.conjugate() * h_G) + rho * camera.p_CI;
+}
+
+Eigen::Vector2d image(const CameraCalibration& camera, const CoreState& x, const CoreLandmark& l,
+                      const Eigen::Vector3d& d) {
+  return distort(camera, in_camera(camera, x, l, d).hnormalized());
 }
 
 Track track_of(const CoreKept& kept, const std::vector<TrackResidual>& points, const Calibration& calibration,
@@ -58,11 +62,16 @@ Track track_of(const CoreKept& kept, const std::vector<TrackResidual>& points, c
       for (int axis = 0; axis < 2; ++axis) out.J[axis](i, c) = slope(axis);
     }
   }
-  const CoreLandmark& landmark = kept.landmarks[static_cast<std::size_t>(points.front().measured->landmark)];
+  const CorePoint& first = *points.front().measured;
+  const CoreLandmark& landmark = kept.landmarks[static_cast<std::size_t>(first.landmark)];
   const double sigma = landmark.inverse_distance < 0 ? behind_inverse_depth_sigma
                        : kept.turned_only            ? model.turned_inverse_depth_sigma
                                                      : model.inverse_depth_sigma;
-  out.depth_information = 1 / (sigma * sigma);
+  // From the camera of this track: another may have seen the landmark first, a baseline away.
+  const Eigen::Vector3d h =
+      in_camera(calibration.cameras[static_cast<std::size_t>(first.camera)],
+                kept.keyframes[static_cast<std::size_t>(first.keyframe)], landmark, Eigen::Vector3d::Zero());
+  out.depth_information = 1 / (sigma * sigma * h.squaredNorm());
   return out;
 }
 

@@ -396,7 +396,7 @@ typedef struct {
   double huber;                      /* whitened length of an image residual beyond which its cost grows linearly */
   double bias_a_sigma, bias_g_sigma; /* m/s^2, rad/s: prior about zero at the start of a chain of segments */
   double velocity_sigma;             /* m/s: prior about zero on the first keyframe of each segment */
-  double inverse_depth_sigma;        /* 1/m: prior about zero on each landmark */
+  double inverse_depth_sigma;        /* 1/m: prior about zero on each landmark, from the camera that saw it first */
   double turned_inverse_depth_sigma; /* the same in a segment that only turned */
   double track_walk;                 /* px/sqrt(s), per axis: random walk of a corner's error along its track */
 } segcal_model_t;

@@ -39,7 +39,8 @@ class StepPolicy {
     }
     flat_ = cost_ - trial <= S(1e-3) * cost_;
     cost_ = trial;
-    if (turned_back(step, n, sigma)) {
+    // An undamped step that should gain less than this is turned back by rounding.
+    if (turned_back(step, n, sigma) && (!whole || fall > S(options.converged))) {
       damping_ = damping_ > S(0) ? damping_ * S(2) : S(0.01);
     } else {
       damping_ = damping_ < S(0.008) ? S(0) : damping_ * S(0.2);

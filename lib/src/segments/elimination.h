@@ -201,12 +201,11 @@ void SegmentEliminator<S>::add_term(const Term& t, ReducedLayout* layout) {
   layout->add_term(t);
 }
 
-/// 1/m and 1/rad. The gauge: position and rotation about gravity of the first keyframe. Measurements
-/// leave them exactly free; the priors on inverse distances, counted from fixed anchors, do not:
-/// together they pull the world away from near landmarks, by some 2400 (1/m) where a hundred corners
-/// of a floor are 15 cm away (landmark_guess.h). What is held is the position of this iteration, so
-/// that the world creeps by pull / hold^2 with each: with 1e3 (1/m) by millimetres, and a fit does
-/// not settle; with this hold by 0.2 um, and float tells it from the whitened rows (1e5 at most).
+/// 1/m and 1/rad. The gauge: position and rotation about gravity of the first keyframe. Measurements and the priors on
+/// distances from the cameras leave them exactly free; the priors of ties, which count from fixed points, do not: they
+/// pull the world away from near ones, by 2 rho^3 / sigma^2 each (some 24 (1/m) at 15 cm). What is held is the position
+/// of this iteration, so that the world creeps by pull / hold^2 with each: with this hold not at all, and float tells
+/// it from the whitened rows (1e5 at most).
 template <class S>
 constexpr S kGaugeHold = S(1e5);
 

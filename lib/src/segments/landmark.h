@@ -69,34 +69,65 @@ bool reprojection_residual(const CameraCalibration<S>& camera, const Mat3<S>& R_
   return true;
 }
 
+/// A number's derivatives by landmark, pose of the keyframe and extrinsics.
+template <class S>
+struct LandmarkRow {
+  Vec<S, kLandmarkColumns> l;
+  Vec<S, 6> pose, extrinsics;
+};
+
+/// A landmark in a camera, h = R_CG (m + rho (o - c)), and the derivatives of any function of h.
+template <class S>
+struct LandmarkInCamera {
+  const CameraCalibration<S>& camera;
+  const Mat3<S>& R_GI;
+  S rho;
+  Vec3<S> from_I, h_I, rotated, h, e1, e2;
+
+  [[gnu::always_inline]] LandmarkInCamera(const CameraCalibration<S>& in, const Mat3<S>& R, const Vec3<S>& p_GI,
+                                          const Landmark<S>& l)
+      : camera(in),
+        R_GI(R),
+        rho(l.rho),
+        from_I(l.o - p_GI),
+        h_I(R.transpose() * (l.m + l.rho * from_I)),
+        rotated(in.R_CI * h_I),
+        h(rotated + l.rho * in.p_CI) {
+    tangent_basis(l.m, &e1, &e2);
+  }
+
+  [[gnu::always_inline]] LandmarkRow<S> row_by(const Vec3<S>& by_h) const {
+    const Vec3<S> by_I = camera.R_CI.transpose() * by_h;     // by h_I
+    const Vec3<S> by_G = R_GI * by_I;                        // by the bracket in G
+    const Vec3<S> by_turn = cross<S>(by_I, h_I);             // R <- R Exp(d): h_I moves by [h_I]x d
+    const Vec3<S> by_camera_turn = cross<S>(rotated, by_h);  // R_CI <- Exp(d) R_CI: h moves by -[rotated]x d
+    LandmarkRow<S> out;
+    out.l = Vec3<S>(by_G.dot(e1), by_G.dot(e2), by_G.dot(from_I) + by_h.dot(camera.p_CI));
+    for (int c = 0; c < 3; ++c) {
+      out.pose(c) = by_turn(c);
+      out.pose(3 + c) = -rho * by_G(c);
+      out.extrinsics(c) = by_camera_turn(c);
+      out.extrinsics(3 + c) = rho * by_h(c);
+    }
+    return out;
+  }
+};
+
 /// Predicted pixel and its Jacobians at (R_GI, p_GI).
 template <class S>
 bool reprojection_jacobians(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI,
                             const Landmark<S>& l, Vec2<S>* predicted, ReprojectionRows<S>* rows,
                             const ImageTerms<S>& terms = {}) {
-  const Vec3<S> from_I = l.o - p_GI;
-  const Vec3<S> h_I = R_GI.transpose() * (l.m + l.rho * from_I);
-  const Vec3<S> rotated = camera.R_CI * h_I;
-  const Vec3<S> h = rotated + l.rho * camera.p_CI;
+  const LandmarkInCamera<S> at(camera, R_GI, p_GI, l);
   Mat<S, 2, 3> J_h;
   Mat<S, 2, kIntrinsicColumns> J_i;
-  if (!project(camera, h, predicted, &J_h, &J_i, terms, &rows->d)) return false;
-  Vec3<S> e1, e2;
-  tangent_basis(l.m, &e1, &e2);
+  if (!project(camera, at.h, predicted, &J_h, &J_i, terms, &rows->d)) return false;
   for (int i = 0; i < 2; ++i) {
-    const Vec3<S> by_h(J_h(i, 0), J_h(i, 1), J_h(i, 2));
-    const Vec3<S> by_I = camera.R_CI.transpose() * by_h;     // by h_I
-    const Vec3<S> by_G = R_GI * by_I;                        // by the bracket in G
-    const Vec3<S> by_turn = cross<S>(by_I, h_I);             // R <- R Exp(d): h_I moves by [h_I]x d
-    const Vec3<S> by_camera_turn = cross<S>(rotated, by_h);  // R_CI <- Exp(d) R_CI: h moves by -[rotated]x d
-    rows->J_l(i, 0) = by_G.dot(e1);
-    rows->J_l(i, 1) = by_G.dot(e2);
-    rows->J_l(i, 2) = by_G.dot(from_I) + by_h.dot(camera.p_CI);
-    for (int c = 0; c < 3; ++c) {
-      rows->J_pose(i, c) = by_turn(c);
-      rows->J_pose(i, 3 + c) = -l.rho * by_G(c);
-      rows->J_camera(i, c) = by_camera_turn(c);
-      rows->J_camera(i, 3 + c) = l.rho * by_h(c);
+    const LandmarkRow<S> row = at.row_by(Vec3<S>(J_h(i, 0), J_h(i, 1), J_h(i, 2)));
+    for (int c = 0; c < kLandmarkColumns; ++c) rows->J_l(i, c) = row.l(c);
+    for (int c = 0; c < 6; ++c) {
+      rows->J_pose(i, c) = row.pose(c);
+      rows->J_camera(i, c) = row.extrinsics(c);
     }
   }
   rows->J_camera.template rightCols<kIntrinsicColumns>() = J_i;

@@ -9,7 +9,7 @@
 // A tied landmark (calibration/ties.h) stays: its rows are the image points' alone, and stand in the tie's columns.
 #pragma once
 
-#include "segments/exposure.h"
+#include "segments/depth_prior.h"
 #include "segments/reduced_system.h"
 #include "segments/track_noise.h"
 
@@ -60,6 +60,7 @@ class LandmarkBlock {
                        const MeasurementModel<S>& model, const ReducedLayout& layout, const Term* camera_terms,
                        TrackNoise<S>* track);
   void find_keyframes(const Segment<S>& segment, int j, LandmarkFit<S>* fit) const;
+  void write_prior(const DepthPrior<S>& prior, const Calibration<S>& theta, const ReducedLayout& layout);
   /// Rows of the points that have an image; returns their number.
   /// `track`: null, or gathers them, and the rows stay in px.
   int add_points(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
@@ -70,7 +71,7 @@ class LandmarkBlock {
   int first_ = 0;   // column from which on rows are in use
   int column_ = 0;  // of the landmark itself
   ColumnGap gap_;   // counted from first_
-  S depth_sigma_;   // of the prior on the inverse distance, 1/m
+  S prior_;         // information of the inverse distance, with the direction held, that is prior, m^2
   S data_[kLandmarkBlockRows * kLandmarkBlockWidth];
 };
 
@@ -113,6 +114,21 @@ bool LandmarkBlock<S>::add_observation(const Segment<S>& segment, int j, const O
   return true;
 }
 
+/// Row 0.
+template <class S>
+void LandmarkBlock<S>::write_prior(const DepthPrior<S>& prior, const Calibration<S>& theta,
+                                   const ReducedLayout& layout) {
+  const int pose = kLandmarkColumns + layout.pose(prior.keyframe);
+  const int camera = kLandmarkColumns + layout.cameras() + theta.camera_column(prior.camera);
+  for (int c = 0; c < kLandmarkColumns; ++c) own(0)[c] = prior.row.l(c);
+  for (int c = 0; c < 6; ++c) {
+    row(0)[pose + c] = prior.row.pose(c);
+    row(0)[camera + c] = prior.row.extrinsics(c);
+  }
+  row(0)[stride_ - 1] = -prior.r;
+  prior_ = prior.row.l(2) * prior.row.l(2);
+}
+
 /// First and last keyframe of the image points.
 template <class S>
 void LandmarkBlock<S>::find_keyframes(const Segment<S>& segment, int j, LandmarkFit<S>* fit) const {
@@ -136,10 +152,7 @@ LandmarkFit<S> LandmarkBlock<S>::build(const Segment<S>& segment, int j, const C
   gap_.last = kLandmarkColumns + layout.cameras() - first_;
   const int priors = damping > S(0) ? 4 : 1;
   for (int i = 0; i < priors; ++i) clear(i);
-  const S rho = segment.states.landmark[j].rho;
-  depth_sigma_ = model.depth_sigma(rho, segment.wide_depth_prior);
-  own(0)[2] = S(1) / depth_sigma_;
-  row(0)[stride_ - 1] = -rho / depth_sigma_;
+  write_prior(depth_prior(segment, j, segment.states.landmark[j], theta, model), theta, layout);
   for (int i = 1; i < priors; ++i) own(i)[i - 1] = damping;
   rows_ = priors;
   add_observations(segment, j, theta, model, layout, camera_terms, &fit);
@@ -198,8 +211,7 @@ template <class S>
 void LandmarkBlock<S>::eliminate(LandmarkFit<S>* fit) {
   reflect_leading_columns(data_ + first_, rows_, stride_, stride_ - first_, kLandmarkColumns, gap_);
   const S information = own(2)[2] * own(2)[2];
-  const S prior = S(1) / (depth_sigma_ * depth_sigma_);
-  fit->prior_share = information > S(0) && prior < information ? prior / information : S(1);
+  fit->prior_share = information > S(0) && prior_ < information ? prior_ / information : S(1);
 }
 
 template <class S>

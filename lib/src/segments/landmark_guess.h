@@ -15,9 +15,8 @@ namespace SEGCAL_NS {
 // seem to tell about the camera's translation.
 
 /// Segments: a landmark is hardly nearer than 0.15 m. Wider (20 1/m), and tracks with hardly any parallax fit the noise
-/// along a flat valley, as landmarks 6 cm away. Narrower (2 1/m), and n near landmarks, whose inverse distances count
-/// from anchors that stay where they are, pull the map away from them, by 2 n rho^3 / sigma^2, and tell where it is,
-/// with n rho^4 / sigma^2, and so a wrong p_CI.
+/// along a flat valley, as landmarks 6 cm away, where float and double end 0.06 sigma apart. Narrower (1 1/m), and what
+/// is 15 cm away is pulled off its place.
 template <class S>
 constexpr S kSegmentDepthSigma = S(5);
 /// A segment whose images show no translation: a hundred landmarks pulled towards zero together would tell the scale of

@@ -86,8 +86,9 @@ struct Segment {
   std::int32_t t_us[kMaxKeyframes];  ///< keyframe times after t0
   float warmth[kMaxKeyframes];       ///< degC above 25; 0 where the IMU does not tell
   std::uint32_t track_id[kMaxLandmarks];
-  std::uint16_t first_observation[kMaxLandmarks + 1];  ///< observations of landmark j: [first[j], first[j + 1])
-  Observation observation[kMaxObservations];           ///< sorted by landmark once the segment is closed
+  /// Observations of landmark j: [first[j], first[j + 1]), one at least.
+  std::uint16_t first_observation[kMaxLandmarks + 1];
+  Observation observation[kMaxObservations];  ///< sorted by landmark once the segment is closed
   ImuStore<S> imu;
   SegmentStates<S> states;
   SegmentInformation<S> information;

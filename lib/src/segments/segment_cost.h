@@ -13,7 +13,7 @@ S link_cost(const ImuIntegral<S>& I, const State<S>& x0, const State<S>& x1, con
   return whiten_residual(I, model.imu, r, &w) ? w.squaredNorm() : S(0);
 }
 
-/// Cost of the prior on a landmark's inverse distance.
+/// Cost of the prior on a tie's inverse distance, from its fixed point: no segment's camera is the first.
 template <class S>
 S inverse_depth_cost(const Landmark<S>& l, S sigma) {
   const S prior = l.rho / sigma;
@@ -46,7 +46,7 @@ S image_cost(const Segment<S>& segment, int j, const TiedLandmarks& tied, const 
              const MeasurementModel<S>& model) {
   const S inverse_variance = S(1) / (model.pixel_sigma * model.pixel_sigma);
   const Landmark<S>& l = segment.states.landmark[j];
-  S sum = tied.place_of(j) >= 0 ? S(0) : inverse_depth_cost(l, model.depth_sigma(l.rho, segment.wide_depth_prior));
+  S sum = tied.place_of(j) >= 0 ? S(0) : depth_prior_cost(segment, j, l, theta, model);
   if constexpr (kTrackWalk) {
     if (TrackNoise<S>::walks(model)) {
       TrackNoise<S> track;
@@ -64,7 +64,15 @@ S image_cost(const Segment<S>& segment, int j, const TiedLandmarks& tied, const 
   return sum;
 }
 
-/// Marks points of landmark j that are farther than `longest` px from where its track should be.
+/// Would a small step take an image point out of sight?
+template <class S>
+bool at_edge(const Segment<S>& segment, const Observation& z, const Calibration<S>& theta, const Vec3<S>& g) {
+  const Exposure<S> x = exposure_of(segment, z, theta, g, false);
+  const CameraCalibration<S>& camera = theta.camera[z.camera];
+  return !well_inside(camera, homogeneous_in_camera(camera, x.R_GI, x.p_GI, segment.states.landmark[z.landmark]));
+}
+
+/// Marks points of landmark j that are farther than `longest` px from where its track should be, or at the lens' edge.
 template <class S>
 int mark_outliers_of(int j, const Calibration<S>& theta, const MeasurementModel<S>& model, S longest,
                      Segment<S>* segment) {
@@ -76,14 +84,15 @@ int mark_outliers_of(int j, const Calibration<S>& theta, const MeasurementModel<
     Observation& z = segment->observation[o];
     Vec2<S> r;
     const bool seen = point_residual(*segment, z, theta, model.g, segment->states.landmark[j], &r);
-    z.rejected = !seen || track.without_walk(point++).squaredNorm() > longest * longest ? 1 : 0;
+    const bool far = seen && track.without_walk(point++).squaredNorm() > longest * longest;
+    z.rejected = !seen || far || at_edge(*segment, z, theta, model.g) ? 1 : 0;
     marked += z.rejected;
   }
   return marked;
 }
 
-/// Marks image points whose whitened residual is longer than
-/// `limit`, and takes back earlier marks. Returns their number.
+/// Marks image points whose whitened residual is longer than `limit`, and those
+/// at the lens' edge, and takes back earlier marks. Returns their number.
 template <class S>
 int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model, S limit, Segment<S>* segment) {
   int marked = 0;
@@ -100,7 +109,7 @@ int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model,
     Vec2<S> r;
     const bool seen = point_residual(*segment, z, theta, model.g, segment->states.landmark[z.landmark], &r);
     const S longest = limit * model.pixel_sigma;
-    z.rejected = !seen || r.squaredNorm() > longest * longest ? 1 : 0;
+    z.rejected = !seen || r.squaredNorm() > longest * longest || at_edge(*segment, z, theta, model.g) ? 1 : 0;
     marked += z.rejected;
   }
   return marked;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "math/small_solvers.h"
-#include "segments/exposure.h"
+#include "segments/depth_prior.h"
 #include "segments/landmark_guess.h"
 #include "segments/track_noise.h"
 
@@ -108,23 +108,31 @@ bool look_at(const Segment<S>& segment, const Observation& z, const Calibration<
   return true;
 }
 
+/// The row of a landmark that no image shows, thrown off by a step: back along its direction, where its points may be.
+/// What the prior says of the direction is next to nothing, and alone would turn it.
+template <class S>
+void back_to_infinity(const Landmark<S>& l, S* row) {
+  row[0] = row[1] = S(0);
+  row[2] = S(1);
+  row[3] = -l.rho;
+}
+
 /// Robust cost of landmark l, and its normal equations' triangle [3 | rhs] by QR.
 template <class S>
 S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, const MeasurementModel<S>& model,
                 const Landmark<S>& l, S* triangle) {
   const S inverse_sigma = S(1) / model.pixel_sigma;
-  const S depth_sigma = model.depth_sigma(l.rho, segment.wide_depth_prior);
-  const S prior = l.rho / depth_sigma;
-  S cost = prior * prior;
+  const DepthPrior<S> prior = depth_prior(segment, j, l, theta, model);
+  S cost = prior.r * prior.r;
   LandmarkRows<S> rows(triangle);
-  S* row = rows.next();
-  row[0] = row[1] = S(0);
-  row[2] = S(1) / depth_sigma;
-  row[3] = -prior;
+  S* const prior_row = rows.next();
+  for (int c = 0; c < kLandmarkColumns; ++c) prior_row[c] = prior.row.l(c);
+  prior_row[3] = -prior.r;
   Vec3<S> e1, e2;
   tangent_basis(l.m, &e1, &e2);
   WalkingRows<S> walking;
   walking.begin();
+  bool anywhere = false;
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
     if (z.rejected) continue;
@@ -137,14 +145,16 @@ S landmark_cost(const Segment<S>& segment, int j, const Calibration<S>& theta, c
               : robust_term(model, seen ? r.squaredNorm() * inverse_sigma * inverse_sigma : S(1e4));
     cost += robust.cost;
     if (!seen) continue;
+    anywhere = true;
     const S scale = walks ? S(1) : square_root(robust.weight) * inverse_sigma;
     if (walks) walking.add(z.camera, segment.t_us[z.keyframe], r, model);
     for (int i = 0; i < 2; ++i) {
-      row = walks ? walking.row(i) : rows.next();
+      S* const row = walks ? walking.row(i) : rows.next();
       for (int c = 0; c < 3; ++c) row[c] = scale * J(i, c);
       row[3] = -scale * r(i);
     }
   }
+  if (!anywhere) back_to_infinity(l, prior_row);
   if (TrackNoise<S>::walks(model)) cost += walking.move_to(&rows, model);
   rows.fold();
   return cost;

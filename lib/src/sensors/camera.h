@@ -133,6 +133,16 @@ bool distort(const CameraCalibration<S>& camera, const Vec2<S>& xy, Vec2<S>* out
   return true;
 }
 
+/// Does a direction h in C have an image, away from the lens' edge (two degrees inside it for a wide lens)? At
+/// the edge a point leaves the cost in a jump, and a fit that balances there does not settle.
+template <class S>
+[[gnu::cold]] bool well_inside(const CameraCalibration<S>& camera, const Vec3<S>& h) {
+  if (!(h.z() > S(0.2) * square_root(h.squaredNorm()))) return false;
+  const S q = (h.x() * h.x() + h.y() * h.y()) / (h.z() * h.z());
+  const RadialFactor<S> f = radial_factor(camera, q);
+  return f.beta + S(2) * q * f.slope > S(0.07);
+}
+
 /// Projects a homogeneous direction h in C (any positive scale) to pixels; paper, Eq. (landmark_proj).
 /// Optional: J_h (2x3) by h, J_intrinsics (2x8) by fx fy cx cy and the coefficients. `terms` move the distorted point;
 /// `distorted` takes it as it was before.

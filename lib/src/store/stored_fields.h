@@ -79,7 +79,7 @@ struct StoredFields {
       if (s.t_us[k] <= s.t_us[k - 1]) return false;
     }
     for (int j = 0; j < s.n_landmarks; ++j) {
-      if (s.first_observation[j + 1] < s.first_observation[j] || s.first_observation[j + 1] > s.n_observations)
+      if (s.first_observation[j + 1] <= s.first_observation[j] || s.first_observation[j + 1] > s.n_observations)
         return false;
       std::uint64_t images = 0;
       for (int o = s.first_observation[j]; o < s.first_observation[j + 1]; ++o) {

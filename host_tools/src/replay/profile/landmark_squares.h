@@ -73,16 +73,16 @@ class LandmarkSquares {
         }
       }
     }
-    const Eigen::Matrix3d inverse = own_square.inverse();
-    const Eigen::Matrix3d root = Eigen::LLT<Eigen::Matrix3d>(inverse).matrixU();
-    mixed = root * mixed;
+    const Eigen::LLT<Eigen::Matrix3d> own_factor(own_square);
+    own_factor.matrixL().solveInPlace(mixed);
     for (const Index c : to) {
       for (const Index b : to) {
         if (b > c) break;
         (*form)(b, c) -= mixed.col(b).dot(mixed.col(c));
       }
     }
-    return 2 * fit.used - core::kLandmarkColumns + inverse(2, 2) * prior;
+    const double depth_root = own_factor.matrixLLT()(2, 2);
+    return 2 * fit.used - core::kLandmarkColumns + prior / (depth_root * depth_root);
   }
 
   const core::Segment<double>& segment_;
