@@ -86,13 +86,11 @@ struct LandmarkInCamera {
 
   [[gnu::always_inline]] LandmarkInCamera(const CameraCalibration<S>& in, const Mat3<S>& R, const Vec3<S>& p_GI,
                                           const Landmark<S>& l)
-      : camera(in),
-        R_GI(R),
-        rho(l.rho),
-        from_I(l.o - p_GI),
-        h_I(R.transpose() * (l.m + l.rho * from_I)),
-        rotated(in.R_CI * h_I),
-        h(rotated + l.rho * in.p_CI) {
+      : camera(in), R_GI(R), rho(l.rho), from_I(l.o - p_GI) {
+    const Vec3<S> in_G = l.m + l.rho * from_I;
+    h_I = R.transpose() * in_G;
+    rotated = in.R_CI * h_I;
+    h = rotated + l.rho * in.p_CI;
     tangent_basis(l.m, &e1, &e2);
   }
 
