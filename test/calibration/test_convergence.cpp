@@ -64,6 +64,23 @@ void test_only_steps_that_gain_are_damped() {
   TEST_ASSERT_TRUE(damping > 0 && policy.damping() > damping);
 }
 
+/// In float the cost of 3000 is known to 0.006: a damped step that should gain less is no reason to damp more.
+void test_rounding_is_no_reason_to_damp() {
+  const CalibratorOptions options;
+  const float there[1] = {1}, back[1] = {-1}, sigma[1] = {1};
+  for (const float trial : {3000.02f, 3000.0f}) {
+    StepPolicy<float> policy;
+    policy.begin(3010);
+    TEST_ASSERT_FALSE(policy.judge(3000.04f, 20, there, 1, sigma, options));
+    TEST_ASSERT_FALSE(policy.judge(3000.0f, 0.04f, back, 1, sigma, options));
+    TEST_ASSERT_TRUE(policy.damping() > 0);
+    TEST_ASSERT_FALSE(policy.judge(trial, 5e-4f, there, 1, sigma, options));
+    TEST_ASSERT_TRUE(policy.damping() == 0);
+    TEST_ASSERT_TRUE(policy.judge(3000.02f, 3e-5f, there, 1, sigma, options));
+    TEST_ASSERT_TRUE(policy.converged(3e-5f, options));
+  }
+}
+
 /// As if the first steps had been taken the wrong way: two hundredths of the path with the other sign, and landmarks at
 /// infinity. With all of it mirrored, landmarks behind the camera, images are the same but for the lever arm's part.
 void start_the_wrong_way(Segment<double>* segment) {
@@ -123,6 +140,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_a_damped_step_is_not_the_end);
   RUN_TEST(test_a_whole_step_that_gains_nothing_is_the_end);
   RUN_TEST(test_only_steps_that_gain_are_damped);
+  RUN_TEST(test_rounding_is_no_reason_to_damp);
   RUN_TEST(test_no_landmark_goes_behind_the_camera);
   return UNITY_END();
 }

@@ -28,13 +28,10 @@ ceres::CostFunction* weak_prior(int first, double about, double sigma) {
   return new ceres::AutoDiffCostFunction<WeakPrior<Block, N>, N, Block>(f);
 }
 
-/// No landmark is behind the camera, by more than noise does (1/m).
-constexpr double kBehindSigma = 0.05;
-
 /// An inverse distance over its sigma, which is `sigma` in front of the camera.
 template <class T>
 T over_depth_sigma(const T& inverse_distance, double sigma) {
-  return inverse_distance / T(inverse_distance < T(0) ? kBehindSigma : sigma);
+  return inverse_distance / T(inverse_distance < T(0) ? behind_inverse_depth_sigma : sigma);
 }
 
 /// Of a landmark from the camera that saw it first.

@@ -94,7 +94,10 @@ bool Calibrator<S>::reject_outliers_step(S limit) {
   const S scaled = limit * square_root(ratio > S(1) ? ratio : S(1));
   SEGCAL_SLICES(place_) {
     for (i_ = 0; i_ < count_; ++i_) {
-      mark_outliers(theta_, model_, scaled, segment_[i_].get());
+      for (j_ = 0; j_ < segment_[i_]->n_landmarks; j_ += kLandmarksPerSlice) {
+        mark_outliers(theta_, model_, scaled, j_, j_ + kLandmarksPerSlice, segment_[i_].get());
+        SEGCAL_PAUSE(place_);
+      }
       segment_[i_]->wide_depth_prior = !translation_shows(*segment_[i_], theta_, model_);
       SEGCAL_PAUSE(place_);
     }

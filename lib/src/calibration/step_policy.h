@@ -30,9 +30,11 @@ class StepPolicy {
     const S rounding = (std::is_same_v<S, float> ? S(2e-6) : S(1e-13)) * cost_;
     // A damped one should gain little wherever it starts.
     const bool whole = !(damping_ > S(0));
+    // Where a damped one should gain less than rounding, the cost says nothing: the next is a whole one again.
+    const bool lost = !whole && fall < rounding;
     kept_ = trial <= cost_ + rounding;
     if (!kept_) {
-      damping_ = damping_ > S(0) ? damping_ * S(4) : S(0.01);
+      damping_ = lost ? S(0) : whole ? S(0.01) : damping_ * S(4);
       // A step that should gain less than this, and gains nothing,
       // has met the rounding: damping it cannot help.
       return (whole && fall < S(options.converged)) || damping_ > S(1e4);
@@ -41,10 +43,11 @@ class StepPolicy {
     cost_ = trial;
     // An undamped step that should gain less than this is turned back by rounding.
     if (turned_back(step, n, sigma) && (!whole || fall > S(options.converged))) {
-      damping_ = damping_ > S(0) ? damping_ * S(2) : S(0.01);
+      damping_ = whole ? S(0.01) : damping_ * S(2);
     } else {
       damping_ = damping_ < S(0.008) ? S(0) : damping_ * S(0.2);
     }
+    if (lost) damping_ = S(0);
     return whole && flat_ && fall < S(options.settled);
   }
   bool kept() const { return kept_; }

@@ -91,20 +91,24 @@ int mark_outliers_of(int j, const Calibration<S>& theta, const MeasurementModel<
   return marked;
 }
 
-/// Marks image points whose whitened residual is longer than `limit`, and those
-/// at the lens' edge, and takes back earlier marks. Returns their number.
+constexpr int kLandmarksPerSlice = 8;
+
+/// Of landmarks `first` to `most` - 1, as far as there are: marks image points whose whitened residual is longer than
+/// `limit`, and those at the lens' edge, and takes back earlier marks. Returns their number.
 template <class S>
-int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model, S limit, Segment<S>* segment) {
+int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model, S limit, int first, int most,
+                  Segment<S>* segment) {
   int marked = 0;
+  const int end = most < segment->n_landmarks ? most : segment->n_landmarks;
   if constexpr (kTrackWalk) {
     if (TrackNoise<S>::walks(model)) {
-      for (int j = 0; j < segment->n_landmarks; ++j) {
+      for (int j = first; j < end; ++j) {
         marked += mark_outliers_of(j, theta, model, limit * model.pixel_sigma, segment);
       }
       return marked;
     }
   }
-  for (int o = 0; o < segment->n_observations; ++o) {
+  for (int o = segment->first_observation[first]; o < segment->first_observation[end]; ++o) {
     Observation& z = segment->observation[o];
     Vec2<S> r;
     const bool seen = point_residual(*segment, z, theta, model.g, segment->states.landmark[z.landmark], &r);
@@ -113,6 +117,11 @@ int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model,
     marked += z.rejected;
   }
   return marked;
+}
+
+template <class S>
+int mark_outliers(const Calibration<S>& theta, const MeasurementModel<S>& model, S limit, Segment<S>* segment) {
+  return mark_outliers(theta, model, limit, 0, segment->n_landmarks, segment);
 }
 
 /// Cost of what ties the first keyframe down. `link`: integrated from the guest, for Join::imu.
@@ -175,7 +184,6 @@ class CostSteps {
   void restart() { place_ = image_place_ = 0; }
 
  private:
-  static constexpr int kLandmarksPerSlice = 8;
   Place place_ = 0, image_place_ = 0;
   std::int32_t k_ = 0;  // keyframe, then landmark
   S inertial_ = S(0), total_ = S(0);

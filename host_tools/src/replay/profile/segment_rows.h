@@ -25,6 +25,9 @@
 namespace host {
 namespace SEGCAL_NS {
 
+static_assert(behind_inverse_depth_sigma == ::SEGCAL_NS::kBehindDepthSigma<double>,
+              "core.h repeats it for the reference and the noise of tracks");
+
 class SegmentRows {
   using Index = Eigen::Index;
   using MatrixXd = Eigen::MatrixXd;
