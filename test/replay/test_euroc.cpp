@@ -26,6 +26,7 @@ host::ReplayResult replayed(const host::Calibration& start, bool calibrate) {
   host::ReplayOptions options;
   options.core.calibration = start;
   options.core.noise = recording.imu.noise;
+  if (calibrate) options.corner_noise = host::CornerNoise::shown;  // as the command does
   options.calibrate = calibrate;
   return host::replay({recording}, options);
 }

@@ -30,7 +30,7 @@ std::vector<std::string> files_read(int n_cameras) {
 }
 
 const char* name_of(CornerNoise noise) {
-  return noise == CornerNoise::stated ? "stated" : noise == CornerNoise::estimated ? "estimated" : "less_than_stated";
+  return noise == CornerNoise::stated ? "stated" : noise == CornerNoise::estimated ? "estimated" : "shown";
 }
 
 }  // namespace

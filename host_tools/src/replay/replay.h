@@ -11,10 +11,10 @@
 
 namespace host {
 
-/// What corners are weighed by: pixel_sigma and track_walk; what the tracks of a first replay show; or that only where
-/// it is less than stated (is_clearly_less), so that better tracks need not be stated and nothing that a model lacks,
-/// which makes residuals walk, is taken for noise.
-enum class CornerNoise { stated, less_than_stated, estimated };
+/// What corners are weighed by: pixel_sigma and track_walk (stated); what the tracks of a first replay show (shown),
+/// unless these refuse the calibration; or that in any case (estimated). What a model lacks makes residuals walk as
+/// well: with its effects taken for noise, nothing would be left to refuse a calibration for.
+enum class CornerNoise { stated, shown, estimated };
 
 struct ReplayOptions {
   CoreOptions core;

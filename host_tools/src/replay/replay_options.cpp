@@ -79,8 +79,8 @@ void add_model_options(CLI::App* sub, ReplayArguments* a) {
       ->type_name("FILE");
   a->pixel_sigma = sub->add_option("--pixel-sigma", core.pixel_sigma,
                                    "stated noise of a tracked corner per axis, px. Where it is not stated, here or in "
-                                   "--config, and the tracks show clearly less than the default, a second replay "
-                                   "weighs them by what they show")
+                                   "--config, and the tracks show another one than the default or a random walk, a "
+                                   "second replay weighs them by what they show")
                        ->capture_default_str()
                        ->check(CLI::PositiveNumber);
   sub->add_flag(
@@ -93,9 +93,11 @@ void add_model_options(CLI::App* sub, ReplayArguments* a) {
                                   "random walk of a corner's error along its track per axis, px/sqrt(s)")
                       ->capture_default_str()
                       ->check(CLI::Range(0.0, 100.0));
-  sub->add_flag("--estimate-track-noise", a->estimate_track_noise,
-                "replay twice in any case: the second time with the white noise and the random walk estimated from the "
-                "tracks of the first, more or less than the default")
+  sub->add_flag(
+         "--estimate-track-noise", a->estimate_track_noise,
+         "replay twice in any case, also where the first replay refuses the calibration: the second time with the "
+         "white noise and the random walk that the tracks of the first show. What the model lacks may then pass "
+         "for noise")
       ->excludes("--pixel-sigma")
       ->excludes("--track-walk");
   sub->add_option("--enable", a->effects,

@@ -182,4 +182,10 @@ bool is_clearly_less(const TrackNoise& noise, const CoreModel& stated) {
                                  kLess * std::hypot(stated.pixel_sigma, stated.track_walk);
 }
 
+bool differs(const TrackNoise& noise, const CoreModel& stated) {
+  const double enough = 0.2 * std::hypot(stated.pixel_sigma, stated.track_walk);
+  return noise.points > 0 && (std::abs(noise.white_px - stated.pixel_sigma) > enough ||
+                              std::abs(noise.walk_px_per_sqrt_s - stated.track_walk) > enough);
+}
+
 }  // namespace host

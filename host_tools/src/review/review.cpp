@@ -77,7 +77,9 @@ class Review {
   }
 
   void judge_fit() {
-    const std::vector<Suspect> missing = missing_effects(core_, out_, options_.has_temperature);
+    const MissingEffects effects = missing_effects(core_, out_, options_.has_temperature);
+    const std::vector<Suspect>& missing = effects.called;
+    remarks_.insert(remarks_.end(), effects.likely.begin(), effects.likely.end());
     health_.suspects.insert(health_.suspects.end(), missing.begin(), missing.end());
     widen_sigmas();
     if (out_.result.status != "calibrated") return;
