@@ -19,8 +19,9 @@ constexpr double kLevel = -4;  // log10 p of a false suspicion, corrected
 /// real IMUs.
 constexpr int kPooledDof = 5;
 
-/// Moderated by what all values of the recording show (Smyth, "Linear models and empirical Bayes methods", Statistical
-/// Applications in Genetics and Molecular Biology 3, 2004, section 3).
+/// Four segments know the scatter of one value so badly that 30 of its sigmas may be chance. Moderated by what all
+/// values of the recording show (Smyth, "Linear models and empirical Bayes methods", Statistical Applications in
+/// Genetics and Molecular Biology 3, 2004, section 3).
 Scatter moderated(const Scatter& own, double pooled) {
   const int dof = own.dof + kPooledDof;
   return {(own.dof * own.factor + kPooledDof * std::max(1.0, pooled)) / dof, dof};
@@ -32,15 +33,23 @@ double pooled_scatter(const Problem& problem) {
   return scatter_of_segments(problem, each, dispersion(problem, {})).pooled;
 }
 
-/// With the candidate free, the largest movement of a released value, in its stated sigmas.
-void find_bias(const Problem& problem, const Candidate& candidate, const ReplayResult& result, Suspect* out) {
+/// k1, p1, w: with another term of the lens' shape beside it a coefficient stands for something else.
+bool is_lens_shape(const std::string& name) {
+  const std::string last = name.substr(name.find('.') + 1);
+  return name.rfind("cam", 0) == 0 && (last == "w" || (last.size() == 2 && (last[0] == 'k' || last[0] == 'p')));
+}
+
+/// With the candidate free, the largest movement of a released value, in its stated sigmas. No real lens is quite of
+/// its model: without `lens_shape` coefficients of its shape do not count, but what keeps its meaning does.
+void find_bias(const Problem& problem, const Candidate& candidate, const ReplayResult& result, bool lens_shape,
+               Suspect* out) {
   const std::vector<CoreParameter>& p = result.result.parameters;
   const Solution without = solve(with_prior(with_groups(problem.all, problem.n_theta, {}), problem.prior));
   const Solution with =
       solve(with_groups(with_prior(problem.all, problem.prior), problem.n_theta, {candidate.columns}));
   const Eigen::VectorXd moved = printed_by_columns(p) * (with.x.head(problem.n_theta) - without.x);
   for (std::size_t i = 0; i < p.size(); ++i) {
-    if (p[i].verdict == "fixed") continue;
+    if (p[i].verdict == "fixed" || (!lens_shape && is_lens_shape(p[i].name))) continue;
     const double sigmas = std::abs(moved(static_cast<Eigen::Index>(i))) / p[i].sigma;
     if (sigmas <= out->bias_sigmas) continue;
     out->bias_sigmas = sigmas;
@@ -73,20 +82,20 @@ std::string number(const char* format, double value) {
 }
 
 void ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c, std::size_t trials,
-         const ReplayResult& result, MissingEffects* out) {
+         const ReplayResult& result, std::vector<Suspect>* out) {
   const EffectTest test = test_effect(problem, c, {});
   if (test.seen == 0) return;
   const auto log10_p_by = [&test, trials](const Scatter& scatter) {
     return scatter.log10_p(test.statistic, test.seen) + std::log10(static_cast<double>(trials));
   };
   const Scatter own = scatter_over_time(problem, c, {});
-  const bool called = log10_p_by(own) <= kLevel;
-  const double log10_p = log10_p_by(called ? own : moderated(own, pooled_scatter(problem)));
+  const bool by_itself = log10_p_by(own) <= kLevel;
+  const double log10_p = log10_p_by(by_itself ? own : moderated(own, pooled_scatter(problem)));
   if (log10_p > kLevel) return;
   const HalvesTest halves = test_halves(problem, c, {});
   if (halves.log10_p_disagree < decision::kLog10Disagree || halves.gain < decision::kHelps * test.statistic) return;
   Suspect suspect{c.name, test.statistic, log10_p, 0, "", ""};
-  find_bias(problem, c, result, &suspect);
+  find_bias(problem, c, result, by_itself, &suspect);
   suspect.words = c.name + " is not in the model and would explain what is left (";
   for (int i = 0; i < c.columns.count && i < 3; ++i) {
     const TermInfo& t = catalogue.terms[static_cast<std::size_t>(c.columns.first + i)];
@@ -95,18 +104,13 @@ void ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c,
   }
   suspect.words +=
       "); with it " + suspect.moves + " moves by " + number("%.1f", suspect.bias_sigmas) + " sigma: --enable " + c.name;
-  (called ? out->called : out->likely).push_back(std::move(suspect));
-}
-
-void sort_by_statistic(std::vector<Suspect>* suspects) {
-  std::sort(suspects->begin(), suspects->end(),
-            [](const Suspect& a, const Suspect& b) { return a.statistic > b.statistic; });
+  out->push_back(std::move(suspect));
 }
 
 }  // namespace
 
-MissingEffects missing_effects(Core& core, const ReplayResult& result, bool has_temperature) {
-  MissingEffects out;
+std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature) {
+  std::vector<Suspect> out;
   const Catalogue catalogue = not_estimated(core_catalogue(has_temperature), result.result.parameters);
   const auto ask_all = [&](const Catalogue& part) {
     const Problem problem = linearised(core, result, part.terms);
@@ -127,8 +131,7 @@ MissingEffects missing_effects(Core& core, const ReplayResult& result, bool has_
       }
     }
   }
-  sort_by_statistic(&out.called);
-  sort_by_statistic(&out.likely);
+  std::sort(out.begin(), out.end(), [](const Suspect& a, const Suspect& b) { return a.statistic > b.statistic; });
   return out;
 }
 

@@ -9,15 +9,10 @@
 
 namespace host::review {
 
-/// Effects that the calibration's rows ask for: significant after correction for the number of effects, and halves of
-/// the recording agree and help each other.
-struct MissingEffects {
-  std::vector<Suspect> called;  ///< against the scatter of the effect's own value over the segments alone
-  /// Only where the scatter of theta's values says how far values of this recording scatter: four segments know one
-  /// value's scatter so badly that 30 of its sigmas may be chance. Said, and no reason to refuse a calibration.
-  std::vector<Suspect> likely;
-};
-MissingEffects missing_effects(Core& core, const ReplayResult& result, bool has_temperature);
+/// Effects that the calibration's rows ask for: significant after correction for the number of effects and against the
+/// scatter of their own value over the segments, or, where few segments hardly know that, against the scatter of all
+/// values; halves of the recording agree and help each other.
+std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature);
 
 /// The most that one of them moves a released value by, in its sigmas.
 double most_moved(const std::vector<Suspect>& suspects);

@@ -77,9 +77,7 @@ class Review {
   }
 
   void judge_fit() {
-    const MissingEffects effects = missing_effects(core_, out_, options_.has_temperature);
-    const std::vector<Suspect>& missing = effects.called;
-    remarks_.insert(remarks_.end(), effects.likely.begin(), effects.likely.end());
+    const std::vector<Suspect> missing = missing_effects(core_, out_, options_.has_temperature);
     health_.suspects.insert(health_.suspects.end(), missing.begin(), missing.end());
     widen_sigmas();
     if (out_.result.status != "calibrated") return;
