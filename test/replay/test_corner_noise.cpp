@@ -101,7 +101,7 @@ void test_what_is_refused_stays_refused() {
   const host::SimulationResult s = session(0.1, 0.9, "gyro_nonlinearity=2e-3,0,0");
   const ReplayResult kept = replayed(s, CornerNoise::shown, "mobile", true);
   TEST_ASSERT_EQUAL_STRING("failed", kept.result.status.c_str());
-  TEST_ASSERT_EQUAL_STRING("gyro_nonlinearity", kept.health.suspects.front().name.c_str());
+  TEST_ASSERT_EQUAL_STRING("gyro_nonlinearity", kept.health.suspects.at(0).name.c_str());
   TEST_ASSERT_TRUE(host::differs(kept.track_noise, kept.model));
   TEST_ASSERT_FALSE(kept.weighed_by_tracks);
   const ReplayResult r = replayed(s, CornerNoise::estimated, "mobile", true);

@@ -1,8 +1,8 @@
 // What corners are weighed by, and the second replay by what their tracks show.
-#include <algorithm>
 #include <cmath>
 
 #include "replay/replay.h"
+#include "review/take_back.h"
 
 namespace host {
 namespace {
@@ -12,17 +12,9 @@ namespace {
 bool asks_again(CornerNoise noise, const ReplayResult& first) {
   const TrackNoise& found = first.track_noise;
   if (noise == CornerNoise::stated || found.points == 0) return false;
-  if (noise == CornerNoise::estimated || is_clearly_less(found, first.model)) return true;
-  return first.result.status == "calibrated" && differs(found, first.model);
-}
-
-/// Suspects of the first replay that the second no longer shows: noise hides what moves the answer little.
-void keep_suspects(const ReplayResult& first, ReplayResult* second) {
-  std::vector<Suspect>& kept = second->health.suspects;
-  for (const Suspect& s : first.health.suspects) {
-    const auto same = [&s](const Suspect& other) { return other.name == s.name; };
-    if (std::none_of(kept.begin(), kept.end(), same)) kept.push_back(s);
-  }
+  const std::string& status = first.result.status;
+  if (noise == CornerNoise::estimated || (is_clearly_less(found, first.model) && status != "failed")) return true;
+  return status == "calibrated" && differs(found, first.model);
 }
 
 }  // namespace
@@ -37,7 +29,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   second.core.track_walk = walks ? found.walk_px_per_sqrt_s : 0;
   ReplayResult out = replay_as_stated(sessions, second);
   out.weighed_by_tracks = true;
-  keep_suspects(first, &out);
+  review::keep_suspects(first, &out);
   return out;
 }
 

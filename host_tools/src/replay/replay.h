@@ -78,7 +78,7 @@ struct Health {
   double segment_scatter = 1;        ///< variance of what the segments say, over what stated noise leaves; 1: as stated
   double step_chi2 = 0;              ///< of the step from the start by the prior's sigmas
   int step_dof = 0;
-  std::vector<Suspect> suspects;  ///< faults, then effects, the largest statistic first
+  std::vector<Suspect> suspects;  ///< faults, then effects, the largest statistic first; remarks; a first replay's
   std::vector<Note> notes;        ///< on noise and gravity
 };
 

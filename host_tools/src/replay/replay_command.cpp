@@ -108,7 +108,7 @@ void apply_config(ReplayArguments* a, std::vector<Recording>* sessions) {
   for (Recording& session : *sessions) session.imu.noise = a->replay.core.noise;
 }
 
-/// Without a word about corners their tracks have the word. A device does not replay, and a state goes on.
+/// Without a word about corners their tracks decide. A device does not replay, and a state goes on.
 CornerNoise corner_noise_of(const ReplayArguments& a, bool of_device) {
   if (a.estimate_track_noise) return CornerNoise::estimated;
   const bool stated = a.states_corner_noise || a.pixel_sigma->count() > 0 || a.track_walk->count() > 0;

@@ -79,7 +79,7 @@ void add_model_options(CLI::App* sub, ReplayArguments* a) {
       ->type_name("FILE");
   a->pixel_sigma = sub->add_option("--pixel-sigma", core.pixel_sigma,
                                    "stated noise of a tracked corner per axis, px. Where it is not stated, here or in "
-                                   "--config, and the tracks show another one than the default or a random walk, a "
+                                   "--config, and the tracks show noise other than the default, or a random walk, a "
                                    "second replay weighs them by what they show")
                        ->capture_default_str()
                        ->check(CLI::PositiveNumber);

@@ -183,7 +183,9 @@ bool is_clearly_less(const TrackNoise& noise, const CoreModel& stated) {
 }
 
 bool differs(const TrackNoise& noise, const CoreModel& stated) {
-  const double enough = 0.2 * std::hypot(stated.pixel_sigma, stated.track_walk);
+  const double total = std::hypot(stated.pixel_sigma, stated.track_walk), enough = 0.2 * total;
+  if (!stated.weighs_walks)
+    return noise.points > 0 && std::abs(std::hypot(noise.white_px, noise.walk_px_per_sqrt_s) - total) > enough;
   return noise.points > 0 && (std::abs(noise.white_px - stated.pixel_sigma) > enough ||
                               std::abs(noise.walk_px_per_sqrt_s - stated.track_walk) > enough);
 }

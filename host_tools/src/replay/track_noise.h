@@ -22,7 +22,8 @@ TrackNoise estimate_track_noise(const std::vector<CoreKept>& kept, const Calibra
 
 /// Of an error after a second, a fifth less than stated: sigmas would be a quarter too large.
 bool is_clearly_less(const TrackNoise& noise, const CoreModel& stated);
-/// In one of the two by a fifth of what an error after a second is stated to be.
+/// In one of the two by a fifth of what an error after a second is stated to be; without walks in the model in that
+/// error.
 bool differs(const TrackNoise& noise, const CoreModel& stated);
 
 }  // namespace host

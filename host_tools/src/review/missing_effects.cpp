@@ -19,7 +19,8 @@ constexpr double kLevel = -4;  // log10 p of a false suspicion, corrected
 /// real IMUs.
 constexpr int kPooledDof = 5;
 
-/// Four segments know the scatter of one value so badly that 30 of its sigmas may be chance. Moderated by what all
+/// Asked beside the scatter of the value alone, so that a false suspicion is twice as likely as kLevel at most: four
+/// segments know the scatter of one value so badly that 30 of its sigmas may be chance. Moderated by what all
 /// values of the recording show (Smyth, "Linear models and empirical Bayes methods", Statistical Applications in
 /// Genetics and Molecular Biology 3, 2004, section 3).
 Scatter moderated(const Scatter& own, double pooled) {
@@ -95,13 +96,15 @@ void ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c,
   const HalvesTest halves = test_halves(problem, c, {});
   if (halves.log10_p_disagree < decision::kLog10Disagree || halves.gain < decision::kHelps * test.statistic) return;
   Suspect suspect{c.name, test.statistic, log10_p, 0, "", ""};
-  find_bias(problem, c, result, by_itself, &suspect);
+  const bool bends_lens = c.name == "radial_residual" || c.name == "tangential_residual";
+  find_bias(problem, c, result, by_itself || !bends_lens, &suspect);
   suspect.words = c.name + " is not in the model and would explain what is left (";
   for (int i = 0; i < c.columns.count && i < 3; ++i) {
     const TermInfo& t = catalogue.terms[static_cast<std::size_t>(c.columns.first + i)];
     suspect.words += (i > 0 ? ", " : "") + t.name + " " + number("%.3g", test.value(i)) + " +- " +
                      number("%.1g ", test.sigma(i)) + t.unit;
   }
+  if (bends_lens) suspect.words += "; the lens' own coefficients stand for something else beside it";
   suspect.words +=
       "); with it " + suspect.moves + " moves by " + number("%.1f", suspect.bias_sigmas) + " sigma: --enable " + c.name;
   out->push_back(std::move(suspect));

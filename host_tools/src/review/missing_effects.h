@@ -10,8 +10,8 @@
 namespace host::review {
 
 /// Effects that the calibration's rows ask for: significant after correction for the number of effects and against the
-/// scatter of their own value over the segments, or, where few segments hardly know that, against the scatter of all
-/// values; halves of the recording agree and help each other.
+/// scatter of their own value over the segments, or against that moderated by the scatter of all values, which tells
+/// more where segments are few; halves of the recording agree and help each other.
 std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature);
 
 /// The most that one of them moves a released value by, in its sigmas.

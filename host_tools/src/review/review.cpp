@@ -15,14 +15,12 @@
 #include "review/missing_effects.h"
 #include "review/segment_scatter.h"
 #include "review/stated.h"
+#include "review/take_back.h"
 
 namespace host::review {
 namespace {
 
 constexpr double kImplausible = -6;  // log10 p of the step from the start
-constexpr double kMostBias = 3;      // sigmas that a missing effect may move a released value by
-// The same of a step of a bias: chance moves one of 26 entries by 3 more, which makes 5.
-constexpr double kMostStepBias = 2;
 constexpr SEGCAL_NS::ReleaseRules<double> kRelease;
 
 /// chi2/dof beyond which residuals are not the stated noise made larger (a factor of two), but something else: drones,
@@ -35,6 +33,8 @@ constexpr double kMostRatio = 4;
 constexpr double kMostScatter = 25;
 const char* const kOneSegment =
     "one segment alone cannot show whether what is left in it is noise: two that agree are needed";
+
+bool moves_less(const Suspect& a, const Suspect& b) { return a.bias_sigmas < b.bias_sigmas; }
 
 class Review {
  public:
@@ -86,7 +86,8 @@ class Review {
     if (out_.result.chi2 > kMostRatio * out_.result.dof) return refuse("failed", "");
     const std::string step = implausible_step();
     if (!step.empty()) return refuse("failed", step);
-    if (most_moved(missing) > kMostBias) return refuse("failed", missing.front().words);
+    if (most_moved(missing) > kMostBias)
+      return refuse("failed", std::max_element(missing.begin(), missing.end(), moves_less)->words);
     if (!segments_followed(out_.segments)) return refuse("insufficient", followed_words(out_.segments));
     if (health_.segment_scatter > kMostScatter)
       return refuse("insufficient",
@@ -166,11 +167,7 @@ class Review {
         p[which].name.c_str(), p[which].initial, p[which].value, largest, sum, n);
   }
 
-  void refuse(const char* status, const std::string& why) {
-    out_.result.status = status;
-    out_.calibration = out_.start;
-    out_.cause = why;
-  }
+  void refuse(const char* status, const std::string& why) { take_back(status, why, &out_); }
 
   /// Why there is no calibration, the most certain reason first.
   std::string reason() const {

@@ -1,0 +1,20 @@
+// What takes `calibrated` back where something would move a released value, also what only an earlier replay has shown.
+#pragma once
+
+#include "replay/replay.h"
+
+namespace host::review {
+
+constexpr double kMostBias = 3;  ///< sigmas that a missing effect may move a released value by
+/// The same of a step of a bias: chance moves one of 26 entries by 3 more, which makes 5.
+constexpr double kMostStepBias = 2;
+
+/// Everything as it was, and why.
+void take_back(const char* status, const std::string& why, ReplayResult* out);
+
+/// Takes over what the review of an earlier replay of the same recordings suspects and this one no longer shows: noise
+/// hides what moves the answer little, and a step of a bias is not looked for where tracks walk. What it moves counts
+/// in the sigmas of now, and takes `calibrated` back as above.
+void keep_suspects(const ReplayResult& earlier, ReplayResult* now);
+
+}  // namespace host::review
