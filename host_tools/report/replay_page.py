@@ -127,8 +127,8 @@ def residual_fields(data):
 
 def track_drift(result, data):
     return drawn("Drift along tracks", lambda of: image_figures.track_drift(of, result.get("noise") or {}), data,
-                 note("Between two points of a track, per axis. Flat: white noise. Rising: the tracker drifts; segcal replay weighs corners by that, unless their "
-                      "noise is stated. Fitting landmarks and poses takes part of it away, the more the longer the lag."))
+                 note("Between two points of a track, per axis. Flat: white noise. Rising: the tracker drifts; segcal replay weighs corners by that where "
+                      "nobody states their noise. Fitting landmarks and poses takes part of it away, the more the longer the lag."))
 
 
 def render(name, result, data, lines):

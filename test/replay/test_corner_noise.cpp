@@ -106,6 +106,7 @@ void test_what_is_refused_stays_refused() {
   TEST_ASSERT_FALSE(kept.weighed_by_tracks);
   const ReplayResult r = replayed(s, CornerNoise::estimated, "mobile", true);
   TEST_ASSERT_TRUE(r.weighed_by_tracks);
+  TEST_ASSERT_EQUAL_STRING("failed", r.result.status.c_str());  // what has a name is not noise
 }
 
 /// Profile mcu is built without walks along tracks: all of it counts as white.
@@ -119,6 +120,39 @@ void test_a_profile_without_walks() {
   TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.224, r.model.pixel_sigma);
 }
 
+/// The rule alone, by what a first replay with 0.5 px can end with.
+void test_when_it_asks_again() {
+  struct Case {
+    CornerNoise noise;
+    const char* status;
+    double white, walk;
+    bool weighs_walks, again;
+  };
+  for (const Case& c : {
+           Case{CornerNoise::stated, "calibrated", 0.1, 0.9, true, false},
+           Case{CornerNoise::shown, "calibrated", 0.45, 0.05, true, false},
+           Case{CornerNoise::shown, "calibrated", 0.3, 0.4, true, true},
+           Case{CornerNoise::shown, "calibrated", 0.3, 0.4, false, false},  // 0.5 px in all, and no walk to tell apart
+           Case{CornerNoise::shown, "calibrated", 0.1, 0.9, false, true},
+           Case{CornerNoise::shown, "insufficient", 0.1, 0.9, true, false},
+           Case{CornerNoise::shown, "insufficient", 0.1, 0.1, true, true},
+           Case{CornerNoise::shown, "failed", 0.1, 0.1, true, false},
+           Case{CornerNoise::estimated, "failed", 0.1, 0.9, true, true},
+       }) {
+    ReplayResult first;
+    first.result.status = c.status;
+    first.model.pixel_sigma = 0.5;
+    first.model.track_walk = 0;
+    first.model.weighs_walks = c.weighs_walks;
+    first.track_noise = {c.white, c.walk, 1000};
+    char id[80];
+    std::snprintf(id, sizeof id, "%s, %.2f px, %.2f px/sqrt(s), walks %d", c.status, c.white, c.walk, c.weighs_walks);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(c.again, host::asks_again(c.noise, first), id);
+    first.track_noise.points = 0;
+    TEST_ASSERT_FALSE_MESSAGE(host::asks_again(c.noise, first), id);
+  }
+}
+
 }  // namespace
 
 int main() {
@@ -127,6 +161,7 @@ int main() {
   RUN_TEST(test_tracks_as_stated);
   RUN_TEST(test_worse_tracks_are_found_out);
   RUN_TEST(test_tracks_that_drift_are_found_out);
+  RUN_TEST(test_when_it_asks_again);
   RUN_TEST(test_what_is_refused_stays_refused);
   RUN_TEST(test_a_profile_without_walks);
   return UNITY_END();

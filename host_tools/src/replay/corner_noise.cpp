@@ -5,10 +5,6 @@
 #include "review/take_back.h"
 
 namespace host {
-namespace {
-
-/// What was refused with the noise of use stays refused: by the noise that residuals show, all residuals are as
-/// expected.
 bool asks_again(CornerNoise noise, const ReplayResult& first) {
   const TrackNoise& found = first.track_noise;
   if (noise == CornerNoise::stated || found.points == 0) return false;
@@ -16,8 +12,6 @@ bool asks_again(CornerNoise noise, const ReplayResult& first) {
   if (noise == CornerNoise::estimated || (is_clearly_less(found, first.model) && status != "failed")) return true;
   return status == "calibrated" && differs(found, first.model);
 }
-
-}  // namespace
 
 ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions& options) {
   ReplayResult first = replay_as_stated(sessions, options);

@@ -125,6 +125,10 @@ std::vector<DeviceCall> calls_of(const Recording& recording, const std::vector<R
 /// Replays the recordings one after the other, each as a session of the same device; twice, where options.corner_noise
 /// asks for it.
 ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions& options);
+/// Whether another replay should weigh corners by what the tracks of the first show. By the noise that residuals show
+/// all residuals are as expected: with `shown`, a fit that failed with the noise of use stays failed, and what was
+/// refused for another reason stays so, unless the tracks show clearly less noise, with which they may tell enough.
+bool asks_again(CornerNoise noise, const ReplayResult& first);
 /// Once, with corners weighed by options.core.
 ReplayResult replay_as_stated(const std::vector<Recording>& sessions, const ReplayOptions& options);
 

@@ -96,8 +96,8 @@ void add_model_options(CLI::App* sub, ReplayArguments* a) {
   sub->add_flag(
          "--estimate-track-noise", a->estimate_track_noise,
          "replay twice in any case, also where the first replay refuses the calibration: the second time with the "
-         "white noise and the random walk that the tracks of the first show. What the model lacks may then pass "
-         "for noise")
+         "white noise and the random walk that the tracks of the first show. An effect "
+         "that the first one names still counts, one without a name may pass for noise")
       ->excludes("--pixel-sigma")
       ->excludes("--track-walk");
   sub->add_option("--enable", a->effects,

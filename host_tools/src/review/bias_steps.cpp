@@ -131,7 +131,9 @@ std::optional<reference::Problem> problem_at(const ReplayResult& result) {
   if (kept.segments.empty()) return {};
   reference::Problem problem = reference::problem_of(kept);
   problem.theta = result.calibration;
-  problem.model.track_walk = 0;  // a track's drift is slow, and its states would be as many as its points
+  // A track's drift would have as many states as the track has points: all of its error after a second counts as white.
+  problem.model.pixel_sigma = std::hypot(problem.model.pixel_sigma, problem.model.track_walk);
+  problem.model.track_walk = 0;
   if (kept.effects.empty()) return problem;
   const auto of_imu = [](const std::string& name) { return name.rfind("gyro", 0) == 0 || name.rfind("accel", 0) == 0; };
   if (kept.model.track_walk > 0 || std::any_of(kept.effects.begin(), kept.effects.end(), of_imu) ||

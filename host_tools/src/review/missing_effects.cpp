@@ -19,10 +19,10 @@ constexpr double kLevel = -4;  // log10 p of a false suspicion, corrected
 /// real IMUs.
 constexpr int kPooledDof = 5;
 
-/// Asked beside the scatter of the value alone, so that a false suspicion is twice as likely as kLevel at most: four
-/// segments know the scatter of one value so badly that 30 of its sigmas may be chance. Moderated by what all
+/// Four segments know the scatter of one value so badly that 30 of its sigmas may be chance: moderated by what all
 /// values of the recording show (Smyth, "Linear models and empirical Bayes methods", Statistical Applications in
-/// Genetics and Molecular Biology 3, 2004, section 3).
+/// Genetics and Molecular Biology 3, 2004, section 3). Asked beside the scatter of the value alone, so that a false
+/// suspicion is twice as likely as kLevel at most.
 Scatter moderated(const Scatter& own, double pooled) {
   const int dof = own.dof + kPooledDof;
   return {(own.dof * own.factor + kPooledDof * std::max(1.0, pooled)) / dof, dof};
@@ -39,6 +39,8 @@ bool is_lens_shape(const std::string& name) {
   const std::string last = name.substr(name.find('.') + 1);
   return name.rfind("cam", 0) == 0 && (last == "w" || (last.size() == 2 && (last[0] == 'k' || last[0] == 'p')));
 }
+
+bool bends_lens(const std::string& effect) { return effect == "radial_residual" || effect == "tangential_residual"; }
 
 /// With the candidate free, the largest movement of a released value, in its stated sigmas. No real lens is quite of
 /// its model: without `lens_shape` coefficients of its shape do not count, but what keeps its meaning does.
@@ -96,15 +98,14 @@ void ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c,
   const HalvesTest halves = test_halves(problem, c, {});
   if (halves.log10_p_disagree < decision::kLog10Disagree || halves.gain < decision::kHelps * test.statistic) return;
   Suspect suspect{c.name, test.statistic, log10_p, 0, "", ""};
-  const bool bends_lens = c.name == "radial_residual" || c.name == "tangential_residual";
-  find_bias(problem, c, result, by_itself || !bends_lens, &suspect);
+  find_bias(problem, c, result, by_itself || !bends_lens(c.name), &suspect);
   suspect.words = c.name + " is not in the model and would explain what is left (";
   for (int i = 0; i < c.columns.count && i < 3; ++i) {
     const TermInfo& t = catalogue.terms[static_cast<std::size_t>(c.columns.first + i)];
     suspect.words += (i > 0 ? ", " : "") + t.name + " " + number("%.3g", test.value(i)) + " +- " +
                      number("%.1g ", test.sigma(i)) + t.unit;
   }
-  if (bends_lens) suspect.words += "; the lens' own coefficients stand for something else beside it";
+  if (bends_lens(c.name)) suspect.words += "; the lens' own coefficients stand for something else beside it";
   suspect.words +=
       "); with it " + suspect.moves + " moves by " + number("%.1f", suspect.bias_sigmas) + " sigma: --enable " + c.name;
   out->push_back(std::move(suspect));
@@ -138,10 +139,9 @@ std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, boo
   return out;
 }
 
-double most_moved(const std::vector<Suspect>& suspects) {
-  double out = 0;
-  for (const Suspect& s : suspects) out = std::max(out, s.bias_sigmas);
-  return out;
+const Suspect* most_moving(const std::vector<Suspect>& suspects) {
+  const auto less = [](const Suspect& a, const Suspect& b) { return a.bias_sigmas < b.bias_sigmas; };
+  return suspects.empty() ? nullptr : &*std::max_element(suspects.begin(), suspects.end(), less);
 }
 
 }  // namespace host::review

@@ -14,7 +14,7 @@ namespace host::review {
 /// more where segments are few; halves of the recording agree and help each other.
 std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature);
 
-/// The most that one of them moves a released value by, in its sigmas.
-double most_moved(const std::vector<Suspect>& suspects);
+/// The one that moves a released value by most of its sigmas; null without any.
+const Suspect* most_moving(const std::vector<Suspect>& suspects);
 
 }  // namespace host::review

@@ -34,7 +34,11 @@ constexpr double kMostScatter = 25;
 const char* const kOneSegment =
     "one segment alone cannot show whether what is left in it is noise: two that agree are needed";
 
-bool moves_less(const Suspect& a, const Suspect& b) { return a.bias_sigmas < b.bias_sigmas; }
+/// The effect that refuses a calibration; null: none does.
+const Suspect* refusing(const std::vector<Suspect>& missing) {
+  const Suspect* const most = most_moving(missing);
+  return most && most->bias_sigmas > kMostBias ? most : nullptr;
+}
 
 class Review {
  public:
@@ -86,8 +90,7 @@ class Review {
     if (out_.result.chi2 > kMostRatio * out_.result.dof) return refuse("failed", "");
     const std::string step = implausible_step();
     if (!step.empty()) return refuse("failed", step);
-    if (most_moved(missing) > kMostBias)
-      return refuse("failed", std::max_element(missing.begin(), missing.end(), moves_less)->words);
+    if (const Suspect* const effect = refusing(missing)) return refuse("failed", effect->words);
     if (!segments_followed(out_.segments)) return refuse("insufficient", followed_words(out_.segments));
     if (health_.segment_scatter > kMostScatter)
       return refuse("insufficient",
@@ -112,7 +115,7 @@ class Review {
     const bool second = !missing.empty() && missing.front().statistic > step->statistic;
     const std::size_t place = second ? faults_ + missing.size() : faults_;
     health_.suspects.insert(health_.suspects.begin() + static_cast<std::ptrdiff_t>(place), *step);
-    const bool effect_refuses = second && most_moved(missing) > kMostBias;
+    const bool effect_refuses = second && refusing(missing);
     return !effect_refuses && step->bias_sigmas > kMostStepBias ? step->words : "";
   }
 
