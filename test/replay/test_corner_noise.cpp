@@ -120,6 +120,17 @@ void test_a_profile_without_walks() {
   TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.224, r.model.pixel_sigma);
 }
 
+/// Tracks without noise are not believed; others are weighed by what they show.
+void test_no_corner_is_known_better_than_a_tenth() {
+  const host::TrackNoise exact = host::to_weigh_by({0.05, 0.03, 1000});
+  TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.05, exact.white_px);
+  TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.0866, exact.walk_px_per_sqrt_s);  // sqrt(0.1^2 - 0.05^2)
+  for (const auto& [white, walk] : {std::pair{0.2, 0.0}, {0.05, 0.5}, {0.1, 0.02}}) {
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, white, host::to_weigh_by({white, walk, 1000}).white_px);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, walk, host::to_weigh_by({white, walk, 1000}).walk_px_per_sqrt_s);
+  }
+}
+
 /// The rule alone, by what a first replay with 0.5 px can end with.
 void test_when_it_asks_again() {
   struct Case {
@@ -161,6 +172,7 @@ int main() {
   RUN_TEST(test_tracks_as_stated);
   RUN_TEST(test_worse_tracks_are_found_out);
   RUN_TEST(test_tracks_that_drift_are_found_out);
+  RUN_TEST(test_no_corner_is_known_better_than_a_tenth);
   RUN_TEST(test_when_it_asks_again);
   RUN_TEST(test_what_is_refused_stays_refused);
   RUN_TEST(test_a_profile_without_walks);

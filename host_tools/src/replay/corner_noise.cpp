@@ -5,6 +5,7 @@
 #include "review/take_back.h"
 
 namespace host {
+
 bool asks_again(CornerNoise noise, const ReplayResult& first) {
   const TrackNoise& found = first.track_noise;
   if (noise == CornerNoise::stated || found.points == 0) return false;
@@ -16,7 +17,7 @@ bool asks_again(CornerNoise noise, const ReplayResult& first) {
 ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions& options) {
   ReplayResult first = replay_as_stated(sessions, options);
   if (!asks_again(options.corner_noise, first)) return first;
-  const TrackNoise& found = first.track_noise;
+  const TrackNoise found = to_weigh_by(first.track_noise);
   ReplayOptions second = options;
   const bool walks = first.model.weighs_walks;  // else all of it counts as white: what an error is after a second
   second.core.pixel_sigma = walks ? found.white_px : std::hypot(found.white_px, found.walk_px_per_sqrt_s);

@@ -176,6 +176,12 @@ TrackNoise estimate_track_noise(const std::vector<CoreKept>& kept, const Calibra
   return noise;
 }
 
+TrackNoise to_weigh_by(const TrackNoise& shown) {
+  constexpr double kLeast_px = 0.1;
+  const double white2 = shown.white_px * shown.white_px, least_walk2 = kLeast_px * kLeast_px - white2;
+  return {shown.white_px, std::max(shown.walk_px_per_sqrt_s, std::sqrt(std::max(0.0, least_walk2))), shown.points};
+}
+
 bool is_clearly_less(const TrackNoise& noise, const CoreModel& stated) {
   constexpr double kLess = 0.8;
   return noise.points > 0 && std::hypot(noise.white_px, noise.walk_px_per_sqrt_s) <

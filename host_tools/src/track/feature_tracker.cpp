@@ -1,6 +1,7 @@
 #include "feature_tracker.h"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/video/tracking.hpp>
 
 #include "outlier_rejection.h"
@@ -49,9 +50,9 @@ std::vector<bool> tracked_there_and_back(const std::vector<cv::Mat>& from, const
   return good;
 }
 
-FeatureTracker::FeatureTracker(const CameraCalibration& camera, const TrackerOptions& options,
+FeatureTracker::FeatureTracker(const CameraCalibration& camera, double bend, const TrackerOptions& options,
                                std::shared_ptr<std::uint32_t> next_id)
-    : camera_(camera), options_(options), next_id_(std::move(next_id)) {
+    : camera_(camera), lens_(camera.width, camera.height, bend), options_(options), next_id_(std::move(next_id)) {
   if (options.equalise) equaliser_ = cv::createCLAHE(2.0, cv::Size(8, 8));
 }
 
@@ -119,9 +120,10 @@ bool FeatureTracker::align(Track& track, const cv::Point2f& before, const cv::Ma
 }
 
 void FeatureTracker::reject_outliers(const std::vector<cv::Point2f>& before) {
-  std::vector<cv::Point2f> after;
-  for (const Track& track : tracks_) after.push_back(track.point);
-  const std::vector<bool> inlier = epipolar_inliers(camera_, before, camera_, after, options_.max_epipolar_px);
+  if (!std::isfinite(options_.max_epipolar_px)) return;  // all are wanted
+  Correspondences corners{before, {}};
+  for (const Track& track : tracks_) corners.after.push_back(track.point);
+  const std::vector<bool> inlier = epipolar_inliers(lens_, lens_, corners, options_.max_epipolar_px);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < tracks_.size(); ++i)
     if (inlier[i]) tracks_[kept++] = tracks_[i];

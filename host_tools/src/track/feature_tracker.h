@@ -12,6 +12,7 @@
 #include "../recording.h"
 #include "affine_patch.h"
 #include "corner_detector.h"
+#include "division_lens.h"
 
 namespace host {
 
@@ -20,7 +21,7 @@ struct TrackerOptions {
   int window_px = 17;                    ///< side of the matched patch; wider ones see several depths at once
   int pyramid_levels = 4;                ///< the smallest is 1/8 of the size
   double max_forward_backward_px = 0.5;  ///< distance after tracking there and back
-  double max_epipolar_px = 1.0;          ///< RANSAC threshold
+  double max_epipolar_px = 1.0;          ///< largest outlier threshold; infinite: no corner is rejected
   bool equalise = true;                  ///< CLAHE: contrast by region, for dark or unevenly lit scenes
 };
 
@@ -44,8 +45,8 @@ std::vector<bool> tracked_there_and_back(const std::vector<cv::Mat>& from, const
 /// the same images give the same tracks.
 class FeatureTracker {
  public:
-  /// `next_id` counts identifiers; the cameras of one rig share it.
-  FeatureTracker(const CameraCalibration& camera, const TrackerOptions& options,
+  /// `bend`: of the camera's DivisionLens. `next_id` counts identifiers; the cameras of one rig share it.
+  FeatureTracker(const CameraCalibration& camera, double bend, const TrackerOptions& options,
                  std::shared_ptr<std::uint32_t> next_id);
 
   /// The corners of the next image: first those that survived, in the order in which they came.
@@ -61,6 +62,7 @@ class FeatureTracker {
 
   const std::vector<Track>& tracks() const { return tracks_; }
   const CameraCalibration& camera() const { return camera_; }
+  const DivisionLens& lens() const { return lens_; }
   /// Of the latest image.
   const std::vector<cv::Mat>& pyramid() const { return latest_; }
   std::vector<TrackPoint> points() const;
@@ -73,6 +75,7 @@ class FeatureTracker {
   void drop_merged();
 
   CameraCalibration camera_;
+  DivisionLens lens_;
   TrackerOptions options_;
   cv::Ptr<cv::CLAHE> equaliser_;
   cv::Mat latest_image_;         ///< as the camera gave it

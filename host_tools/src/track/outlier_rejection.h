@@ -4,16 +4,26 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "../calibration_file.h"
+#include "division_lens.h"
 
 namespace host {
 
-/// RANSAC with a fundamental matrix on normalised, undistorted coordinates; the threshold is `threshold_px` over the
-/// focal length. Its seven degrees of freedom take up an intrinsic calibration that is some per cent off, as a start
-/// may be, so good tracks are not lost to it. Fewer than 8 correspondences with a ray are all accepted: they prove
-/// nothing. Returns one flag per correspondence; one without a ray in front of the camera is rejected.
-std::vector<bool> epipolar_inliers(const CameraCalibration& first, const std::vector<cv::Point2f>& before,
-                                   const CameraCalibration& second, const std::vector<cv::Point2f>& after,
-                                   double threshold_px);
+/// The same corners in two images, px.
+struct Correspondences {
+  std::vector<cv::Point2f> before, after;
+};
+
+/// Per correspondence, how far it is from the epipolar curves of one fundamental matrix (RANSAC, then by all that
+/// agree), px; the larger of both images. Its seven degrees of freedom take up the principal point and the focal
+/// length. Fewer than 8 correspondences are all at 0: they prove nothing.
+std::vector<double> epipolar_distances_px(const DivisionLens& first, const DivisionLens& second,
+                                          const Correspondences& corners, double threshold_px);
+
+/// Two and a half robust sigmas of the distances, between 0.2 px and `most_px`.
+double outlier_threshold_px(std::vector<double> distances_px, double most_px);
+
+/// One flag per correspondence: not an outlier by outlier_threshold_px().
+std::vector<bool> epipolar_inliers(const DivisionLens& first, const DivisionLens& second,
+                                   const Correspondences& corners, double most_px);
 
 }  // namespace host

@@ -10,7 +10,7 @@ namespace host {
 namespace {
 
 constexpr std::size_t fewest_pairs = 12;  // an epipolar geometry has seven unknowns: fewer pairs prove nothing
-// A start with wrong distortion bends epipolar lines by some pixels where the two places in the images are far apart.
+// One number for a lens leaves epipolar lines bent by some pixels where the two places in the images are far apart.
 constexpr double threshold_px = 3;
 
 /// Where a point far away is seen in the second camera; empty where it is not in the image.
@@ -73,7 +73,7 @@ void StereoMatcher::match(const FeatureTracker& first, FeatureTracker& second) c
   add_new_pairs(first, second, pairs);
   if (pairs.first.size() < fewest_pairs) return;
   const auto agrees =
-      epipolar_inliers(first.camera(), places(pairs.first), second.camera(), places(pairs.second), threshold_px);
+      epipolar_inliers(first.lens(), second.lens(), {places(pairs.first), places(pairs.second)}, threshold_px);
   std::unordered_set<std::uint32_t> shared;
   for (std::size_t i = 0; i < known; ++i) {
     if (agrees[i]) {

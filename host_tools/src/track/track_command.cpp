@@ -4,7 +4,6 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "../calibration_file.h"
 #include "../commands.h"
@@ -12,6 +11,8 @@
 #include "../files/output_run.h"
 #include "../recording.h"
 #include "feature_tracker.h"
+#include "image_file.h"
+#include "lens_search.h"
 #include "recording_view.h"
 #include "stereo_matcher.h"
 #include "track_statistics.h"
@@ -30,8 +31,9 @@ constexpr const char* details =
 to FOLDER's IMU or images change REC.
 Identifiers are those of the whole rig: the same number in two cameras is the same corner. Corners of cam0 are looked for
 in the other cameras' images of the same moment, and checked by an epipolar geometry that needs no calibration.
-The calibration (--calib, else REC/camchain-imucam.yaml, else camN/sensor.yaml) is only used to reject outliers; an error
-of a few per cent does no harm.)";
+The calibration (--calib, else REC/camchain-imucam.yaml, else camN/sensor.yaml) says how large images are, and where to look
+for a corner of cam0 in another camera: tracks of a single camera do not depend on it. Outliers are what disagrees with the
+other corners about the motion from one image to the next; how much the lens bends lines is found from forty pairs of images.)";
 
 struct TrackSettings {
   std::string recording, calibration, out;
@@ -39,17 +41,6 @@ struct TrackSettings {
   bool json = false, no_equalise = false;
   TrackerOptions tracker;
 };
-
-cv::Mat read_image(const fs::path& file, const CameraCalibration& camera) {
-  expect_regular_file(file);
-  const cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-  if (image.empty()) throw InputError(file.string() + ": expected an image, found something that cannot be decoded");
-  if (image.cols != camera.width || image.rows != camera.height)
-    throw InputError(file.string() + ": expected " + std::to_string(camera.width) + " x " +
-                     std::to_string(camera.height) + " px as in the calibration, found " + std::to_string(image.cols) +
-                     " x " + std::to_string(image.rows));
-  return image;
-}
 
 void show_progress(std::size_t done, std::size_t total, const std::vector<FeatureTracker>& trackers) {
   if (done % 100 != 0 && done != total) return;
@@ -78,10 +69,15 @@ std::map<std::int64_t, Moment> moments_of(const Recording& recording) {
 /// The first camera leads: the others look for its new corners first, and fill up with corners of their own.
 class RigTracker {
  public:
-  RigTracker(const Calibration& calibration, const TrackerOptions& options)
+  RigTracker(const Recording& recording, const Calibration& calibration, const TrackerOptions& options)
       : matchers_(calibration.cameras.size(), StereoMatcher(options)), frames(calibration.cameras.size()) {
     const auto next_id = std::make_shared<std::uint32_t>(0);
-    for (const CameraCalibration& camera : calibration.cameras) trackers.emplace_back(camera, options, next_id);
+    for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
+      const CameraCalibration& camera = calibration.cameras[i];
+      const double bend = find_bend(recording.cameras[i].images, camera, options);
+      std::cerr << "cam" << i << ": bend of the lens " << bend << " (0: pinhole, -1.2: fisheye of 180 deg)\n";
+      trackers.emplace_back(camera, bend, options, next_id);
+    }
   }
 
   void next(std::int64_t t_ns, const Moment& moment) {
@@ -123,7 +119,7 @@ std::vector<std::vector<Frame>> track_all(const Recording& recording, const Trac
                        ": file is missing: expected the list of images");
   }
   const std::map<std::int64_t, Moment> moments = moments_of(recording);
-  RigTracker rig(calibration, settings.tracker);
+  RigTracker rig(recording, calibration, settings.tracker);
   std::size_t done = 0;
   for (const auto& [t_ns, moment] : moments) {
     rig.next(t_ns, moment);
@@ -215,7 +211,10 @@ void add_track_command(CLI::App& app, int& exit_code) {
   command->add_option("--window", tracker.window_px, "side of the matched patch, px")
       ->check(CLI::Range(7, 51))
       ->capture_default_str();
-  command->add_option("--max-epipolar", tracker.max_epipolar_px, "outlier threshold, px")
+  command
+      ->add_option("--max-epipolar", tracker.max_epipolar_px,
+                   "outliers are farther than 2.5 robust sigmas from their epipolar lines, at least 0.2 px, and at "
+                   "most this, px")
       ->check(CLI::Range(0.1, 20.0))
       ->capture_default_str();
   command->add_flag("--no-equalise", settings->no_equalise,
