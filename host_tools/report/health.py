@@ -59,7 +59,8 @@ def suspect_sentences(result):
     for suspect in (result.get("health") or {}).get("suspects") or []:
         text = str(suspect.get("words") or suspect.get("name") or "")
         if text and text not in (result.get("cause") or ""):
-            yield f"Suspect: {text.rstrip('.')}."
+            held = "; the sigmas hold what it would move" if suspect.get("in_sigmas") else ""
+            yield f"Suspect: {text.rstrip('.')}{held}."
 
 
 def note_sentences(result):

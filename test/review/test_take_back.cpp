@@ -1,7 +1,10 @@
 // What only an earlier replay of the same recordings suspects: kept, in the sigmas of now, and judged by them.
 #include <unity.h>
 
+#include <cmath>
+
 #include "review/missing_effects.h"
+#include "review/suspected_moves.h"
 #include "review/take_back.h"
 
 extern "C" void setUp() {}
@@ -15,13 +18,17 @@ host::ReplayResult calibrated(double sigma) {
   host::CoreParameter p;
   p.name = "gyro.sx";
   p.sigma = sigma;
+  p.prior_sigma = 1;
+  out.result.covariance = {sigma * sigma};
   p.verdict = "observed";
   out.result.parameters.push_back(p);
   return out;
 }
 
+/// With sigmas of 1e-3, as calibrated(1e-3) has.
 host::Suspect suspect(const char* name, double bias_sigmas) {
   host::Suspect out;
+  out.moved = {-1e-3 * bias_sigmas};
   out.name = name;
   out.bias_sigmas = bias_sigmas;
   out.moves = "gyro.sx";
@@ -42,6 +49,9 @@ void test_an_effect_counts_in_the_sigmas_of_now() {
     TEST_ASSERT_TRUE(kept.words.find(bias > 3 ? "3.2 sigma" : "2.8 sigma") != std::string::npos);
     TEST_ASSERT_EQUAL_STRING(bias > 3 ? "failed" : "calibrated", now.result.status.c_str());
     TEST_ASSERT_EQUAL_STRING(bias > 3 ? kept.words.c_str() : "", now.cause.c_str());
+    TEST_ASSERT_EQUAL_INT(bias < 3, kept.in_sigmas);
+    const double grown = bias < 3 ? std::sqrt(1 + bias * bias) : 1;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, grown * 1e-3 * 2 / bias, now.result.parameters.at(0).sigma);
   }
 }
 
@@ -53,6 +63,7 @@ void test_a_step_of_a_bias_is_only_said() {
   TEST_ASSERT_EQUAL_UINT(1, now.health.suspects.size());
   TEST_ASSERT_EQUAL_STRING("words", now.health.suspects.at(0).words.c_str());
   TEST_ASSERT_EQUAL_STRING("calibrated", now.result.status.c_str());
+  TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1e-4, now.result.parameters.at(0).sigma);
 }
 
 /// The later review judged it itself.
@@ -63,6 +74,38 @@ void test_what_both_suspect_is_not_taken_twice() {
   host::review::keep_suspects(earlier, &now);
   TEST_ASSERT_EQUAL_UINT(1, now.health.suspects.size());
   TEST_ASSERT_EQUAL_STRING("calibrated", now.result.status.c_str());
+}
+
+host::CoreParameter parameter(const char* verdict, double sigma, double prior_sigma) {
+  host::CoreParameter out;
+  out.verdict = verdict;
+  out.sigma = sigma;
+  out.prior_sigma = prior_sigma;
+  return out;
+}
+
+/// C + d d'; a value goes no farther than its prior, a fixed one not at all.
+void test_sigmas_grow_by_what_is_suspected() {
+  host::ReplayResult r;
+  r.result.parameters = {parameter("observed", 3, 100), parameter("observed", 1, 2), parameter("fixed", 1, 1),
+                         parameter("observed", 6, 100)};
+  r.result.covariance.assign(16, 0);
+  for (std::size_t i = 0; i < 4; ++i) r.result.covariance[5 * i] = std::pow(r.result.parameters[i].sigma, 2);
+  host::Suspect s;
+  s.moved = {-4, 50, 1};  // of theta's columns: the effect's own has none
+  host::review::widen_by(s, &r);
+  TEST_ASSERT_TRUE(s.in_sigmas);
+  const double sigmas[] = {5, 2, 1, 6};  // 3-4-5; the prior's; fixed; not moved
+  for (std::size_t i = 0; i < 4; ++i) {
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, sigmas[i], r.result.parameters[i].sigma);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, sigmas[i] * sigmas[i], r.result.covariance[5 * i]);
+  }
+  TEST_ASSERT_DOUBLE_WITHIN(1e-12, -4 * std::sqrt(3), r.result.covariance[1]);
+  const char* const verdicts[] = {"observed", "weak", "fixed", "observed"};
+  for (std::size_t i = 0; i < 4; ++i) TEST_ASSERT_EQUAL_STRING(verdicts[i], r.result.parameters[i].verdict.c_str());
+  host::Suspect fault;
+  host::review::widen_by(fault, &r);
+  TEST_ASSERT_FALSE(fault.in_sigmas);
 }
 
 /// Not the one with the largest statistic, which stands first.
@@ -80,6 +123,7 @@ int main() {
   RUN_TEST(test_an_effect_counts_in_the_sigmas_of_now);
   RUN_TEST(test_a_step_of_a_bias_is_only_said);
   RUN_TEST(test_the_cause_is_what_moves_most);
+  RUN_TEST(test_sigmas_grow_by_what_is_suspected);
   RUN_TEST(test_what_both_suspect_is_not_taken_twice);
   return UNITY_END();
 }

@@ -69,7 +69,9 @@ struct Suspect {
   double log10_p = 0;      ///< of an effect, corrected for the number of effects
   double bias_sigmas = 0;  ///< by how much the effect would move the released value `moves`
   std::string moves;
-  std::string words;  ///< a sentence
+  std::string words;          ///< a sentence
+  std::vector<double> moved;  ///< by how much it would move each parameter, in its unit; empty: not known
+  bool in_sigmas = false;     ///< sigmas and covariance have grown by that
 };
 
 struct Health {

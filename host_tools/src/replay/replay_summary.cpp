@@ -38,7 +38,8 @@ void print_replay_summary(const ReplayResult& r, bool went_on) {
     std::printf("%s\n", in_words(r.passes[i], i + 1).c_str());
   if (!r.cause.empty()) std::printf("not calibrated: %s\n", r.cause.c_str());
   for (const Suspect& s : r.health.suspects) {
-    if (r.cause.find(s.words) == std::string::npos) std::printf("suspect: %s\n", s.words.c_str());
+    if (r.cause.find(s.words) == std::string::npos)
+      std::printf("suspect: %s%s\n", s.words.c_str(), s.in_sigmas ? "; the sigmas hold what it would move" : "");
   }
   for (const Note& n : r.health.notes) {
     if (r.cause.find(n.words) == std::string::npos) std::printf("note: %s\n", n.words.c_str());

@@ -95,6 +95,7 @@ Json health_json(const Health& h) {
                         {"log10_p", s.log10_p},
                         {"bias_sigmas", s.bias_sigmas},
                         {"moves", s.moves},
+                        {"in_sigmas", s.in_sigmas},
                         {"words", s.words}});
   }
   Json notes = Json::array();

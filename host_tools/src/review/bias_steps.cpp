@@ -92,11 +92,12 @@ std::string when(const std::vector<Recording>& sessions, std::int64_t from_ns, s
   return to_s - from_s > 1 ? formatted("between %.1f and %.1f s", from_s, to_s) : formatted("at %.1f s", to_s);
 }
 
-/// Which released value moves most, of theta's columns that do.
+/// By how much all values move, of theta's columns that do, and which released one most.
 void find_bias(const Eigen::VectorXd& moves, const ReplayResult& result, Suspect* out) {
   std::vector<CoreParameter> p = result.result.parameters;
   p.resize(static_cast<std::size_t>(moves.size()));  // without the effects
   const Eigen::VectorXd printed = printed_by_columns(p) * moves;
+  out->moved.assign(printed.data(), printed.data() + printed.size());
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (p[i].verdict == "fixed") continue;
     const double sigmas = std::abs(printed(static_cast<Eigen::Index>(i))) / p[i].sigma;

@@ -42,8 +42,9 @@ bool is_lens_shape(const std::string& name) {
 
 bool bends_lens(const std::string& effect) { return effect == "radial_residual" || effect == "tangential_residual"; }
 
-/// With the candidate free, the largest movement of a released value, in its stated sigmas. No real lens is quite of
-/// its model: without `lens_shape` coefficients of its shape do not count, but what keeps its meaning does.
+/// With the candidate free, how all values move, and the largest movement of a released one in its stated sigmas. No
+/// real lens is quite of its model: without `lens_shape` coefficients of its shape do not count, but what keeps its
+/// meaning does.
 void find_bias(const Problem& problem, const Candidate& candidate, const ReplayResult& result, bool lens_shape,
                Suspect* out) {
   const std::vector<CoreParameter>& p = result.result.parameters;
@@ -51,6 +52,7 @@ void find_bias(const Problem& problem, const Candidate& candidate, const ReplayR
   const Solution with =
       solve(with_groups(with_prior(problem.all, problem.prior), problem.n_theta, {candidate.columns}));
   const Eigen::VectorXd moved = printed_by_columns(p) * (with.x.head(problem.n_theta) - without.x);
+  out->moved.assign(moved.data(), moved.data() + moved.size());
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (p[i].verdict == "fixed" || (!lens_shape && is_lens_shape(p[i].name))) continue;
     const double sigmas = std::abs(moved(static_cast<Eigen::Index>(i))) / p[i].sigma;
@@ -97,7 +99,7 @@ void ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c,
   if (log10_p > kLevel) return;
   const HalvesTest halves = test_halves(problem, c, {});
   if (halves.log10_p_disagree < decision::kLog10Disagree || halves.gain < decision::kHelps * test.statistic) return;
-  Suspect suspect{c.name, test.statistic, log10_p, 0, "", ""};
+  Suspect suspect{c.name, test.statistic, log10_p, 0, "", "", {}};
   find_bias(problem, c, result, by_itself || !bends_lens(c.name), &suspect);
   suspect.words = c.name + " is not in the model and would explain what is left (";
   for (int i = 0; i < c.columns.count && i < 3; ++i) {

@@ -15,6 +15,7 @@
 #include "review/missing_effects.h"
 #include "review/segment_scatter.h"
 #include "review/stated.h"
+#include "review/suspected_moves.h"
 #include "review/take_back.h"
 
 namespace host::review {
@@ -68,7 +69,7 @@ class Review {
     for (const Recording& r : sessions_) {
       for (const Fault& f : find_faults(r, options_.calibration)) {
         const Suspect suspect{
-            f.kind + "." + f.sensor, f.limit != 0 ? std::abs(f.value / f.limit) : 0, 0, 0, "", f.words};
+            f.kind + "." + f.sensor, f.limit != 0 ? std::abs(f.value / f.limit) : 0, 0, 0, "", f.words, {}};
         (f.is_remark() ? remarks_ : health_.suspects).push_back(suspect);
       }
     }
@@ -98,6 +99,7 @@ class Review {
                               "calibration fits them: the device changed on the way (calibrate what was before and "
                               "after by themselves), or an effect is missing (segcal diagnose)",
                               std::sqrt(health_.segment_scatter)));
+    for (Suspect& suspect : health_.suspects) widen_by(suspect, &out_);
     const auto observed = std::count_if(out_.result.parameters.begin(), out_.result.parameters.end(),
                                         [](const CoreParameter& p) { return p.verdict == "observed"; });
     if (2 * static_cast<std::size_t>(observed) < out_.result.parameters.size())

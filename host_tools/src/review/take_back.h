@@ -13,9 +13,10 @@ constexpr double kMostStepBias = 2;
 void take_back(const char* status, const std::string& why, ReplayResult* out);
 
 /// Takes over what the review of an earlier replay of the same recordings suspects and this one no longer shows: noise
-/// hides what moves the answer little. An effect counts in the sigmas of now, and takes `calibrated` back as above. A
-/// step of a bias is only said: held against tracks that drift and count as white, chance makes steps (one of ten
-/// simulated recordings along real paths), and this replay has looked for it by what the tracks show.
+/// hides what moves the answer little. An effect counts in the sigmas of now, and takes `calibrated` back as above;
+/// else sigmas grow by what it moves (review/suspected_moves.h). A step of a bias is only said: held against tracks
+/// that drift and count as white, chance makes steps (one of ten simulated recordings along real paths), and this
+/// replay has looked for it by what the tracks show.
 void keep_suspects(const ReplayResult& earlier, ReplayResult* now);
 
 }  // namespace host::review
