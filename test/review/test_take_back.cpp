@@ -22,13 +22,15 @@ host::ReplayResult calibrated(double sigma) {
   out.result.covariance = {sigma * sigma};
   p.verdict = "observed";
   out.result.parameters.push_back(p);
+  out.health.noise_sigmas = {sigma};
   return out;
 }
 
 /// With sigmas of 1e-3, as calibrated(1e-3) has.
 host::Suspect suspect(const char* name, double bias_sigmas) {
   host::Suspect out;
-  out.moved = {-1e-3 * bias_sigmas};
+  out.move = -1e-3 * bias_sigmas;
+  out.moved = {out.move};
   out.name = name;
   out.bias_sigmas = bias_sigmas;
   out.moves = "gyro.sx";
@@ -84,28 +86,40 @@ host::CoreParameter parameter(const char* verdict, double sigma, double prior_si
   return out;
 }
 
-/// C + d d'; a value goes no farther than its prior, a fixed one not at all.
+/// At least noise and movement together; what segments scatter by is not added to that. A value goes no farther than
+/// its prior, a fixed one not at all.
 void test_sigmas_grow_by_what_is_suspected() {
   host::ReplayResult r;
   r.result.parameters = {parameter("observed", 3, 100), parameter("observed", 1, 2), parameter("fixed", 1, 1),
-                         parameter("observed", 6, 100)};
-  r.result.covariance.assign(16, 0);
-  for (std::size_t i = 0; i < 4; ++i) r.result.covariance[5 * i] = std::pow(r.result.parameters[i].sigma, 2);
+                         parameter("observed", 6, 100), parameter("observed", 7, 100)};
+  r.health.noise_sigmas = {3, 1, 1, 4.5, 7};
+  r.result.covariance.assign(25, 0);
+  for (std::size_t i = 0; i < 5; ++i) r.result.covariance[6 * i] = std::pow(r.result.parameters[i].sigma, 2);
   host::Suspect s;
-  s.moved = {-4, 50, 1};  // of theta's columns: the effect's own has none
+  s.moved = {-4, 50, 1, 3};  // of theta's columns: the effect's own has none
   host::review::widen_by(s, &r);
   TEST_ASSERT_TRUE(s.in_sigmas);
-  const double sigmas[] = {5, 2, 1, 6};  // 3-4-5; the prior's; fixed; not moved
-  for (std::size_t i = 0; i < 4; ++i) {
+  const double sigmas[] = {5, 2, 1, 6, 7};  // 3-4-5; the prior's; fixed; 4.5 and 3 are less than 6; not moved
+  for (std::size_t i = 0; i < 5; ++i) {
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, sigmas[i], r.result.parameters[i].sigma);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, sigmas[i] * sigmas[i], r.result.covariance[5 * i]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, sigmas[i] * sigmas[i], r.result.covariance[6 * i]);
   }
   TEST_ASSERT_DOUBLE_WITHIN(1e-12, -4 * std::sqrt(3), r.result.covariance[1]);
-  const char* const verdicts[] = {"observed", "weak", "fixed", "observed"};
-  for (std::size_t i = 0; i < 4; ++i) TEST_ASSERT_EQUAL_STRING(verdicts[i], r.result.parameters[i].verdict.c_str());
+  const char* const verdicts[] = {"observed", "weak", "fixed", "observed", "observed"};
+  for (std::size_t i = 0; i < 5; ++i) TEST_ASSERT_EQUAL_STRING(verdicts[i], r.result.parameters[i].verdict.c_str());
+  host::Suspect other;  // explains the same residuals, and less
+  other.moved = {3};
+  host::review::widen_by(other, &r);
+  TEST_ASSERT_DOUBLE_WITHIN(1e-12, 5, r.result.parameters[0].sigma);
   host::Suspect fault;
   host::review::widen_by(fault, &r);
   TEST_ASSERT_FALSE(fault.in_sigmas);
+}
+
+void test_chance_is_no_bias() {
+  TEST_ASSERT_DOUBLE_WITHIN(1e-12, -4, host::review::beyond_chance(-5, 3));
+  TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, host::review::beyond_chance(2, 3));
+  TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2, host::review::beyond_chance(2, NAN));
 }
 
 /// Not the one with the largest statistic, which stands first.
@@ -124,6 +138,7 @@ int main() {
   RUN_TEST(test_a_step_of_a_bias_is_only_said);
   RUN_TEST(test_the_cause_is_what_moves_most);
   RUN_TEST(test_sigmas_grow_by_what_is_suspected);
+  RUN_TEST(test_chance_is_no_bias);
   RUN_TEST(test_what_both_suspect_is_not_taken_twice);
   return UNITY_END();
 }

@@ -70,7 +70,8 @@ struct Suspect {
   double bias_sigmas = 0;  ///< by how much the effect would move the released value `moves`
   std::string moves;
   std::string words;          ///< a sentence
-  std::vector<double> moved;  ///< by how much it would move each parameter, in its unit; empty: not known
+  double move = 0;            ///< of that value, in its unit; 0: not known
+  std::vector<double> moved;  ///< of each parameter, in its unit, without what chance makes of it; empty: not known
   bool in_sigmas = false;     ///< sigmas and covariance have grown by that
 };
 
@@ -78,6 +79,7 @@ struct Health {
   std::uint32_t frames = 0, frames_used = 0, filter_restarts = 0;
   std::uint32_t frames_offered = 0;  ///< at the odometry's rate: a camera of 30 Hz offers every third image
   double segment_scatter = 1;        ///< variance of what the segments say, over what stated noise leaves; 1: as stated
+  std::vector<double> noise_sigmas;  ///< of the parameters, by noise alone, not by how segments scatter
   double step_chi2 = 0;              ///< of the step from the start by the prior's sigmas
   int step_dof = 0;
   std::vector<Suspect> suspects;  ///< faults, then effects, the largest statistic first; remarks; a first replay's

@@ -104,6 +104,7 @@ void find_bias(const Eigen::VectorXd& moves, const ReplayResult& result, Suspect
     if (sigmas <= out->bias_sigmas) continue;
     out->bias_sigmas = sigmas;
     out->moves = p[i].name;
+    out->move = printed(static_cast<Eigen::Index>(i));
   }
 }
 

@@ -7,6 +7,7 @@
 #include "diagnose/decision.h"
 #include "review/linearised.h"
 #include "review/segment_scatter.h"
+#include "review/suspected_moves.h"
 
 namespace host::review {
 namespace {
@@ -42,6 +43,21 @@ bool is_lens_shape(const std::string& name) {
 
 bool bends_lens(const std::string& effect) { return effect == "radial_residual" || effect == "tangential_residual"; }
 
+Eigen::VectorXd variances(const Eigen::MatrixXd& printed, const Eigen::MatrixXd& covariance) {
+  return (printed * covariance).cwiseProduct(printed).rowwise().sum();
+}
+
+/// In each parameter's unit. The variance of a movement is the larger variance less the smaller one.
+std::vector<double> biases(const std::vector<CoreParameter>& parameters, const Eigen::VectorXd& moved,
+                           const Eigen::VectorXd& without, const Eigen::VectorXd& with) {
+  std::vector<double> out(parameters.size(), 0);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (without(k) > 0) out[i] = beyond_chance(moved(k), parameters[i].sigma * std::sqrt(with(k) / without(k) - 1));
+  }
+  return out;
+}
+
 /// With the candidate free, how all values move, and the largest movement of a released one in its stated sigmas. No
 /// real lens is quite of its model: without `lens_shape` coefficients of its shape do not count, but what keeps its
 /// meaning does.
@@ -51,14 +67,17 @@ void find_bias(const Problem& problem, const Candidate& candidate, const ReplayR
   const Solution without = solve(with_prior(with_groups(problem.all, problem.n_theta, {}), problem.prior));
   const Solution with =
       solve(with_groups(with_prior(problem.all, problem.prior), problem.n_theta, {candidate.columns}));
-  const Eigen::VectorXd moved = printed_by_columns(p) * (with.x.head(problem.n_theta) - without.x);
-  out->moved.assign(moved.data(), moved.data() + moved.size());
+  const Eigen::MatrixXd printed = printed_by_columns(p);
+  const Eigen::VectorXd moved = printed * (with.x.head(problem.n_theta) - without.x);
+  out->moved = biases(p, moved, variances(printed, without.covariance),
+                      variances(printed, with.covariance.topLeftCorner(problem.n_theta, problem.n_theta)));
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (p[i].verdict == "fixed" || (!lens_shape && is_lens_shape(p[i].name))) continue;
     const double sigmas = std::abs(moved(static_cast<Eigen::Index>(i))) / p[i].sigma;
     if (sigmas <= out->bias_sigmas) continue;
     out->bias_sigmas = sigmas;
     out->moves = p[i].name;
+    out->move = moved(static_cast<Eigen::Index>(i));
   }
 }
 
@@ -99,7 +118,7 @@ void ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c,
   if (log10_p > kLevel) return;
   const HalvesTest halves = test_halves(problem, c, {});
   if (halves.log10_p_disagree < decision::kLog10Disagree || halves.gain < decision::kHelps * test.statistic) return;
-  Suspect suspect{c.name, test.statistic, log10_p, 0, "", "", {}};
+  Suspect suspect{c.name, test.statistic, log10_p, 0, "", "", 0, {}};
   find_bias(problem, c, result, by_itself || !bends_lens(c.name), &suspect);
   suspect.words = c.name + " is not in the model and would explain what is left (";
   for (int i = 0; i < c.columns.count && i < 3; ++i) {

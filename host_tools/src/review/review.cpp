@@ -69,7 +69,7 @@ class Review {
     for (const Recording& r : sessions_) {
       for (const Fault& f : find_faults(r, options_.calibration)) {
         const Suspect suspect{
-            f.kind + "." + f.sensor, f.limit != 0 ? std::abs(f.value / f.limit) : 0, 0, 0, "", f.words, {}};
+            f.kind + "." + f.sensor, f.limit != 0 ? std::abs(f.value / f.limit) : 0, 0, 0, "", f.words, 0, {}};
         (f.is_remark() ? remarks_ : health_.suspects).push_back(suspect);
       }
     }
@@ -128,6 +128,7 @@ class Review {
     health_.segment_scatter = scatter.pooled * dispersion;
     for (std::size_t i = 0; i < out_.result.parameters.size(); ++i) {
       CoreParameter& p = out_.result.parameters[i];
+      health_.noise_sigmas.push_back(p.sigma);
       if (p.verdict == "fixed") continue;
       const double before = p.sigma;
       p.sigma = std::min(p.prior_sigma, p.sigma * std::sqrt(scatter.variance_factor(static_cast<Eigen::Index>(i))));

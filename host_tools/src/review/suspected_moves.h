@@ -5,8 +5,15 @@
 
 namespace host::review {
 
-/// Sigmas and covariance with what a suspect would move: C + d d', d being its `moved`. So they hold whether it is
-/// right or not. None exceeds its prior's; one above half of it is `weak`.
+/// A movement d between two fits, one with an effect and one without, that has the sigma s by chance: d^2 is on average
+/// bias^2 + s^2 (Hausman, "Specification tests in econometrics", Econometrica 46, 1978). Of d's sign, 0 where chance
+/// explains it; s may be NaN where rounding makes a variance negative, and counts as 0.
+double beyond_chance(double d, double s);
+
+/// Sigmas and covariance with what a suspect would move, so that they hold whether it is right or not: sigma_i is at
+/// least sqrt(n_i^2 + d_i^2), n being the noise's sigmas and d the suspect's `moved`. The larger counts, of this, of
+/// how segments scatter (an effect makes them) and of other suspects (they explain the same residuals). The covariance
+/// grows by e e', e being what is short in each. None exceeds its prior's; one above half of it is `weak`.
 void widen_by(Suspect& suspect, ReplayResult* out);
 
 }  // namespace host::review

@@ -11,10 +11,8 @@ namespace {
 
 /// By how many of its sigmas a suspect moves the value that it moves most; 0: not released, or not known.
 double bias_in(const ReplayResult& result, const Suspect& suspect) {
-  for (std::size_t i = 0; i < std::min(suspect.moved.size(), result.result.parameters.size()); ++i) {
-    const CoreParameter& p = result.result.parameters[i];
-    if (p.name == suspect.moves && p.verdict != "fixed") return std::abs(suspect.moved[i]) / p.sigma;
-  }
+  for (const CoreParameter& p : result.result.parameters)
+    if (p.name == suspect.moves && p.verdict != "fixed") return std::abs(suspect.move) / p.sigma;
   return 0;
 }
 
@@ -33,7 +31,10 @@ void keep_suspects(const ReplayResult& earlier, ReplayResult* now) {
     const auto same = [&s](const Suspect& other) { return other.name == s.name; };
     if (std::any_of(kept.begin(), kept.end(), same)) continue;
     s.in_sigmas = false;
-    if (s.name.rfind("bias_step.", 0) == 0) s.moved.clear();
+    if (s.name.rfind("bias_step.", 0) == 0) {
+      s.move = 0;
+      s.moved.clear();
+    }
     if (const double bias_sigmas = bias_in(*now, s); bias_sigmas > 0) {
       s.bias_sigmas = bias_sigmas;
       s.words += formatted(" (by the noise that was stated; %.1f sigma by what tracks show)", bias_sigmas);
