@@ -99,11 +99,31 @@ void test_frames_of_one_camera() {
   add_device(id, session, &study);
 }
 
-void check_euroc(const Id& id, const host::Recording& recording, const host::Calibration& published,
-                 const host::Calibration& start) {
+host::ReplayOptions options_from(const host::Recording& recording, const host::Calibration& start) {
   host::ReplayOptions options;
   options.core.calibration = start;
   options.core.noise = recording.imu.noise;
+  return options;
+}
+
+/// As a user runs it: these lenses are not quite radtan, c would be 4 to 6 px off, and that has a name.
+void check_named(const host::Recording& recording, const host::Calibration& start) {
+  const Id id = Id().add("check", "named");
+  if (!test::selected(id.text())) return;
+  host::ReplayOptions options = options_from(recording, start);
+  options.review = true;
+  options.corner_noise = host::CornerNoise::shown;
+  const host::ReplayResult found = host::replay({recording}, options);
+  std::printf("without it: %s, %s\n", found.result.status.c_str(), found.cause.c_str());
+  test::check_true(id, "refused", found.result.status != "calibrated");
+  test::check_true(id, "by name", found.cause.find("--enable radial_residual") != std::string::npos);
+}
+
+/// With it.
+void check_euroc(const Id& id, const host::Recording& recording, const host::Calibration& published,
+                 const host::Calibration& start) {
+  host::ReplayOptions options = options_from(recording, start);
+  options.core.effects = SEGCAL_EFFECT_RADIAL_RESIDUAL;
   const host::ReplayResult found = host::replay({recording}, options);
   std::printf("%s: %s, chi2/dof %.3f\n", id.text().c_str(), found.result.status.c_str(),
               found.result.chi2 / found.result.dof);
@@ -113,9 +133,9 @@ void check_euroc(const Id& id, const host::Recording& recording, const host::Cal
     const auto error = test::euroc::camera_error(found.calibration.cameras[c], published.cameras[c]);
     std::printf("  cam%zu: f %.2f %%, c %.2f px, R_CI %.2f deg, p_CI %.1f mm\n", c, 100 * error.f, error.c,
                 error.R_CI / kDegree, 1e3 * error.p_CI);
-    test::check_between(one, "f, share", 0, error.f, 0.015);  // the limits of test_euroc
-    test::check_between(one, "c, px", 0, error.c, 5);
-    test::check_between(one, "R_CI, deg", 0, error.R_CI / kDegree, 0.8);
+    test::check_between(one, "f, share", 0, error.f, 0.015);
+    test::check_between(one, "c, px", 0, error.c, 3);                     // 0.4 to 1.8
+    test::check_between(one, "R_CI, deg", 0, error.R_CI / kDegree, 0.5);  // 0.21 to 0.30
     test::check_between(one, "p_CI, m", 0, error.p_CI, 0.020);
   }
   const double baseline = (test::euroc::baseline(found.calibration) - test::euroc::baseline(published)).norm();
@@ -130,6 +150,7 @@ void test_euroc_with_two_cameras() {
   const test::TemporaryFolder folder("segcal_test_two_cameras");
   const host::Recording recording = test::euroc::tracked(data, start, folder.path() / "tracked", 2);
   const host::Calibration published = host::find_calibration(data / "euroc_mh01", "", 2);
+  check_named(recording, host::read_calibration(start));
   const unsigned random_starts = test::selection().empty() && !test::long_run() ? 2 : 10;
   for (unsigned i = 0; i <= random_starts; ++i) {
     const Id id = Id().add("start", i);
