@@ -113,7 +113,7 @@ struct Recording {
 /// empty (the caller decides whether that is an error: `segcal replay` says to run `segcal track` first).
 /// The IMU comes from imu0/data.csv or, where that is missing, from gyro.csv and accel.csv (stamps/imu_streams.h).
 /// `smooth`: stamps of IMU and tracks are those of callbacks and are smoothed (stamps/smooth_stamps.h).
-/// `replacing`: the command that reads it to replace its own files in it (files/manifest.h).
+/// `replacing`: the command that reads it to replace its own files in it (files/manifest.h); `track` reads no tracks.
 /// Throws InputError: files that do not belong together, missing or empty file, wrong column count, non-number, no
 /// overlap of IMU and camera in time.
 Recording read_recording(const std::filesystem::path& root, int n_cameras, bool smooth = false,

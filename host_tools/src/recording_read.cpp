@@ -98,10 +98,11 @@ std::vector<Frame> read_frames(const fs::path& file) {
   return frames;
 }
 
-CameraData read_camera(const fs::path& folder) {
+/// `from_images`: to be tracked again; what is in tracks.csv does not matter.
+CameraData read_camera(const fs::path& folder, bool from_images) {
   if (!fs::is_directory(folder)) throw InputError(folder.string() + ": folder of the camera is missing");
   CameraData camera;
-  const bool has_tracks = fs::exists(folder / "tracks.csv");
+  const bool has_tracks = !from_images && fs::exists(folder / "tracks.csv");
   if (!has_tracks && !fs::exists(folder / "data.csv"))
     throw InputError(folder.string() + ": expected data.csv (images) or tracks.csv (feature tracks) in this folder");
   if (fs::exists(folder / "data.csv")) camera.images = read_images(folder, !has_tracks);
@@ -170,7 +171,7 @@ Recording read_recording(const fs::path& root, int n_cameras, bool smooth, std::
   recording.root = root;
   recording.imu = read_imu(root, smooth, &recording.notes);
   for (int i = 0; i < n_cameras; ++i)
-    recording.cameras.push_back(read_camera(root / "mav0" / ("cam" + std::to_string(i))));
+    recording.cameras.push_back(read_camera(root / "mav0" / ("cam" + std::to_string(i)), replacing == "track"));
   set_strays_aside(&recording);
   check_temperature(&recording.imu, true);
   if (smooth) smooth_frames(&recording.cameras, &recording.notes);

@@ -129,6 +129,9 @@ void test_no_corner_is_known_better_than_a_tenth() {
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, white, host::to_weigh_by({white, walk, 1000}).white_px);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, walk, host::to_weigh_by({white, walk, 1000}).walk_px_per_sqrt_s);
   }
+  const ReplayResult r = replayed(session(0.03), CornerNoise::shown);
+  TEST_ASSERT_TRUE(r.weighed_by_tracks);
+  TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1, std::hypot(r.model.pixel_sigma, r.model.track_walk));  // float in the core
 }
 
 /// The rule alone, by what a first replay with 0.5 px can end with.

@@ -231,6 +231,45 @@ void test_a_step_beside_a_larger_effect_is_refused() {
                    !out.health.suspects.empty() && out.health.suspects.front().name == "gyro_g_sensitivity");
 }
 
+/// Where tracks drift, and are weighed by that.
+void test_a_step_is_found_in_tracks_that_drift() {
+  host::SimulationOptions options;
+  options.seconds = 60;
+  options.seed = 5;
+  options.tracks.pixel_noise_px = 0.1;
+  options.tracks.walk_px_per_sqrt_s = 0.9;
+  const host::SimulationResult session = host::simulate(options);
+  host::Recording recording = session.recording;
+  host::disturb::offset(recording, host::disturb::Sensor::gyro, {0, 0.01, 0}, host::disturb::middle_ns(recording));
+  host::ReplayOptions replay;
+  replay.core.calibration = session.nominal;
+  replay.core.noise = recording.imu.noise;
+  replay.core.pixel_sigma = options.tracks.pixel_noise_px;
+  replay.core.track_walk = options.tracks.walk_px_per_sqrt_s;
+  replay.review = true;
+  const host::ReplayResult out = host::replay({recording}, replay);
+  test::check_true(Id(), ("cause: " + out.cause).c_str(), out.cause.rfind("the gyroscope's bias steps by ", 0) == 0);
+}
+
+/// 1 ms that nobody states moves values by about two sigmas: said, and held by the sigmas.
+void test_what_is_suspected_is_in_the_sigmas() {
+  host::SimulationOptions options;
+  options.seconds = 60;
+  options.seed = 20;
+  options.effects.push_back(host::sim::parse_effect("time_offset=0.001"));
+  const host::SimulationResult session = host::simulate(options);
+  const host::ReplayResult out = reviewed(session, session.recording);
+  test::check_true(Id(), ("status " + out.result.status + " " + out.cause).c_str(), out.result.status == "calibrated");
+  TEST_ASSERT_FALSE(out.health.suspects.empty());
+  const host::Suspect& s = out.health.suspects.front();
+  TEST_ASSERT_EQUAL_STRING("time_offset", s.name.c_str());
+  TEST_ASSERT_TRUE(s.in_sigmas);
+  for (std::size_t i = 0; i < out.result.parameters.size(); ++i) {
+    const double least = std::hypot(out.health.noise_sigmas.at(i), s.moved.at(i));
+    TEST_ASSERT_TRUE(out.result.parameters[i].sigma > 0.999 * std::min(least, out.result.parameters[i].prior_sigma));
+  }
+}
+
 /// A lens that its model does not describe, four segments of it: w was 130 sigma off and calibrated, since four values
 /// know their own scatter too badly to call a statistic of 600 anything. f moves by 7 sigma.
 void test_few_segments_name_a_lens() {
@@ -286,6 +325,8 @@ int main(int argc, char** argv) {
   RUN_TEST(test_a_camera_that_turned_is_named);
   RUN_TEST(test_a_bias_that_steps_is_refused_and_named);
   RUN_TEST(test_a_step_beside_a_larger_effect_is_refused);
+  RUN_TEST(test_a_step_is_found_in_tracks_that_drift);
+  RUN_TEST(test_what_is_suspected_is_in_the_sigmas);
   RUN_TEST(test_few_segments_name_a_lens);
   RUN_TEST(test_a_step_that_the_prior_forbids_is_refused);
   return UNITY_END();

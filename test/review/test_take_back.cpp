@@ -116,6 +116,17 @@ void test_sigmas_grow_by_what_is_suspected() {
   TEST_ASSERT_FALSE(fault.in_sigmas);
 }
 
+/// With the first replay's suspect in the sigmas nothing is observed any more.
+void test_too_few_are_observed_then() {
+  host::ReplayResult earlier = calibrated(0.4), now = calibrated(0.4);
+  earlier.health.suspects.push_back(suspect("gyro_lag", 1.5));
+  earlier.health.suspects.back().move = 0.6;
+  earlier.health.suspects.back().moved = {0.6};
+  host::review::keep_suspects(earlier, &now);
+  TEST_ASSERT_EQUAL_STRING("insufficient", now.result.status.c_str());
+  TEST_ASSERT_TRUE(now.cause.find("what gyro_lag would move, in the sigmas, 0 of 1 ") != std::string::npos);
+}
+
 void test_chance_is_no_bias() {
   TEST_ASSERT_DOUBLE_WITHIN(1e-12, -4, host::review::beyond_chance(-5, 3));
   TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, host::review::beyond_chance(2, 3));
@@ -138,6 +149,7 @@ int main() {
   RUN_TEST(test_a_step_of_a_bias_is_only_said);
   RUN_TEST(test_the_cause_is_what_moves_most);
   RUN_TEST(test_sigmas_grow_by_what_is_suspected);
+  RUN_TEST(test_too_few_are_observed_then);
   RUN_TEST(test_chance_is_no_bias);
   RUN_TEST(test_what_both_suspect_is_not_taken_twice);
   return UNITY_END();

@@ -43,8 +43,8 @@ struct Scene {
   std::vector<bool> outlier;
 };
 
-/// Corners 1 to 6 m away, from a camera that moves by 5 cm and turns by two degrees. The last ones slip across the
-/// epipolar line, by kOff_px.
+/// Corners 1 to 6 m away, from a camera that moves by 5 cm and turns by two degrees. The first ones slip across
+/// the epipolar line, by kOff_px.
 Scene scene(const Lens& lens, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -108,7 +108,7 @@ void test_what_slips_is_found() {
   }
 }
 
-/// The slips are 1.5 px: with 2 px allowed they would all pass, but for what the other corners show.
+/// 2.5 robust sigmas, 0.2 px at least, and never more than is allowed.
 void test_the_threshold_follows_the_noise() {
   const std::vector<double> exact(100, 0.01), rough(100, 0.1), wild(100, 3);
   TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.2, host::outlier_threshold_px(exact, 1));

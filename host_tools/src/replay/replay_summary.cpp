@@ -46,8 +46,8 @@ void print_replay_summary(const ReplayResult& r, bool went_on) {
   }
   if (r.weighed_by_tracks)
     std::printf(
-        "note: corners are weighed by the noise that their tracks show in a first replay, %.2g px and %.2g "
-        "px/sqrt(s); --pixel-sigma states another\n",
+        "note: corners are weighed by the noise that their tracks show in a first replay, or 0.1 px after a "
+        "second: %.2g px and %.2g px/sqrt(s); --pixel-sigma states another\n",
         r.model.pixel_sigma, r.model.track_walk);
   const std::vector<std::string> names = parameter_names(c, r.calibration);
   for (const CoreChange& change : c.changes) {

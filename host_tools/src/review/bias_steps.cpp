@@ -9,6 +9,7 @@
 #include "reference/solve.h"
 #include "replay/kept_segments.h"
 #include "review/linearised.h"
+#include "review/suspected_moves.h"
 #include "review/walk_rows.h"
 #include "review/walk_screen.h"
 
@@ -98,14 +99,8 @@ void find_bias(const Eigen::VectorXd& moves, const ReplayResult& result, Suspect
   p.resize(static_cast<std::size_t>(moves.size()));  // without the effects
   const Eigen::VectorXd printed = printed_by_columns(p) * moves;
   out->moved.assign(printed.data(), printed.data() + printed.size());
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    if (p[i].verdict == "fixed") continue;
-    const double sigmas = std::abs(printed(static_cast<Eigen::Index>(i))) / p[i].sigma;
-    if (sigmas <= out->bias_sigmas) continue;
-    out->bias_sigmas = sigmas;
-    out->moves = p[i].name;
-    out->move = printed(static_cast<Eigen::Index>(i));
-  }
+  find_largest(
+      p, printed, [](const CoreParameter&) { return true; }, out);
 }
 
 /// Effects of the image that the calibration estimated, and the reference does not know, are in the core's residuals:

@@ -71,14 +71,8 @@ void find_bias(const Problem& problem, const Candidate& candidate, const ReplayR
   const Eigen::VectorXd moved = printed * (with.x.head(problem.n_theta) - without.x);
   out->moved = biases(p, moved, variances(printed, without.covariance),
                       variances(printed, with.covariance.topLeftCorner(problem.n_theta, problem.n_theta)));
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    if (p[i].verdict == "fixed" || (!lens_shape && is_lens_shape(p[i].name))) continue;
-    const double sigmas = std::abs(moved(static_cast<Eigen::Index>(i))) / p[i].sigma;
-    if (sigmas <= out->bias_sigmas) continue;
-    out->bias_sigmas = sigmas;
-    out->moves = p[i].name;
-    out->move = moved(static_cast<Eigen::Index>(i));
-  }
+  find_largest(
+      p, moved, [lens_shape](const CoreParameter& q) { return lens_shape || !is_lens_shape(q.name); }, out);
 }
 
 /// Terms that a calibration estimated are no candidates any more.

@@ -100,13 +100,7 @@ class Review {
                               "after by themselves), or an effect is missing (segcal diagnose)",
                               std::sqrt(health_.segment_scatter)));
     for (Suspect& suspect : health_.suspects) widen_by(suspect, &out_);
-    const auto observed = std::count_if(out_.result.parameters.begin(), out_.result.parameters.end(),
-                                        [](const CoreParameter& p) { return p.verdict == "observed"; });
-    if (2 * static_cast<std::size_t>(observed) < out_.result.parameters.size())
-      refuse("insufficient",
-             formatted("the segments disagree with each other by %.1f times their noise: "
-                       "with that in the sigmas, %d of %zu parameters are observed",
-                       std::sqrt(health_.segment_scatter), static_cast<int>(observed), out_.result.parameters.size()));
+    refuse_unobserved(&out_);
   }
 
   /// An effect that explains more is named first (a bias that follows temperature steps too), and is the cause where it

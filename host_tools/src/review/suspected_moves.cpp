@@ -28,6 +28,18 @@ double beyond_chance(double d, double s) {
   return left > 0 ? std::copysign(std::sqrt(left), d) : 0;
 }
 
+void find_largest(const std::vector<CoreParameter>& parameters, const Eigen::VectorXd& moved,
+                  const std::function<bool(const CoreParameter&)>& counts, Suspect* out) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(moved.size()); ++i) {
+    const CoreParameter& p = parameters[i];
+    const double move = moved(static_cast<Eigen::Index>(i)), sigmas = std::abs(move) / p.sigma;
+    if (p.verdict == "fixed" || sigmas <= out->bias_sigmas || !counts(p)) continue;
+    out->bias_sigmas = sigmas;
+    out->moves = p.name;
+    out->move = move;
+  }
+}
+
 void widen_by(Suspect& suspect, ReplayResult* out) {
   std::vector<CoreParameter>& parameters = out->result.parameters;
   std::vector<double>& covariance = out->result.covariance;

@@ -24,6 +24,22 @@ void take_back(const char* status, const std::string& why, ReplayResult* out) {
   out->cause = why;
 }
 
+void refuse_unobserved(ReplayResult* out) {
+  const std::vector<CoreParameter>& parameters = out->result.parameters;
+  const auto observed = std::count_if(parameters.begin(), parameters.end(),
+                                      [](const CoreParameter& p) { return p.verdict == "observed"; });
+  if (2 * static_cast<std::size_t>(observed) >= parameters.size()) return;
+  const std::vector<Suspect>& all = out->health.suspects;
+  const auto suspect = std::find_if(all.begin(), all.end(), [](const Suspect& s) { return s.in_sigmas; });
+  const std::string held = suspect == all.end() ? "that" : "that, and what " + suspect->name + " would move,";
+  take_back(
+      "insufficient",
+      formatted("the segments disagree with each other by %.1f times their noise: with %s in the sigmas, %d of "
+                "%zu parameters are observed",
+                std::sqrt(out->health.segment_scatter), held.c_str(), static_cast<int>(observed), parameters.size()),
+      out);
+}
+
 void keep_suspects(const ReplayResult& earlier, ReplayResult* now) {
   std::vector<Suspect>& kept = now->health.suspects;
   const std::size_t found = kept.size();
@@ -45,6 +61,7 @@ void keep_suspects(const ReplayResult& earlier, ReplayResult* now) {
   }
   if (now->result.status != "calibrated") return;
   for (std::size_t i = found; i < kept.size(); ++i) widen_by(kept[i], now);
+  refuse_unobserved(now);
 }
 
 }  // namespace host::review

@@ -12,6 +12,9 @@ constexpr double kMostStepBias = 2;
 /// Everything as it was, and why.
 void take_back(const char* status, const std::string& why, ReplayResult* out);
 
+/// `insufficient` where fewer than half of the values are observed with all that sigmas hold.
+void refuse_unobserved(ReplayResult* out);
+
 /// Takes over what the review of an earlier replay of the same recordings suspects and this one no longer shows: noise
 /// hides what moves the answer little. An effect counts in the sigmas of now, and takes `calibrated` back as above;
 /// else sigmas grow by what it moves (review/suspected_moves.h). A step of a bias is only said: held against tracks
