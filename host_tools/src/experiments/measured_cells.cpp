@@ -74,7 +74,8 @@ Json judged(const Recording& recording, const Calibration& start, const Truth& t
   options.core.calibration = start;
   options.core.noise = recording.imu.noise;
   options.core.effects = effects;
-  options.corner_noise = CornerNoise::shown;  // as the command, without its review
+  options.corner_noise = CornerNoise::shown;
+  options.review = true;  // what `segcal replay` answers, not what its device does
   const ReplayResult replayed = replay({recording}, options);
   const CoreResult& r = replayed.result;
   Json entries = Json::array();
