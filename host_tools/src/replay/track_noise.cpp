@@ -19,8 +19,9 @@ constexpr double kLeastWhite_px = 0.05, kLeastWalk = 0.01;
 /// One corner in one camera and segment.
 struct Track {
   std::vector<double> t_s;
-  Eigen::MatrixXd r, J[2];       ///< px: n x 2; and by the landmark, n x 3 for each axis
-  double depth_information = 0;  ///< m^2, prior on the inverse distance
+  Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> r;  ///< px, a point in each row
+  Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> J;  ///< of r by the landmark: x by all three, y by them
+  double depth_information = 0;                                 ///< m^2, prior on the inverse distance
 };
 
 struct Weights {
@@ -48,7 +49,7 @@ Track track_of(const CoreKept& kept, const std::vector<TrackResidual>& points, c
   const std::vector<Eigen::Vector2d> r_px = residuals_px(points, model);
   const auto n = static_cast<Eigen::Index>(points.size());
   out.r.resize(n, 2);
-  for (Eigen::MatrixXd& J : out.J) J.resize(n, 3);
+  out.J.resize(n, 6);
   for (Eigen::Index i = 0; i < n; ++i) {
     const CorePoint* const z = points[static_cast<std::size_t>(i)].measured;
     const CoreState& x = kept.keyframes[static_cast<std::size_t>(z->keyframe)];
@@ -59,7 +60,7 @@ Track track_of(const CoreKept& kept, const std::vector<TrackResidual>& points, c
     for (int c = 0; c < 3; ++c) {
       const Eigen::Vector3d d = 1e-5 * Eigen::Vector3d::Unit(c);
       const Eigen::Vector2d slope = (image(camera, x, l, d) - image(camera, x, l, -d)) / 2e-5;
-      for (int axis = 0; axis < 2; ++axis) out.J[axis](i, c) = slope(axis);
+      for (int axis = 0; axis < 2; ++axis) out.J(i, 3 * axis + c) = slope(axis);
     }
   }
   const CorePoint& first = *points.front().measured;
@@ -105,7 +106,7 @@ Weights weights_of(const Track& track, const TrackNoise& noise, double huber) {
   const Eigen::VectorXd step = steps(track, noise.walk_px_per_sqrt_s);
   Weights w{Eigen::VectorXd::Ones(n), Eigen::VectorXd::Ones(n)};
   for (int round = 0; round < 10; ++round) {
-    const Eigen::MatrixXd drift = whitening(step, w, noise).walk_in(track.r);
+    const auto drift = whitening(step, w, noise).walk_in(track.r);
     for (Eigen::Index i = 0; i < n; ++i) {
       const double e = (track.r.row(i) - drift.row(i)).norm() / noise.white_px;
       w.point(i) = std::min(1.0, huber / e);
@@ -118,16 +119,18 @@ Weights weights_of(const Track& track, const TrackNoise& noise, double huber) {
 /// Twice the negative logarithm of the restricted likelihood.
 double cost_of(const Track& track, const Weights& w, const TrackNoise& noise) {
   const Whitening whiten = whitening(steps(track, noise.walk_px_per_sqrt_s), w, noise);
+  const auto J = whiten(track.J);
+  const auto r = whiten(track.r);
   Eigen::Matrix3d H = Eigen::Vector3d(0, 0, track.depth_information).asDiagonal();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  double cost = 0;
-  for (int axis = 0; axis < 2; ++axis) {
-    const Eigen::MatrixXd J = whiten(track.J[axis]);
-    const Eigen::VectorXd r = whiten(track.r.col(axis));
-    H += J.transpose() * J;
-    b += J.transpose() * r;
-    cost += r.squaredNorm() + whiten.log_determinant();
+  for (Eigen::Index i = 0; i < r.rows(); ++i) {
+    for (int axis = 0; axis < 2; ++axis) {
+      const Eigen::RowVector3d Ji = J.block<1, 3>(i, 3 * axis);
+      H += Ji.transpose() * Ji;
+      b += Ji.transpose() * r(i, axis);
+    }
   }
+  const double cost = r.squaredNorm() + 2 * whiten.log_determinant();
   const Eigen::LLT<Eigen::Matrix3d> place(H);
   return cost - b.dot(place.solve(b)) + 2 * place.matrixLLT().diagonal().array().log().sum();
 }
@@ -169,7 +172,9 @@ TrackNoise estimate_track_noise(const std::vector<CoreKept>& kept, const Calibra
   for (int round = 0; round < 4; ++round) {
     std::vector<Weights> weights;
     for (const Track& track : tracks) weights.push_back(weights_of(track, noise, model.huber));
-    noise = most_likely(tracks, weights, noise);
+    const TrackNoise before = noise;
+    noise = most_likely(tracks, weights, before);
+    if (noise.white_px == before.white_px && noise.walk_px_per_sqrt_s == before.walk_px_per_sqrt_s) break;
   }
   for (const Track& track : tracks) noise.points += static_cast<int>(track.t_s.size());
   if (noise.walk_px_per_sqrt_s <= kLeastWalk) noise.walk_px_per_sqrt_s = 0;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <utility>
 
 namespace host {
 
@@ -12,11 +13,11 @@ namespace host {
 class Whitening {
  public:
   /// px^2, of the walk's steps and of the points.
-  Whitening(const Eigen::VectorXd& step, const Eigen::VectorXd& white)
-      : step_(step), S_(step.size()), gain_(step.size()), kept_(step.size()) {
+  Whitening(Eigen::VectorXd step, const Eigen::VectorXd& white)
+      : step_(std::move(step)), S_(step_.size()), gain_(step_.size()), kept_(step_.size()) {
     double P = 0;
     for (Eigen::Index i = 0; i < S_.size(); ++i) {
-      P += step(i);
+      P += step_(i);
       S_(i) = P + white(i);
       gain_(i) = P / S_(i);
       P *= white(i) / S_(i);
@@ -26,10 +27,11 @@ class Whitening {
 
   double log_determinant() const { return S_.array().log().sum(); }
 
-  /// Each column times the inverse factor.
-  Eigen::MatrixXd operator()(const Eigen::MatrixXd& columns) const {
-    Eigen::MatrixXd out(columns.rows(), columns.cols());
-    Eigen::RowVectorXd walk = Eigen::RowVectorXd::Zero(columns.cols());
+  /// Each column times the inverse factor. Where the number of columns is known to the compiler, no row is allocated.
+  template <class Columns>
+  typename Columns::PlainObject operator()(const Eigen::MatrixBase<Columns>& columns) const {
+    typename Columns::PlainObject out(columns.rows(), columns.cols());
+    Row<Columns> walk = Row<Columns>::Zero(columns.cols());
     for (Eigen::Index i = 0; i < S_.size(); ++i) {
       out.row(i) = columns.row(i) - walk;
       walk += gain_(i) * out.row(i);
@@ -39,9 +41,10 @@ class Whitening {
   }
 
   /// The walk in each column, given all of its points.
-  Eigen::MatrixXd walk_in(const Eigen::MatrixXd& columns) const {
-    Eigen::MatrixXd out(columns.rows(), columns.cols());
-    Eigen::RowVectorXd walk = Eigen::RowVectorXd::Zero(columns.cols());
+  template <class Columns>
+  typename Columns::PlainObject walk_in(const Eigen::MatrixBase<Columns>& columns) const {
+    typename Columns::PlainObject out(columns.rows(), columns.cols());
+    Row<Columns> walk = Row<Columns>::Zero(columns.cols());
     for (Eigen::Index i = 0; i < S_.size(); ++i) {
       walk += gain_(i) * (columns.row(i) - walk);
       out.row(i) = walk;
@@ -54,6 +57,9 @@ class Whitening {
   }
 
  private:
+  template <class Columns>
+  using Row = Eigen::Matrix<double, 1, Columns::ColsAtCompileTime>;
+
   Eigen::VectorXd step_, S_, gain_, kept_;  ///< px^2: S_ of a point before it is seen, kept_ of the walk after it
 };
 
