@@ -27,6 +27,11 @@ struct CameraCalibration {
   Eigen::Matrix3d R_CI = Eigen::Matrix3d::Identity();    ///< rotates a vector in I into C
   Eigen::Vector3d p_CI = Eigen::Vector3d::Zero();        ///< p_C = R_CI p_I + p_CI, m (Kalibr's T_cam_imu)
   double timeshift_cam_imu = 0;                          ///< s, t_imu = t_cam + shift
+  bool reads_columns = false;                            ///< a rolling shutter exposes column after column, not rows
+
+  /// Of a rolling shutter, px: how many there are, and on which one a pixel lies.
+  int lines() const { return reads_columns ? width : height; }
+  double line_of(const Eigen::Vector2d& pixel) const { return reads_columns ? pixel.x() : pixel.y(); }
 };
 
 /// w_m = T_g w + b_g, a_m = T_a R_AI f_I + b_a; T = [[sx, mx, my], [0, sy, mz], [0, 0, sz]].

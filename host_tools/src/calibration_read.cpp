@@ -33,6 +33,13 @@ CameraCalibration read_projection(const YamlFile& yaml, const YAML::Node& node) 
     camera.height = static_cast<int>(resolution[1]);
   }
 
+  if (node["readout"].IsDefined()) {
+    const std::string readout = yaml.text(node, "readout");
+    if (readout != "rows" && readout != "columns") yaml.fail(node["readout"], "readout: rows or columns");
+    camera.reads_columns = readout == "columns";
+    if (camera.reads_columns && camera.width == 0) yaml.fail(node["readout"], "an entry 'resolution' beside it");
+  }
+
   const auto intrinsics = yaml.numbers(node, "intrinsics", 4);
   camera.intrinsics = Eigen::Map<const Eigen::Vector4d>(intrinsics.data());
   if (!(intrinsics[0] > 0 && intrinsics[1] > 0)) yaml.fail(node["intrinsics"], "focal lengths above 0 px");

@@ -43,6 +43,7 @@ void append_camera(std::string& text, std::size_t index, const CameraCalibration
   text +=
       "  distortion_coeffs: " + list_of(camera.distortion.data(), distortion_parameters(camera.model).size()) + "\n";
   if (camera.width > 0) text += "  resolution: " + list_of(resolution, 2) + "\n";
+  if (camera.reads_columns) text += "  readout: columns  # a rolling shutter runs from left to right\n";
   text += "  rostopic: /cam" + std::to_string(index) + "/image_raw\n";
   text += "  # t_imu = t_cam + timeshift_cam_imu, s\n  timeshift_cam_imu: ";
   append_yaml_number(text, camera.timeshift_cam_imu);

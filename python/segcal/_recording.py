@@ -117,7 +117,9 @@ def camera_of(entry, file):
     camera.q_CI, camera.p_CI = quaternion(U @ Vt), list(T[:3, 3])
     camera.intrinsics = [float(v) for v in entry["intrinsics"]]
     camera.distortion = [float(v) for v in entry["distortion_coeffs"][:LENSES[lens][1]]]
-    camera.height = int(entry.get("resolution", [0, 0])[1])
+    columns = entry.get("readout", "rows") == "columns"  # of a rolling shutter
+    size = entry.get("resolution", [0, 0])
+    camera.height = -int(size[0]) if columns else int(size[1])
     return camera
 
 

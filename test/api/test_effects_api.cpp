@@ -144,7 +144,21 @@ void test_configuration_is_checked() {
     c->estimate_effects = SEGCAL_EFFECT_TIME_OFFSET;
     c->term_value[0] = std::nan("");
   });
-  check_refused("height", [](segcal_config_t* c) { c->camera[0].height = -1; });
+  check_refused("height", [](segcal_config_t* c) { c->camera[0].height = -100001; });
+}
+
+/// Columns of a shutter that runs across the image come back as they were stated.
+void test_lines_of_the_shutter() {
+  for (const std::int32_t height : {480, -640, -751}) {
+    segcal_config_t config = SyntheticStream::config();
+    config.camera[0].height = height;
+    Storage storage(0);
+    segcal_t* device = nullptr;
+    TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_create(&device, &config, storage.data, segcal_storage_bytes()));
+    segcal_camera_t camera;
+    TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_camera(device, 0, &camera));
+    TEST_ASSERT_EQUAL_INT32(height, camera.height);
+  }
 }
 
 }  // namespace
@@ -156,5 +170,6 @@ int main(int argc, char** argv) {
   RUN_TEST(test_rows_for_diagnosis);
   RUN_TEST(test_estimated_effects_in_the_result);
   RUN_TEST(test_configuration_is_checked);
+  RUN_TEST(test_lines_of_the_shutter);
   return UNITY_END();
 }

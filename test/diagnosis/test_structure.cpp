@@ -105,13 +105,15 @@ host::CoreKept slow_tracks(test::Random* random, double pixel_sigma, double foll
 int follow_image_motion(int sessions, double follows_motion_s) {
   host::CoreModel model;
   model.pixel_sigma = 0.5;
+  host::Calibration calibration;
+  calibration.cameras.resize(1);
   int found = 0;
   for (int seed = 0; seed < sessions; ++seed) {
     test::Random random(400 + seed);
     std::vector<host::CoreKept> kept;
     for (int i = 0; i < 8; ++i) kept.push_back(slow_tracks(&random, model.pixel_sigma, follows_motion_s));
     bool follows = false;
-    for (const Structure& s : find_structure(residual_lists(kept, model, {}), kLevel, kCauses)) {
+    for (const Structure& s : find_structure(residual_lists(kept, model, calibration, {}), kLevel, kCauses)) {
       follows = follows || s.against.rfind("image motion", 0) == 0;
     }
     found += follows ? 1 : 0;

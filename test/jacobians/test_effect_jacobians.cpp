@@ -232,8 +232,9 @@ void test_link_terms_in_float() { check_link_terms<float>(); }
 
 // ---- camera ----
 
-CameraCalibration<double> lens() {
+CameraCalibration<double> lens(double middle_line = 240) {
   CameraCalibration<double> camera;
+  camera.middle_line = middle_line;
   camera.model = Distortion::radtan;
   camera.intrinsics << 256, 258, 322, 239;
   camera.distortion << -0.05, 0.01, 1e-3, -2e-3;
@@ -262,7 +263,7 @@ Vec2<double> predicted(const Segment<S>& s, const Observation& z, const Calibrat
 }
 
 template <class S>
-void check_camera_terms(double at) {
+void check_camera_terms(double at, double middle_line) {
   auto original = make_segment();
   Landmark<double> l;
   Observation z;
@@ -273,7 +274,7 @@ void check_camera_terms(double at) {
   for (const Term& term : terms(false)) {
     const double sigma = term_prior_sigma(term), h = (std::is_same<S, float>::value ? 0.1 : 1e-3) * sigma;
     Calibration<S> theta;
-    theta.camera[0] = test::cast<S>(lens());
+    theta.camera[0] = test::cast<S>(lens(middle_line));
     theta.effects.add(term, S(at * sigma));
     ReprojectionRows<S> rows;
     const Exposure<S> exposure = exposure_of<S>(*s, z, theta, kGravity.cast<S>(), true);
@@ -288,16 +289,18 @@ void check_camera_terms(double at) {
     const double rounding = 300 * double(std::numeric_limits<S>::epsilon()) * 4 / h;
     const double tolerance = (std::is_same<S, float>::value ? 1e-2 : 1e-4) + (at != 0 && term.of_time() ? 1e-2 : 0);
     for (int i = 0; i < 2; ++i) {
-      test::check_near(Id().add("term", name_of(term)).add("at", at).template type<S>().add("row", i), "column",
-                       numeric(i), column(i), tolerance * numeric.norm() + rounding);
+      const Id id = Id().add("term", name_of(term)).add("at", at).add("lines", middle_line).template type<S>();
+      test::check_near(id.add("row", i), "column", numeric(i), column(i), tolerance * numeric.norm() + rounding);
     }
   }
 }
 
 void test_camera_terms() {
   for (double at : {0.0, 0.7}) {
-    check_camera_terms<double>(at);
-    check_camera_terms<float>(at);
+    for (double middle_line : {240.0, -320.0}) {  // rows; columns
+      check_camera_terms<double>(at, middle_line);
+      check_camera_terms<float>(at, middle_line);
+    }
   }
 }
 
@@ -322,18 +325,19 @@ void test_image_terms_by_jets() {
   }
 }
 
-/// A pose moved by a long delay is where the path says: 30 ms, and 60 us per row at the image's border.
-void test_exposure_on_the_path() {
+/// A pose moved by a long delay is where the path says: 30 ms, and 60 us per line at the image's border.
+void check_exposure_on_the_path(double middle_line) {
   auto s = make_segment();
   Calibration<double> theta;
-  theta.camera[0] = lens();
+  theta.camera[0] = lens(middle_line);
   for (double t_d : {-0.03, -0.003, 0.003, 0.03}) {
     for (double line_delay : {0.0, 6e-5}) {
       theta.effects.n = 0;
       theta.effects.add(kTimeOffsetTerm, t_d);
       theta.effects.add(kLineDelayTerm, line_delay);
       const Observation z{100.f, 470.f, 0, 1, 0, 0};
-      const double tau = t_d + line_delay * (470 - 240), limit = std::pow(std::fabs(tau), 3);
+      const double lines = middle_line > 0 ? 470 - 240 : 100 - 320;
+      const double tau = t_d + line_delay * lines, limit = std::pow(std::fabs(tau), 3);
       const Exposure<double> at = exposure_of(*s, z, theta, kGravity, false);
       const State<double> truth = path().state(1.2 + tau);
       const Id id = Id().add("t_d", t_d).add("line_delay", line_delay);
@@ -344,6 +348,11 @@ void test_exposure_on_the_path() {
       test::check_near(id, "position", 0, (truth.p_GI - at.p_GI).norm(), 300.0 / 12 * limit + 5e-3 * tau * tau);
     }
   }
+}
+
+void test_exposure_on_the_path() {
+  check_exposure_on_the_path(240);
+  check_exposure_on_the_path(-320);
 }
 
 }  // namespace

@@ -94,6 +94,11 @@ std::vector<Case> file_cases() {
          put_words(rec / kCalibration, "distortion_coeffs: [", "distortion_coeffs: [0.1, 0.1, ");
        },
        "camchain-imucam.yaml:"},
+      {"readout",
+       [](const fs::path& rec) {
+         put_words(rec / kCalibration, "camera_model: pinhole", "camera_model: pinhole\n  readout: left");
+       },
+       "expected readout: rows or columns"},
       {"yaml", [](const fs::path& rec) { write_text(rec / kCalibration, "cam0:\n  T_cam_imu: [1, 2\n"); },
        "camchain-imucam.yaml:"},
   };

@@ -19,12 +19,14 @@ using test::Id;
 struct Case {
   const char* name;
   const char* spec;  ///< as `segcal simulate --effect` takes it
+  bool reads_columns = false;
 };
 
 const Case kCases[] = {
     {"time_offset", "time_offset=0.004"},
     {"time_offset", "time_offset=-0.003"},
     {"rolling_shutter", "rolling_shutter=3e-5"},
+    {"rolling_shutter", "rolling_shutter=-2e-5", true},
     {"radial_residual", "radial_residual=3e-3"},
     {"tangential_residual", "tangential_residual=1e-3,-2e-3"},
     {"gyro_g_sensitivity", "gyro_g_sensitivity=4e-4,-2e-4,3e-4,1e-4,-5e-4,2e-4,3e-4,-1e-4,4e-4"},
@@ -47,19 +49,20 @@ host::ReplayResult replayed_with(const host::SimulationResult& session, const st
   return host::replay({session.recording}, options);
 }
 
-host::SimulationResult session_with(const std::string& spec, std::uint64_t seed) {
+host::SimulationResult session_with(const std::string& spec, std::uint64_t seed, bool reads_columns) {
   host::SimulationOptions options;
   options.scenario = "rich";
   options.seconds = 60;
   options.seed = seed;
   options.effects = {host::sim::parse_effect(spec)};
+  options.reads_columns = reads_columns;
   return host::simulate(options);
 }
 
 void check_case(const Case& c, std::uint64_t seed) {
   const Id id = Id().add("effect", c.spec).add("seed", seed);
   if (!test::selected(id.text())) return;
-  const host::SimulationResult session = session_with(c.spec, seed);
+  const host::SimulationResult session = session_with(c.spec, seed, c.reads_columns);
   const host::ReplayResult with = replayed_with(session, c.name);
   std::map<std::string, host::CoreParameter> found;
   for (const host::CoreParameter& p : with.result.parameters) found[p.name] = p;

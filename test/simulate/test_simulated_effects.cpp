@@ -138,8 +138,10 @@ void terms_on_the_imu_have_the_stated_size() {
 }
 
 /// The only landmark of a scene as a camera without noise sees it at `t`.
-Vector2d seen(const host::sim::Trajectory& truth, const host::sim::Effects& effects, double t) {
-  const host::Calibration device = host::sim::nominal_device(host::DistortionModel::fov, 1);
+Vector2d seen(const host::sim::Trajectory& truth, const host::sim::Effects& effects, double t,
+              bool reads_columns = false) {
+  host::Calibration device = host::sim::nominal_device(host::DistortionModel::fov, 1);
+  device.cameras[0].reads_columns = reads_columns;
   const host::CameraCalibration& camera = device.cameras[0];
   const auto middle = truth.at(4);
   const Vector3d ahead_C(0.9, 0.6, 3);
@@ -168,6 +170,14 @@ void rolling_shutter_exposes_each_row_at_its_time() {
   const Vector2d rolled = seen(truth, {host::sim::parse_effect("rolling_shutter=50e-6")}, 4);
   // Three rounds: what is left is 50 us times the change of the row in the second, far below 1e-3 px.
   TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0, (rolled - seen(truth, {}, 4 + 50e-6 * (rolled.y() - 240))).norm());
+  TEST_ASSERT_TRUE((rolled - seen(truth, {}, 4)).norm() > 0.05);
+}
+
+/// The same where column after column is exposed, of 640.
+void rolling_shutter_exposes_each_column_at_its_time() {
+  const auto truth = motion();
+  const Vector2d rolled = seen(truth, {host::sim::parse_effect("rolling_shutter=50e-6")}, 4, true);
+  TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0, (rolled - seen(truth, {}, 4 + 50e-6 * (rolled.x() - 320))).norm());
   TEST_ASSERT_TRUE((rolled - seen(truth, {}, 4)).norm() > 0.05);
 }
 
@@ -300,6 +310,7 @@ int main(int argc, char** argv) {
   RUN_TEST(terms_on_the_imu_have_the_stated_size);
   RUN_TEST(time_offset_is_a_shifted_clock);
   RUN_TEST(rolling_shutter_exposes_each_row_at_its_time);
+  RUN_TEST(rolling_shutter_exposes_each_column_at_its_time);
   RUN_TEST(lens_terms_act_on_distorted_coordinates);
   RUN_TEST(noise_factor_acts_on_its_sensor_alone);
   RUN_TEST(a_shock_leaves_what_was_before);

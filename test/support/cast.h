@@ -15,7 +15,7 @@ CameraCalibration<To> cast(const CameraCalibration<From>& a) {
   b.p_CI = a.p_CI.template cast<To>();
   b.intrinsics = a.intrinsics.template cast<To>();
   b.distortion = a.distortion.template cast<To>();
-  b.middle_row = To(a.middle_row);
+  b.middle_line = To(a.middle_line);
   return b;
 }
 

@@ -46,7 +46,8 @@ Calibration calibration_of(const segcal_config_t& c) {
     camera.p_CI = Eigen::Vector3d(c.camera[i].p_CI);
     camera.intrinsics = Eigen::Vector4d(c.camera[i].intrinsics);
     camera.distortion = Eigen::Vector4d(c.camera[i].distortion);
-    camera.height = c.camera[i].height;
+    camera.reads_columns = c.camera[i].height < 0;
+    (camera.reads_columns ? camera.width : camera.height) = std::abs(c.camera[i].height);
     out.cameras.push_back(camera);
   }
   out.imu.T_g = triangle(c.imu.gyro_scale, c.imu.gyro_misalignment);

@@ -44,7 +44,7 @@ std::set<Family> families_behind(const Structure& s) {
   if (s.axis == "radial") return {Family::lens};
   const auto begins = [&s](const char* words) { return s.against.rfind(words, 0) == 0; };
   if (begins("force")) return {Family::accel};
-  if (begins("image motion") || begins("image row") || begins("rate") || begins("change of rate"))
+  if (begins("image motion") || begins("image line") || begins("rate") || begins("change of rate"))
     return {Family::gyro, Family::timing};
   if (begins("image") || begins("distance")) return {Family::lens};
   return {};

@@ -31,7 +31,7 @@ constexpr struct {
                           {"distance from the image's middle", "px"},
                           {"image motion x", "px/s"},
                           {"image motion y", "px/s"},
-                          {"image row times rate", "px rad/s"}};
+                          {"image line times rate", "px rad/s"}};
 
 struct Entry {
   double value = 0;
@@ -102,8 +102,9 @@ Vector2d image_motion(const std::vector<SeenPoint>& seen, const std::vector<Vect
   return (predicted[to] - predicted[from]) / dt;
 }
 
-void add_camera(const CoreKept& kept, const CoreModel& model, const RawMotion& motion, const Vector2d& middle,
-                std::int64_t zero_ns, int* series, ResidualList* u, ResidualList* v, ResidualList* radial) {
+void add_camera(const CoreKept& kept, const CoreModel& model, const Calibration& calibration, const RawMotion& motion,
+                const Vector2d& middle, std::int64_t zero_ns, int* series, ResidualList* u, ResidualList* v,
+                ResidualList* radial) {
   std::vector<RawMotion::Means> at;
   for (const CoreState& x : kept.keyframes) at.push_back(motion.over(x.t_ns - 25000000, x.t_ns + 25000000));
   const std::vector<SeenPoint> seen = seen_points(kept);
@@ -122,11 +123,12 @@ void add_camera(const CoreKept& kept, const CoreModel& model, const RawMotion& m
     e.cause[static_cast<int>(Cause::radius)] = place.norm();
     e.cause[static_cast<int>(Cause::image_motion_x)] = flow.x();
     e.cause[static_cast<int>(Cause::image_motion_y)] = flow.y();
-    // Rows are read one after another: the error follows the row and how fast the image moves there.
-    e.cause[static_cast<int>(Cause::row_times_rate)] = place.y() * flow.x();
+    // Lines are read one after another: the error follows the line and how fast the image moves there.
+    const double line = calibration.cameras[static_cast<std::size_t>(p.camera)].line_of(place);
+    e.cause[static_cast<int>(Cause::row_times_rate)] = line * flow.x();
     e.value = seen[i].residual->u_sigma;
     append(e, true, motion.has_temperature(), u);
-    e.cause[static_cast<int>(Cause::row_times_rate)] = place.y() * flow.y();
+    e.cause[static_cast<int>(Cause::row_times_rate)] = line * flow.y();
     e.value = seen[i].residual->v_sigma;
     append(e, true, motion.has_temperature(), v);
     if (place.norm() < 1) continue;
@@ -173,7 +175,7 @@ std::vector<SeenPoint> seen_points(const CoreKept& kept) {
 }
 
 std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, const CoreModel& model,
-                                         const std::vector<ImuData>& imu) {
+                                         const Calibration& calibration, const std::vector<ImuData>& imu) {
   std::vector<ResidualList> out;
   for (const char* axis : {"u", "v", "radial"}) out.push_back({"camera", axis, {}, {}, {}});
   for (const char* sensor : {"gyro", "accel"}) {
@@ -186,7 +188,7 @@ std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, cons
   for (const CoreKept& k : kept) zero_ns = std::min(zero_ns, k.segment.start_ns);
   int series = 0, segment = 0;
   for (const CoreKept& k : kept) {
-    add_camera(k, model, motion, middle, zero_ns, &series, &out[0], &out[1], &out[2]);
+    add_camera(k, model, calibration, motion, middle, zero_ns, &series, &out[0], &out[1], &out[2]);
     add_imu(k, motion, zero_ns, segment++, &out[3], &out[6]);
   }
   return out;

@@ -48,7 +48,7 @@ std::vector<SeenPoint> seen_points(const CoreKept& kept);
 
 /// `model`: the noise by which the points' residuals were whitened.
 std::vector<ResidualList> residual_lists(const std::vector<CoreKept>& kept, const CoreModel& model,
-                                         const std::vector<ImuData>& imu);
+                                         const Calibration& calibration, const std::vector<ImuData>& imu);
 
 /// Sums of squares by sensor.
 struct SensorSquares {

@@ -16,7 +16,9 @@ void report_structure(const std::vector<Recording>& sessions, const ReplayResult
   std::vector<ImuData> imu;
   imu.reserve(sessions.size());
   for (const Recording& r : sessions) imu.push_back(r.imu);
-  const auto lists_of = [&imu](const ReplayResult& fit) { return residual_lists(fit.kept, fit.model, imu); };
+  const auto lists_of = [&imu](const ReplayResult& fit) {
+    return residual_lists(fit.kept, fit.model, fit.calibration, imu);
+  };
   out->where = find_structure(lists_of(out->fit_before), kStructure, 2);
   const std::vector<Structure> left = find_structure(lists_of(after), kAll, kCauses);
   refuse_where_structure_is_left(left, out);

@@ -77,8 +77,8 @@ Renderer::View Renderer::view_at(double t) const {
   return {R_GC.cast<float>(), (p_GC - room_.origin_G).cast<float>()};
 }
 
-double Renderer::row_time(double t, double v) const {
-  for (const auto& effect : effects_) t = effect->exposure_time(camera_, t, v);
+double Renderer::line_time(double t, double line) const {
+  for (const auto& effect : effects_) t = effect->exposure_time(camera_, t, line);
   return t;
 }
 
@@ -100,9 +100,9 @@ void Renderer::follow_calibration(double t) {
 
 /// Cones around the tiles against spheres around the furniture, for the frame's first, middle and last view.
 void Renderer::find_seen(double t, double exposure_s) {
-  const int h = camera_.height, w = camera_.width;
-  const View views[] = {view_at(row_time(t, 0) - exposure_s / 2), view_at(row_time(t, h / 2.0)),
-                        view_at(row_time(t, h - 1) + exposure_s / 2)};
+  const int h = camera_.height, w = camera_.width, lines = camera_.lines();
+  const View views[] = {view_at(line_time(t, 0) - exposure_s / 2), view_at(line_time(t, lines / 2.0)),
+                        view_at(line_time(t, lines - 1) + exposure_s / 2)};
   for (int i = 0; i < tiles_across_ * tiles_down_; ++i) {
     const int u0 = i % tiles_across_ * tile_px, v0 = i / tiles_across_ * tile_px;
     const int u1 = std::min(u0 + tile_px, w) - 1, v1 = std::min(v0 + tile_px, h) - 1;
@@ -148,16 +148,26 @@ inline float Renderer::light_from(const View& view, const Bearing& bearing, cons
   return hit.paint->brightness * texture.at(s, t, std::min(exponent_of(texels), texture.levels() - 1));
 }
 
+void Renderer::find_views(double t, double since_middle) {
+  const int lines = camera_.lines();
+  const bool together = line_time(t, 0) == line_time(t, lines - 1);
+  views_.clear();
+  for (int line = 0; line < (together ? 1 : lines); ++line)
+    views_.push_back(view_at(line_time(t, line) + since_middle));
+}
+
 /// Neighbouring pixels take their places in another order: if all looked left first and right last, a blurred edge
 /// would be displaced by hundredths of a pixel.
-void Renderer::add_row(const View& view, int v, int moment, float* sum) const {
+void Renderer::add_row(int v, int moment, float* sum) const {
   static const float dithers[places_per_pixel] = {1.0905f, 1.2968f, 1.5422f, 1.8340f};  // 2^((k + 1/2) / 4)
   const Bearing* const rows[] = {grid_.row(0, v), grid_.row(1, v), grid_.row(2, v), grid_.row(3, v)};
   const Seen* seen = seen_.data() + (v / tile_px) * tiles_across_;
+  const bool together = views_.size() == 1, columns = camera_.reads_columns;
   for (int u = 0; u < grid_.width(); ++u) {
     const int place = (moment + u + 2 * v) % places_per_pixel;
     const Bearing& bearing = rows[place][u];
     if (bearing.angle == 0) continue;
+    const View& view = views_[static_cast<std::size_t>(together ? 0 : columns ? u : v)];
     sum[u] += light_from(view, bearing, seen[u / tile_px], dithers[place]);
   }
 }
@@ -168,14 +178,9 @@ void Renderer::render(double t, double exposure_s, cv::Mat& light) {
   light.create(grid_.height(), grid_.width(), CV_32FC1);
   light.setTo(0);
   const int moments = moments_for(t, exposure_s);
-  const bool one_time_for_all_rows = row_time(t, 0) == row_time(t, grid_.height() - 1);
   for (int k = 0; k < moments; ++k) {
-    const double since_middle = exposure_s * ((k + 0.5) / moments - 0.5);
-    View view = view_at(row_time(t, 0) + since_middle);
-    for (int v = 0; v < grid_.height(); ++v) {
-      if (!one_time_for_all_rows) view = view_at(row_time(t, v) + since_middle);
-      add_row(view, v, k, light.ptr<float>(v));
-    }
+    find_views(t, exposure_s * ((k + 0.5) / moments - 0.5));
+    for (int v = 0; v < grid_.height(); ++v) add_row(v, k, light.ptr<float>(v));
   }
   light *= 1.0 / moments;
 }

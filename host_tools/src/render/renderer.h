@@ -11,7 +11,7 @@
 
 namespace host::render {
 
-/// One camera in one room. Rows are exposed at their own time (Effect::exposure_time: time
+/// One camera in one room. Lines are exposed at their own time (Effect::exposure_time: time
 /// offset, rolling shutter), for `exposure_s` around it; motion blur is the mean of 4 to 24
 /// moments. Each moment looks from another place in the pixel, so that these are the samples
 /// against aliasing too; a sample reads the mip level whose texels are as large as it is.
@@ -26,7 +26,7 @@ class Renderer {
   void render(double t, double exposure_s, cv::Mat& light);
 
  private:
-  /// A camera's place for a row at a moment, in float relative to the room's origin.
+  /// A camera's place for a line at a moment, in float relative to the room's origin.
   struct View {
     Eigen::Matrix3f R_GC;
     Eigen::Vector3f p_GC;
@@ -35,12 +35,13 @@ class Renderer {
   using Seen = std::vector<const Block*>;
 
   View view_at(double t) const;
-  double row_time(double t, double v) const;
+  double line_time(double t, double line) const;
   int moments_for(double t, double exposure_s) const;
   void follow_calibration(double t);
   void find_seen(double t, double exposure_s);
   float light_from(const View& view, const Bearing& bearing, const Seen& seen, float dither) const;
-  void add_row(const View& view, int v, int moment, float* sum) const;
+  void find_views(double t, double since_middle);
+  void add_row(int v, int moment, float* sum) const;
 
   const Room& room_;
   CameraCalibration first_camera_, camera_;  ///< before any shock; now
@@ -49,7 +50,8 @@ class Renderer {
   const sim::Effects& effects_;
   BearingGrid grid_;
   int tiles_across_ = 0, tiles_down_ = 0;
-  std::vector<Seen> seen_;  ///< by tile, row by row
+  std::vector<Seen> seen_;   ///< by tile, row by row
+  std::vector<View> views_;  ///< at a moment, of each line; one if all lines are exposed together
 };
 
 }  // namespace host::render

@@ -61,6 +61,7 @@ Json calibration_json(const Calibration& c) {
                        {"distortion", array_of(camera.distortion)},
                        {"R_CI", array_of(camera.R_CI)},
                        {"p_CI", array_of(camera.p_CI)},
+                       {"readout", camera.reads_columns ? "columns" : "rows"},
                        {"timeshift_cam_imu", camera.timeshift_cam_imu}});
   }
   return {
@@ -74,6 +75,7 @@ Calibration read_calibration_json(const Json& json) {
     camera.model = distortion_from_name(c.at("model").get<std::string>());
     camera.width = whole_number<int>(c.at("width"));
     camera.height = whole_number<int>(c.at("height"));
+    camera.reads_columns = c.value("readout", "rows") == "columns";
     read_array(c.at("intrinsics"), &camera.intrinsics);
     read_array(c.at("distortion"), &camera.distortion);
     read_array(c.at("R_CI"), &camera.R_CI);

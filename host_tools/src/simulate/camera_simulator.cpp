@@ -58,8 +58,8 @@ CameraCalibration CameraSimulator::camera_at(double t) const {
   return camera;
 }
 
-/// All effects on the camera act here. The row decides when a pixel is exposed, and the pose at that time decides the
-/// row: two rounds are plenty, the motion during the read-out is small.
+/// All effects on the camera act here. The line decides when a pixel is exposed, and the pose at that time decides the
+/// line: two rounds are plenty, the motion during the read-out is small.
 std::optional<Eigen::Vector2d> CameraSimulator::observe(const BodyState& state, double t,
                                                         const Eigen::Vector3d& landmark_G) const {
   if (effects_.empty()) return project_from(camera_, state, landmark_G);
@@ -67,7 +67,7 @@ std::optional<Eigen::Vector2d> CameraSimulator::observe(const BodyState& state, 
   std::optional<Eigen::Vector2d> pixel = project_from(camera, state, landmark_G);
   for (int round = 0; round < 3 && pixel; ++round) {
     double t_exposed = t;
-    for (const auto& effect : effects_) t_exposed = effect->exposure_time(camera, t_exposed, pixel->y());
+    for (const auto& effect : effects_) t_exposed = effect->exposure_time(camera, t_exposed, camera.line_of(*pixel));
     pixel = project_from(camera, truth_.at(t_exposed), landmark_G);
   }
   if (!pixel) return pixel;

@@ -55,9 +55,10 @@ class Effect {
   /// Changes a reading after scale, misalignment and rotation, before bias and noise.
   virtual void on_imu(const ImuMoment&, ImuReading&) const {}
 
-  /// Time on the IMU's clock, s, at which the image row `v_row`, px, of the frame stamped `t_stamp`, s, was exposed.
+  /// Time on the IMU's clock, s, at which a line of the image (row, or column where the
+  /// camera reads columns), px, of the frame stamped `t_stamp`, s, was exposed.
   /// Several effects are applied one after another.
-  virtual double exposure_time(const CameraCalibration&, double t_stamp, double /*v_row*/) const { return t_stamp; }
+  virtual double exposure_time(const CameraCalibration&, double t_stamp, double /*line*/) const { return t_stamp; }
 
   /// Moves an ideal pixel to where the real lens puts it. `t` in s since the first frame.
   virtual void on_pixel(const CameraCalibration&, double /*t*/, Eigen::Vector2d& /*pixel*/) const {}

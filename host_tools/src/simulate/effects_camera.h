@@ -1,4 +1,4 @@
-// Catalogue effects on the camera (docs/diagnosis.md, section 4): when a row is exposed, and where the lens puts it.
+// Catalogue effects on the camera (docs/diagnosis.md, section 4): when a line is exposed, and where the lens puts it.
 #pragma once
 
 #include "effect.h"
@@ -16,13 +16,13 @@ class TimeOffset : public Effect {
   double t_d_;
 };
 
-/// The stamp is the middle row's: t = t_stamp + line_delay (v - h / 2).
+/// The stamp is the middle line's: t = t_stamp + line_delay (v - h / 2), or (u - w / 2) where lines are columns.
 class RollingShutter : public Effect {
  public:
   explicit RollingShutter(double line_delay_s) : line_delay_(line_delay_s) {}
   EffectTruth truth() const override { return {"rolling_shutter", {{"line_delay", line_delay_, "s/row"}}}; }
-  double exposure_time(const CameraCalibration& camera, double t_stamp, double v_row) const override {
-    return t_stamp + line_delay_ * (v_row - camera.height / 2.0);
+  double exposure_time(const CameraCalibration& camera, double t_stamp, double line) const override {
+    return t_stamp + line_delay_ * (line - camera.lines() / 2.0);
   }
 
  private:

@@ -36,8 +36,8 @@ void GyroHum::on_imu(const ImuMoment& moment, ImuReading& reading) const {
   reading.gyro += Eigen::Vector3d::Constant(k_ * wave(moment.t, 1 / hum_Hz));
 }
 
-double TwoWayShutter::exposure_time(const CameraCalibration& camera, double t_stamp, double v_row) const {
-  return t_stamp + k_ * (std::abs(v_row - camera.height / 2.0) - camera.height / 4.0);
+double TwoWayShutter::exposure_time(const CameraCalibration& camera, double t_stamp, double line) const {
+  return t_stamp + k_ * (std::abs(line - camera.lines() / 2.0) - camera.lines() / 4.0);
 }
 
 }  // namespace host::sim

@@ -35,7 +35,7 @@ class WanderingStamps : public Effect {
  public:
   explicit WanderingStamps(double k_s) : k_(k_s) {}
   EffectTruth truth() const override { return {"outside:wandering_stamps", {{"k", k_, "s"}}}; }
-  double exposure_time(const CameraCalibration& camera, double t_stamp, double v_row) const override;
+  double exposure_time(const CameraCalibration& camera, double t_stamp, double line) const override;
 
  private:
   double k_;
@@ -58,7 +58,7 @@ class TwoWayShutter : public Effect {
  public:
   explicit TwoWayShutter(double k) : k_(k) {}
   EffectTruth truth() const override { return {"outside:two_way_shutter", {{"k", k_, "s/row"}}}; }
-  double exposure_time(const CameraCalibration& camera, double t_stamp, double v_row) const override;
+  double exposure_time(const CameraCalibration& camera, double t_stamp, double line) const override;
 
  private:
   double k_;

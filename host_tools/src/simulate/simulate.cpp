@@ -187,6 +187,7 @@ SimulationResult simulate(const SimulationOptions& options, const std::function<
   SimulationResult result;
   result.with_images = options.images;
   result.nominal = sim::nominal_device(options.distortion, options.cameras);
+  for (CameraCalibration& camera : result.nominal.cameras) camera.reads_columns = options.reads_columns;
   result.device_seed = options.device_seed.value_or(options.seed);
   result.truth = sim::draw_device(result.nominal, result.device_seed, options.device_scale);
   if (options.change_device) options.change_device(result.truth);

@@ -24,6 +24,7 @@ struct SimulationOptions {
   double device_scale = 1;                   ///< factor on the scatter of devices; 0 simulates the nominal device
   std::function<void(Calibration&)> change_device;  ///< what happened to the specimen since it was made; empty: nothing
   DistortionModel distortion = DistortionModel::fov;
+  bool reads_columns = false;              ///< a rolling shutter runs across the image
   int cameras = 1;                         ///< 1 or 2
   bool stereo_matches = true;              ///< corners seen by both cameras have one track id in both; false: never
   double camera_rate_hz = 10;              ///< Hz

@@ -22,7 +22,7 @@ struct Command {
   SimulationOptions options;
   render::ImageOptions images;
   std::filesystem::path out;
-  std::string distortion = "fov";
+  std::string distortion = "fov", readout = "rows";
   sim::EffectOptions effects;
   std::vector<const sim::FaultKind*> spoil;
 };
@@ -123,6 +123,11 @@ void add_device_options(CLI::App& app, Command& command) {
   app.add_option("--distortion", command.distortion, "lens model")
       ->check(CLI::IsMember({"fov", "radtan", "equidistant"}))
       ->capture_default_str();
+  app.add_option(
+         "--readout", command.readout,
+         "what rolling_shutter exposes one after another: rows; or columns, as in the images of a phone held upright")
+      ->check(CLI::IsMember({"rows", "columns"}))
+      ->capture_default_str();
 }
 
 void set_track_noise(const std::string& what, sim::TrackOptions* tracks) {
@@ -199,6 +204,7 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
   sim::add_effect_options(*sub, &command->effects);
   sub->callback([command, &exit_code] {
     command->options.distortion = distortion_from_name(command->distortion);
+    command->options.reads_columns = command->readout == "columns";
     command->spoil = sim::take_effects(command->effects, &command->options);
     run(*command);
     exit_code = 0;

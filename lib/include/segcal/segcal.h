@@ -92,7 +92,8 @@ typedef struct {
   double p_CI[3];       /* m, [-100, 100] */
   double intrinsics[4]; /* fx fy cx cy, px; f [1, 1e5], c [-1e5, 1e5] */
   double distortion[4]; /* fov: w, rad, [0, 2.5]; radtan: k1 k2 p1 p2; equidistant: k1..k4; [-100, 100] */
-  int32_t height;       /* rows of the image, for rolling_shutter, [0, 100000]; 0: twice cy */
+  int32_t height;       /* lines of the image, for rolling_shutter, [-100000, 100000]: its rows; below zero: minus its
+                           columns, where the shutter runs across the image (a phone held upright). 0: twice cy, rows */
 } segcal_camera_t;
 
 /* ---- effects: what the model may lack (docs/diagnosis.md, section 4) ----
@@ -100,11 +101,11 @@ typedef struct {
  * Terms of the catalogue's effects come from segcal_effect_terms(); other terms of the same kinds may be given as well:
  *   SEGCAL_TERM_GYRO_X .. ACCEL_Z   c times the product of the signals a and b is added to the reading of this axis
  *   SEGCAL_TERM_IMAGE_U, IMAGE_V    c x^a y^b row^c is added to the distorted point, in units of the focal length;
- *                                   row runs from -1 at the top of the image to 1 at its bottom
+ *                                   row runs from -1 at the top of the image to 1 at its bottom (columns: left, right)
  * What they do to a reading stands in lib/src/sensors/effect_terms.h. */
 enum {
   SEGCAL_EFFECT_TIME_OFFSET = 1 << 0, /* t_d, s: t_imu = t_cam + t_d. Once released, stamps of frames are moved by it */
-  SEGCAL_EFFECT_ROLLING_SHUTTER = 1 << 1, /* line delay, s/row, from the middle row */
+  SEGCAL_EFFECT_ROLLING_SHUTTER = 1 << 1, /* line delay, s/row, from the middle row (or column: segcal_camera_t) */
   SEGCAL_EFFECT_RADIAL_RESIDUAL = 1 << 2,
   SEGCAL_EFFECT_TANGENTIAL_RESIDUAL = 1 << 3,
   SEGCAL_EFFECT_GYRO_G_SENSITIVITY = 1 << 4,

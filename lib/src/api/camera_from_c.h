@@ -19,9 +19,9 @@ static bool camera_from_c(const segcal_camera_t& in, CameraCalibration<SEGCAL_RE
   if (!accept(in.intrinsics + 2, 2, -kMostPixel, kMostPixel, &out->intrinsics(2))) return false;
   if (!accept_vector<4>(in.distortion, -kMostDistortion, kMostDistortion, &out->distortion)) return false;
   if (in.model == SEGCAL_FOV && !(in.distortion[0] >= 0 && in.distortion[0] <= 2.5)) return false;
-  if (in.height < 0 || in.height > 100000) return false;
-  out->middle_row = in.height > 0 ? Real(0.5 * in.height) : out->intrinsics(3);
-  if (!(out->middle_row > Real(0))) out->middle_row = Real(1);
+  if (in.height < -100000 || in.height > 100000) return false;
+  out->middle_line = in.height != 0 ? Real(0.5 * in.height) : out->intrinsics(3);
+  if (in.height == 0 && !(out->middle_line > Real(0))) out->middle_line = Real(1);
   return accept_rotation(in.q_CI, &out->R_CI);
 }
 

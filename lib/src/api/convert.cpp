@@ -61,7 +61,8 @@ void camera_to_c(const CameraCalibration<Real>& camera, segcal_camera_t* out) {
     out->intrinsics[i] = static_cast<double>(camera.intrinsics(i));
     out->distortion[i] = i < camera.distortion_columns() ? static_cast<double>(camera.distortion(i)) : 0;
   }
-  out->height = static_cast<std::int32_t>(camera.middle_row * Real(2) + Real(0.5));
+  out->height =
+      static_cast<std::int32_t>(camera.middle_line * Real(2) + (camera.middle_line < Real(0) ? Real(-0.5) : Real(0.5)));
   for (int i = 0; i < 3; ++i) out->p_CI[i] = static_cast<double>(camera.p_CI(i));
 }
 

@@ -1,6 +1,6 @@
 // Where the device was when an image point was exposed: t = t_stamp + t_d + line_delay (v
-// - h/2) on the IMU's clock (effects time_offset and rolling_shutter; docs/diagnosis.md,
-// section 4). All code that predicts a segment's image points does it here.
+// - h/2), or (u - w/2) where the shutter runs along columns, on the IMU's clock (effects time_offset and
+// rolling_shutter; docs/diagnosis.md, section 4). All code that predicts a segment's image points does it here.
 //
 // The keyframe's pose moves on along its own motion for tau = t - t_keyframe: R Exp(w tau), p + v tau + a tau^2 / 2,
 // with rate and force of the stored samples in the middle of that time. At tau = 30 ms and a hand's motion of 3 rad/s
@@ -43,9 +43,9 @@ void motion_at(const Segment<S>& segment, const ImuCalibration<S>& imu, const St
 /// tau of an image point, s.
 template <class S>
 S exposure_delay(const Segment<S>& segment, const Observation& z, const Calibration<S>& theta) {
-  const S rows = S(z.v) - theta.camera[z.camera].middle_row;
+  const S lines = theta.camera[z.camera].line_of(S(z.u), S(z.v));
   return theta.effects.value_of(kTimeOffsetTerm) - S(segment.stamp_shift_ns) * S(1e-9) +
-         theta.effects.value_of(kLineDelayTerm) * rows;
+         theta.effects.value_of(kLineDelayTerm) * lines;
 }
 
 /// `with_rates`: w_I and v_GI are wanted, for columns of time terms.
@@ -73,8 +73,8 @@ Exposure<S> exposure_of(const Segment<S>& segment, const Observation& z, const C
 
 template <class S>
 [[gnu::always_inline]] inline ImageTerms<S> image_terms_at(const Observation& z, const Calibration<S>& theta) {
-  const S middle = theta.camera[z.camera].middle_row;
-  return {theta.effects.any_of_image() ? &theta.effects : nullptr, (S(z.v) - middle) / middle};
+  return {theta.effects.any_of_image() ? &theta.effects : nullptr,
+          theta.camera[z.camera].share_of_line(S(z.u), S(z.v))};
 }
 
 /// Predicted minus measured pixel of an image point of landmark l. False where there is no image.
@@ -114,7 +114,7 @@ Vec2<S> camera_term_column(const Term& t, const Observation& z, const Calibratio
   const Vec3<S> w = at.moved ? Vec3<S>(at.turn * at.w_I) : at.w_I;
   Vec2<S> column = rows.J_pose.template leftCols<3>() * w;
   if (!turned_only) column += rows.J_pose.template rightCols<3>() * at.v_GI;
-  return t.a == 0 ? column : Vec2<S>(column * (S(z.v) - camera.middle_row));
+  return t.a == 0 ? column : Vec2<S>(column * camera.line_of(S(z.u), S(z.v)));
 }
 
 }  // namespace SEGCAL_NS

@@ -4,6 +4,7 @@
 // [gyro s 3 | gyro m 3 | accel s 3 | accel m 3 | r_AI 3], then the estimated terms of effects (effect_terms.h).
 #pragma once
 
+#include "math/elementary.h"
 #include "math/so3.h"
 #include "math/types.h"
 #include "sensors/effect_terms.h"
@@ -28,7 +29,13 @@ struct CameraCalibration {
   Vec3<S> p_CI = Vec3<S>::Zero();                ///< p_C = R_CI p_I + p_CI; m
   Vec<S, 4> intrinsics{S(1), S(1), S(0), S(0)};  ///< fx fy cx cy; px
   Vec<S, 4> distortion = Vec<S, 4>::Zero();      ///< fov: w. radtan: k1 k2 p1 p2. equidistant: k1..k4
-  S middle_row = S(240);                         ///< px; known, no part of theta: terms count rows from here
+  /// px; known, no part of theta: terms count lines from here, which are rows. Below zero lines are columns, and this
+  /// is minus the middle one: a shutter that runs across the image.
+  S middle_line = S(240);
+
+  S line_of(S u, S v) const { return middle_line < S(0) ? u + middle_line : v - middle_line; }
+  /// -1 to 1 over the image.
+  S share_of_line(S u, S v) const { return line_of(u, v) / absolute(middle_line); }
 
   int distortion_columns() const { return model == Distortion::fov ? 1 : 4; }
   int columns() const { return kExtrinsicColumns + 4 + distortion_columns(); }

@@ -3,7 +3,7 @@
 //
 // A term of the IMU adds c phi to the reading, after T_g and T_a R_AI and before
 // the bias; phi is a sum of up to three products of two signals. A term of the
-// camera moves the time at which an image row was exposed, or the distorted point.
+// camera moves the time at which a line of the image was exposed, or the distorted point.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ enum class TermKind : std::uint8_t {
   gyro_x, gyro_y, gyro_z, accel_x, accel_y, accel_z,  ///< product of the signals a and b, added to this axis
   gyro_lag,                ///< first-order lag of all three axes: -d w_m / dt
   axis_offset,             ///< a: 0..5, the entries yx yy yz zx zy zz
-  camera_time,             ///< seconds; a = 0: the same for all rows; a = 1: per row below the middle one
+  camera_time,             ///< seconds; a = 0: the same for all rows; a = 1: per line beyond the middle one
   radial, tangential_1, tangential_2,  ///< d |d|^2; Brown's two
   image_u, image_v         ///< x^a y^b row^c, added to the distorted point d; row: -1 at the top, 1 at the bottom
 };

@@ -62,7 +62,7 @@ struct StoredOptions {
     f->name("camera");
     for (int c = 0; c < mean->n_cameras; ++c) {
       f->choice(&mean->camera[c].model, 3);
-      f->number(&mean->camera[c].middle_row);
+      f->number(&mean->camera[c].middle_line);
     }
     f->name("term");
     f->number(&mean->effects.n);

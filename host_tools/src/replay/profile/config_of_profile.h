@@ -54,7 +54,7 @@ inline segcal_camera_t camera_to_c(const CameraCalibration& camera) {
   for (int i = 0; i < 3; ++i) out.p_CI[i] = camera.p_CI(i);
   for (int i = 0; i < 4; ++i) out.intrinsics[i] = camera.intrinsics(i);
   for (int i = 0; i < 4; ++i) out.distortion[i] = camera.distortion(i);
-  out.height = camera.height;
+  out.height = camera.reads_columns ? -camera.width : camera.height;
   return out;
 }
 

@@ -19,7 +19,7 @@ template <class S>
                      from.p_CI.template cast<double>(),
                      from.intrinsics.template cast<double>(),
                      from.distortion.template cast<double>(),
-                     static_cast<double>(from.middle_row)};
+                     static_cast<double>(from.middle_line)};
   }
   const auto& imu = in.imu;
   out.imu = {imu.gyro_scale.template cast<double>(), imu.gyro_misalignment.template cast<double>(),
