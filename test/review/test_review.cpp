@@ -48,6 +48,26 @@ void test_sound_data_stay_as_they_are() {
   }
 }
 
+/// k f^2 looks like a scale to a head that stays upright. With the effect enabled the sigma says so itself.
+void test_what_leaves_no_trace_is_noted() {
+  const host::SimulationResult session = test::simulated("arvr", 60, 3);
+  const auto answer = [&session](std::uint32_t effects, double* sigma_sz) {
+    const host::ReplayResult out = reviewed(session, session.recording, true, "mobile", effects);
+    for (const host::CoreParameter& p : out.result.parameters)
+      if (p.name == "accel.sz") *sigma_sz = p.sigma;
+    for (const host::Note& n : out.health.notes)
+      if (n.name == "unseen_effects") return n.words;
+    return std::string();
+  };
+  double without = 0, with = 0;
+  const std::string noted = answer(0, &without), silent = answer(SEGCAL_EFFECT_ACCEL_NONLINEARITY, &with);
+  TEST_ASSERT_TRUE_MESSAGE(noted.find("accel_nonlinearity (accel.sz by ") != std::string::npos, noted.c_str());
+  TEST_ASSERT_TRUE_MESSAGE(silent.find("accel_nonlinearity") == std::string::npos, silent.c_str());
+  const double moved = std::stod(noted.substr(noted.find("accel.sz by ") + 12));
+  // Two printed digits, and segments that scatter in one of the two fits.
+  TEST_ASSERT_DOUBLE_WITHIN(0.2 * with, with, std::hypot(without, moved));
+}
+
 /// In a kept segment: whether the answer was made from it.
 bool in_use(const host::ReplayResult& out, std::int64_t t) {
   return std::any_of(out.segments.begin(), out.segments.end(),
@@ -318,6 +338,7 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_steps_of_rotations_are_small_rotations);
   RUN_TEST(test_sound_data_stay_as_they_are);
+  RUN_TEST(test_what_leaves_no_trace_is_noted);
   RUN_TEST(test_many_spikes_are_left_out_and_named);
   RUN_TEST(test_of_a_spike_nothing_is_used);
   RUN_TEST(test_an_offset_that_is_not_modelled_is_named);

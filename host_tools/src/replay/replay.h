@@ -57,8 +57,8 @@ struct ReplayTiming {
 
 /// What was stated, or taken for granted, and what the data say of it. Nothing is refused for it.
 struct Note {
-  std::string name;   ///< gyro_noise, accel_noise, pixel_noise or gravity
-  double factor = 1;  ///< what the data show over what was stated
+  std::string name;   ///< gyro_noise, accel_noise, pixel_noise, gravity or unseen_effects
+  double factor = 1;  ///< what the data show over what was stated; of unseen_effects sigmas
   std::string words;  ///< a sentence
 };
 
@@ -83,7 +83,7 @@ struct Health {
   double step_chi2 = 0;              ///< of the step from the start by the prior's sigmas
   int step_dof = 0;
   std::vector<Suspect> suspects;  ///< faults, then effects, the largest statistic first; remarks; a first replay's
-  std::vector<Note> notes;        ///< on noise and gravity
+  std::vector<Note> notes;        ///< on noise, gravity and effects that the data do not show
 };
 
 struct ReplayResult {

@@ -99,19 +99,21 @@ std::string number(const char* format, double value) {
   return text;
 }
 
-void ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c, std::size_t trials,
+/// True if the effect is suspected.
+bool ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c, std::size_t trials,
          const ReplayResult& result, std::vector<Suspect>* out) {
   const EffectTest test = test_effect(problem, c, {});
-  if (test.seen == 0) return;
+  if (test.seen == 0) return false;
   const auto log10_p_by = [&test, trials](const Scatter& scatter) {
     return scatter.log10_p(test.statistic, test.seen) + std::log10(static_cast<double>(trials));
   };
   const Scatter own = scatter_over_time(problem, c, {});
   const bool by_itself = log10_p_by(own) <= kLevel;
   const double log10_p = log10_p_by(by_itself ? own : moderated(own, pooled_scatter(problem)));
-  if (log10_p > kLevel) return;
+  if (log10_p > kLevel) return false;
   const HalvesTest halves = test_halves(problem, c, {});
-  if (halves.log10_p_disagree < decision::kLog10Disagree || halves.gain < decision::kHelps * test.statistic) return;
+  if (halves.log10_p_disagree < decision::kLog10Disagree || halves.gain < decision::kHelps * test.statistic)
+    return false;
   Suspect suspect{c.name, test.statistic, log10_p, 0, "", "", 0, {}};
   find_bias(problem, c, result, by_itself || !bends_lens(c.name), &suspect);
   suspect.words = c.name + " is not in the model and would explain what is left (";
@@ -124,17 +126,22 @@ void ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c,
   suspect.words +=
       "); with it " + suspect.moves + " moves by " + number("%.1f", suspect.bias_sigmas) + " sigma: --enable " + c.name;
   out->push_back(std::move(suspect));
+  return true;
 }
 
 }  // namespace
 
-std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature) {
+std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature,
+                                     std::vector<UnseenEffect>* unseen) {
   std::vector<Suspect> out;
   const Catalogue catalogue = not_estimated(core_catalogue(has_temperature), result.result.parameters);
   const auto ask_all = [&](const Catalogue& part) {
     const Problem problem = linearised(core, result, part.terms);
     if (problem.held_out.empty()) return;
-    for (const Candidate& c : part.candidates) ask(problem, part, c, catalogue.candidates.size(), result, &out);
+    for (const Candidate& c : part.candidates) {
+      if (!ask(problem, part, c, catalogue.candidates.size(), result, &out))
+        unseen->push_back(unseen_effect(problem, c, result.result.parameters));
+    }
   };
   try {
     ask_all(catalogue);

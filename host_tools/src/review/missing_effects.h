@@ -6,13 +6,16 @@
 #include <vector>
 
 #include "replay/replay.h"
+#include "review/unseen_effects.h"
 
 namespace host::review {
 
 /// Effects that the calibration's rows ask for: significant after correction for the number of effects and against the
 /// scatter of their own value over the segments, or against that moderated by the scatter of all values, which tells
 /// more where segments are few; halves of the recording agree and help each other.
-std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature);
+/// `unseen`: those that they do not ask for, and what such an effect would move all the same.
+std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature,
+                                     std::vector<UnseenEffect>* unseen);
 
 /// The one that moves a released value by most of its sigmas; null without any.
 const Suspect* most_moving(const std::vector<Suspect>& suspects);
