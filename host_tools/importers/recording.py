@@ -130,6 +130,7 @@ def camchain_text(cameras):
         text += "".join(f"  - {yaml_list(row)}\n" for row in T_CI)
         text += f"  camera_model: pinhole\n  intrinsics: {yaml_list(camera.intrinsics)}  # fx fy cx cy, px\n"
         text += f"  distortion_model: {camera.distortion_model}\n  distortion_coeffs: {yaml_list(camera.distortion)}\n"
+        text += "  readout: columns\n" if camera.readout == "columns" else ""  # of a rolling shutter
         text += f"  resolution: {[camera.width, camera.height]}\n  timeshift_cam_imu: {yaml_number(timeshift_s)}  # s, t_imu = t_cam + shift\n"
     return text
 

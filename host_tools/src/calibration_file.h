@@ -19,6 +19,9 @@ std::string distortion_name(DistortionModel model);
 /// Names of the coefficients: {"w"}, {"k1","k2","p1","p2"}, {"k1","k2","k3","k4"}.
 std::vector<std::string> distortion_parameters(DistortionModel model);
 
+/// What a rolling shutter exposes one after another, "rows" or "columns". Throws InputError.
+bool reads_columns(const std::string& readout);
+
 struct CameraCalibration {
   DistortionModel model = DistortionModel::radtan;
   int width = 0, height = 0;                             ///< px

@@ -34,10 +34,11 @@ CameraCalibration read_projection(const YamlFile& yaml, const YAML::Node& node) 
   }
 
   if (node["readout"].IsDefined()) {
-    const std::string readout = yaml.text(node, "readout");
-    if (readout != "rows" && readout != "columns") yaml.fail(node["readout"], "readout: rows or columns");
-    camera.reads_columns = readout == "columns";
-    if (camera.reads_columns && camera.width == 0) yaml.fail(node["readout"], "an entry 'resolution' beside it");
+    try {
+      camera.reads_columns = reads_columns(yaml.text(node, "readout"));
+    } catch (const InputError& error) {
+      yaml.fail(node["readout"], error.what());
+    }
   }
 
   const auto intrinsics = yaml.numbers(node, "intrinsics", 4);

@@ -42,8 +42,8 @@ void append_camera(std::string& text, std::size_t index, const CameraCalibration
   text += "  distortion_model: " + distortion_name(camera.model) + "\n";
   text +=
       "  distortion_coeffs: " + list_of(camera.distortion.data(), distortion_parameters(camera.model).size()) + "\n";
-  if (camera.width > 0) text += "  resolution: " + list_of(resolution, 2) + "\n";
-  if (camera.reads_columns) text += "  readout: columns  # a rolling shutter runs from left to right\n";
+  if (camera.width > 0 && camera.height > 0) text += "  resolution: " + list_of(resolution, 2) + "\n";
+  if (camera.reads_columns) text += "  readout: columns  # a rolling shutter exposes column after column\n";
   text += "  rostopic: /cam" + std::to_string(index) + "/image_raw\n";
   text += "  # t_imu = t_cam + timeshift_cam_imu, s\n  timeshift_cam_imu: ";
   append_yaml_number(text, camera.timeshift_cam_imu);

@@ -3,6 +3,11 @@
 
 namespace host {
 
+bool reads_columns(const std::string& readout) {
+  if (readout != "rows" && readout != "columns") throw InputError("readout: rows or columns, found '" + readout + "'");
+  return readout == "columns";
+}
+
 DistortionModel distortion_from_name(const std::string& name) {
   if (name == "fov") return DistortionModel::fov;
   if (name == "radtan" || name == "radial-tangential") return DistortionModel::radtan;

@@ -117,9 +117,10 @@ def camera_of(entry, file):
     camera.q_CI, camera.p_CI = quaternion(U @ Vt), list(T[:3, 3])
     camera.intrinsics = [float(v) for v in entry["intrinsics"]]
     camera.distortion = [float(v) for v in entry["distortion_coeffs"][:LENSES[lens][1]]]
-    columns = entry.get("readout", "rows") == "columns"  # of a rolling shutter
-    size = entry.get("resolution", [0, 0])
-    camera.height = -int(size[0]) if columns else int(size[1])
+    readout, size = entry.get("readout", "rows"), entry.get("resolution", [0, 0])  # of a rolling shutter
+    if readout not in ("rows", "columns"):
+        raise ValueError(f"{file}: expected readout rows or columns, found {readout}")
+    camera.height = int(size[1]) if readout == "rows" else -max(1, int(size[0] or 2 * camera.intrinsics[2]))
     return camera
 
 

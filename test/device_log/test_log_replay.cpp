@@ -3,7 +3,9 @@
 #include "../replay/simulated_replay.h"
 #include "../replay/temporary_folder.h"
 #include "../support/cases.h"
+#include "calibration_file.h"
 #include "device_log/device_log.h"
+#include "device_log/logged_config.h"
 #include "device_log/write_log.h"
 
 extern "C" void setUp() {}
@@ -152,11 +154,30 @@ void test_program_complains() {
   TEST_ASSERT_FALSE(fs::exists(out / "result.json"));
 }
 
+/// A log knows the columns and not the rows: its camera chain is read all the same, and states them.
+void test_a_shutter_along_columns_is_kept() {
+  segcal_config_t config{};
+  config.camera[0].intrinsics[0] = config.camera[0].intrinsics[1] = 300;
+  config.camera[0].q_CI[0] = config.imu.q_AI[0] = 1;
+  config.camera[0].height = -640;
+  const host::Calibration logged = host::calibration_of(config);
+  TEST_ASSERT_TRUE(logged.cameras.at(0).reads_columns);
+  TEST_ASSERT_EQUAL_INT(640, logged.cameras[0].width);
+  const test::TemporaryFolder folder("columns");
+  host::write_camchain(folder.path() / "camchain.yaml", logged);
+  TEST_ASSERT_TRUE(host::read_calibration(folder.path() / "camchain.yaml").cameras.at(0).reads_columns);
+  config.camera[0].height = 480;
+  TEST_ASSERT_FALSE(host::calibration_of(config).cameras.at(0).reads_columns);
+  config.camera[0].height = INT32_MIN;  // of a damaged log: refused later, by the core
+  TEST_ASSERT_TRUE(host::calibration_of(config).cameras.at(0).reads_columns);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   test::select_cases(argc, argv);
   UNITY_BEGIN();
+  RUN_TEST(test_a_shutter_along_columns_is_kept);
   RUN_TEST(test_log_replays_as_the_recording_does);
   RUN_TEST(test_hash_sees_one_bit);
   RUN_TEST(test_hash_covers_what_was_found);

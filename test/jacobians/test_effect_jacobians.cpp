@@ -337,6 +337,8 @@ void check_exposure_on_the_path(double middle_line) {
       theta.effects.add(kLineDelayTerm, line_delay);
       const Observation z{100.f, 470.f, 0, 1, 0, 0};
       const double lines = middle_line > 0 ? 470 - 240 : 100 - 320;
+      test::check_near(Id().add("lines", middle_line), "share", middle_line > 0 ? 230.0 / 240 : -220.0 / 320,
+                       image_terms_at(z, theta).row, 1e-15);
       const double tau = t_d + line_delay * lines, limit = std::pow(std::fabs(tau), 3);
       const Exposure<double> at = exposure_of(*s, z, theta, kGravity, false);
       const State<double> truth = path().state(1.2 + tau);

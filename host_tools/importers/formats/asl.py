@@ -80,7 +80,7 @@ class Source:
         if model not in COEFFICIENTS:
             raise InputError(f"{file}: expected a distortion_model of {', '.join(COEFFICIENTS)}")
         distortion = entry.get("distortion_coeffs", entry.get("distortion_coefficients"))
-        return Camera(*entry["resolution"], entry["intrinsics"], model, distortion[:1] if model == "fov" else distortion)
+        return Camera(*entry["resolution"], entry["intrinsics"], model, distortion[:1] if model == "fov" else distortion, entry.get("readout", "rows"))
 
     def extrinsics(self, camera, imu):
         """T_cam_imu, or the inverse of EuRoC's T_BS, with the IMU's own T_BS."""

@@ -47,7 +47,11 @@ Calibration calibration_of(const segcal_config_t& c) {
     camera.intrinsics = Eigen::Vector4d(c.camera[i].intrinsics);
     camera.distortion = Eigen::Vector4d(c.camera[i].distortion);
     camera.reads_columns = c.camera[i].height < 0;
-    (camera.reads_columns ? camera.width : camera.height) = std::abs(c.camera[i].height);
+    if (camera.reads_columns) {
+      camera.width = -std::max(c.camera[i].height, -INT32_MAX);  // not checked yet: a damaged log may hold anything
+    } else {
+      camera.height = c.camera[i].height;
+    }
     out.cameras.push_back(camera);
   }
   out.imu.T_g = triangle(c.imu.gyro_scale, c.imu.gyro_misalignment);

@@ -11,7 +11,8 @@ constexpr Words kWords[] = {
     {"time_offset", "camera and IMU stamps are apart",
      "turns and accelerations that change within a second, before a scene with corners"},
     {"rolling_shutter", "image rows (columns with `readout: columns`) are exposed one after another",
-     "quick turns, with tracks at the top and at the bottom of the image"},
+     "quick turns, with tracks at both ends of the read-out: at the top and at the bottom of the image, or left and "
+     "right"},
     {"radial_residual", "the lens bends rays more or less than the distortion model says",
      "tracks out to the corners of the image"},
     {"tangential_residual", "the lens is decentred by more than the distortion model says",

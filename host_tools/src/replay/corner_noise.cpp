@@ -3,6 +3,7 @@
 
 #include "replay/replay.h"
 #include "review/take_back.h"
+#include "review/unseen_effects.h"
 
 namespace host {
 
@@ -25,6 +26,7 @@ ReplayResult replay(const std::vector<Recording>& sessions, const ReplayOptions&
   ReplayResult out = replay_as_stated(sessions, second);
   out.weighed_by_tracks = true;
   review::keep_suspects(first, &out);
+  review::note_unseen_effects(&out);
   return out;
 }
 

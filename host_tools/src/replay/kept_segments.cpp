@@ -75,7 +75,7 @@ Calibration read_calibration_json(const Json& json) {
     camera.model = distortion_from_name(c.at("model").get<std::string>());
     camera.width = whole_number<int>(c.at("width"));
     camera.height = whole_number<int>(c.at("height"));
-    camera.reads_columns = c.value("readout", "rows") == "columns";
+    camera.reads_columns = reads_columns(c.value("readout", "rows"));
     read_array(c.at("intrinsics"), &camera.intrinsics);
     read_array(c.at("distortion"), &camera.distortion);
     read_array(c.at("R_CI"), &camera.R_CI);

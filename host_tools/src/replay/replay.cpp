@@ -8,6 +8,7 @@
 #include "replay/counters.h"
 #include "replay/temperature_use.h"
 #include "review/review.h"
+#include "review/unseen_effects.h"
 
 namespace host {
 namespace {
@@ -232,6 +233,7 @@ ReplayResult replay_as_stated(const std::vector<Recording>& sessions, const Repl
   out.clocks = options.clocks;
   if (options.review) review::review(sessions, core_options, *core, &out);
   refuse_temperature(sessions, &out);
+  review::note_unseen_effects(&out);
   if (options.keep_core) *options.keep_core = std::move(core);
   return out;
 }

@@ -75,6 +75,12 @@ struct Suspect {
   bool in_sigmas = false;     ///< sigmas and covariance have grown by that
 };
 
+/// An effect of the catalogue that the data do not ask for, and what it may move all the same.
+struct UnseenEffect {
+  std::string name;
+  std::vector<double> moves;  ///< of each parameter, in its unit, a standard deviation
+};
+
 struct Health {
   std::uint32_t frames = 0, frames_used = 0, filter_restarts = 0;
   std::uint32_t frames_offered = 0;  ///< at the odometry's rate: a camera of 30 Hz offers every third image
@@ -83,7 +89,8 @@ struct Health {
   double step_chi2 = 0;              ///< of the step from the start by the prior's sigmas
   int step_dof = 0;
   std::vector<Suspect> suspects;  ///< faults, then effects, the largest statistic first; remarks; a first replay's
-  std::vector<Note> notes;        ///< on noise, gravity and effects that the data do not show
+  std::vector<UnseenEffect> unseen;
+  std::vector<Note> notes;  ///< on noise, gravity and effects that the data do not show
 };
 
 struct ReplayResult {

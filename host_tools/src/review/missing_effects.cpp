@@ -99,9 +99,9 @@ std::string number(const char* format, double value) {
   return text;
 }
 
-/// True if the effect is suspected.
-bool ask(const Problem& problem, const Catalogue& catalogue, const Candidate& c, std::size_t trials,
-         const ReplayResult& result, std::vector<Suspect>* out) {
+/// False if the data do not ask for the effect; true also where they do and contradict themselves.
+bool asks_for(const Problem& problem, const Catalogue& catalogue, const Candidate& c, std::size_t trials,
+              const ReplayResult& result, std::vector<Suspect>* out) {
   const EffectTest test = test_effect(problem, c, {});
   if (test.seen == 0) return false;
   const auto log10_p_by = [&test, trials](const Scatter& scatter) {
@@ -138,9 +138,10 @@ std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, boo
   const auto ask_all = [&](const Catalogue& part) {
     const Problem problem = linearised(core, result, part.terms);
     if (problem.held_out.empty()) return;
+    const double variance = dispersion(problem, {}) * std::max(1.0, pooled_scatter(problem));
     for (const Candidate& c : part.candidates) {
-      if (!ask(problem, part, c, catalogue.candidates.size(), result, &out))
-        unseen->push_back(unseen_effect(problem, c, result.result.parameters));
+      if (!asks_for(problem, part, c, catalogue.candidates.size(), result, &out))
+        unseen->push_back(unseen_effect(problem, c, variance, result.result.parameters));
     }
   };
   try {

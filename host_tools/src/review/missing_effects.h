@@ -13,7 +13,7 @@ namespace host::review {
 /// Effects that the calibration's rows ask for: significant after correction for the number of effects and against the
 /// scatter of their own value over the segments, or against that moderated by the scatter of all values, which tells
 /// more where segments are few; halves of the recording agree and help each other.
-/// `unseen`: those that they do not ask for, and what such an effect would move all the same.
+/// `unseen`: those that the data do not ask for.
 std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature,
                                      std::vector<UnseenEffect>* unseen);
 

@@ -79,12 +79,10 @@ class Review {
   void find_notes() {
     health_.notes = notes_on_noise(sessions_.front(), out_);
     for (const Note& note : notes_on_gravity(options_, out_)) health_.notes.push_back(note);
-    if (out_.result.status != "calibrated") return;
-    for (const Note& note : notes_on_unseen(unseen_, out_.result.parameters)) health_.notes.push_back(note);
   }
 
   void judge_fit() {
-    const std::vector<Suspect> missing = missing_effects(core_, out_, options_.has_temperature, &unseen_);
+    const std::vector<Suspect> missing = missing_effects(core_, out_, options_.has_temperature, &health_.unseen);
     health_.suspects.insert(health_.suspects.end(), missing.begin(), missing.end());
     widen_sigmas();
     if (out_.result.status != "calibrated") return;
@@ -226,7 +224,6 @@ class Review {
   Health& health_;
   std::size_t faults_ = 0;
   std::vector<Suspect> remarks_;  ///< said, and the cause of nothing
-  std::vector<UnseenEffect> unseen_;
 };
 
 }  // namespace

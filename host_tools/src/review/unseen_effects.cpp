@@ -13,7 +13,7 @@ namespace {
 using namespace diagnosis;
 
 /// By parameter, as printed; with the terms of `groups`, of these sizes.
-Eigen::VectorXd variances(const Problem& problem, const std::vector<TermGroup>& groups,
+Eigen::VectorXd variances(const Problem& problem, double variance, const std::vector<TermGroup>& groups,
                           const std::vector<double>& sizes, const Eigen::MatrixXd& printed) {
   const auto m = static_cast<Eigen::Index>(sizes.size());
   Prior prior = problem.prior;
@@ -21,7 +21,9 @@ Eigen::VectorXd variances(const Problem& problem, const std::vector<TermGroup>& 
   prior.mean.tail(m).setZero();
   prior.sigma.conservativeResize(problem.n_theta + m);
   prior.sigma.tail(m) = Eigen::Map<const Eigen::VectorXd>(sizes.data(), m);
-  const Solution s = solve(with_prior(with_groups(problem.all, problem.n_theta, groups), prior));
+  Rows rows = with_groups(problem.all, problem.n_theta, groups);
+  rows.R /= std::sqrt(variance);
+  const Solution s = solve(with_prior(rows, prior));
   const Eigen::MatrixXd of_theta = s.covariance.topLeftCorner(problem.n_theta, problem.n_theta);
   return (printed * of_theta).cwiseProduct(printed).rowwise().sum();
 }
@@ -51,34 +53,40 @@ std::string words_on(const Worst& w) {
 
 }  // namespace
 
-UnseenEffect unseen_effect(const Problem& problem, const Candidate& candidate,
+UnseenEffect unseen_effect(const Problem& problem, const Candidate& candidate, double variance,
                            const std::vector<CoreParameter>& parameters) {
   const Eigen::MatrixXd printed = printed_by_columns(parameters);
-  const Eigen::VectorXd more =
-      variances(problem, {candidate.columns}, candidate.size, printed) - variances(problem, {}, {}, printed);
+  const Eigen::VectorXd more = variances(problem, variance, {candidate.columns}, candidate.size, printed) -
+                               variances(problem, variance, {}, {}, printed);
   UnseenEffect out{candidate.name, {}};
-  for (const double variance : more) out.moves.push_back(std::sqrt(std::max(0.0, variance)));
+  for (const double moved2 : more) out.moves.push_back(std::sqrt(std::max(0.0, moved2)));
   return out;
 }
 
-std::vector<Note> notes_on_unseen(const std::vector<UnseenEffect>& effects,
-                                  const std::vector<CoreParameter>& parameters) {
+void note_unseen_effects(ReplayResult* result) {
   constexpr std::size_t kNamed = 3;
+  constexpr char kName[] = "unseen_effects";
+  Health& health = result->health;
+  health.notes.erase(
+      std::remove_if(health.notes.begin(), health.notes.end(), [&](const Note& n) { return n.name == kName; }),
+      health.notes.end());
+  if (result->result.status != "calibrated") return;
   std::vector<Worst> worst;
-  for (const UnseenEffect& e : effects) {
-    const Worst w = worst_of(e, parameters);
+  for (const UnseenEffect& e : health.unseen) {
+    const auto same = [&e](const Suspect& s) { return s.name == e.name; };
+    if (std::any_of(health.suspects.begin(), health.suspects.end(), same)) continue;
+    const Worst w = worst_of(e, result->result.parameters);
     if (w.sigmas > kMostBias) worst.push_back(w);
   }
-  if (worst.empty()) return {};
+  if (worst.empty()) return;
   std::sort(worst.begin(), worst.end(), [](const Worst& a, const Worst& b) { return a.sigmas > b.sigmas; });
   std::string list;
   for (std::size_t i = 0; i < std::min(kNamed, worst.size()); ++i) list += (i > 0 ? ", " : "") + words_on(worst[i]);
   if (worst.size() > kNamed) list += formatted(" and %zu more", worst.size() - kNamed);
-  return {
-      {"unseen_effects", worst.front().sigmas,
-       "the sigmas assume a device without effects that this motion cannot tell from the calibration. Of usual size, "
-       "and without a trace in the residuals, would move: " +
-           list + ". If your device may have one, --enable it, or record richer motion"}};
+  health.notes.push_back({kName, worst.front().sigmas,
+                          "the sigmas assume a device without effects that this motion can hardly tell from the "
+                          "calibration. Up to their usual size, and with no trace in the residuals, might move: " +
+                              list + ". If your device may have one, --enable it, or record richer motion"});
 }
 
 }  // namespace host::review

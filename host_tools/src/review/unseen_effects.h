@@ -6,21 +6,16 @@
 
 namespace host::review {
 
-/// An effect of the catalogue that the data do not ask for.
-struct UnseenEffect {
-  std::string name;
-  std::vector<double> moves;  ///< of each parameter, in its unit: standard deviation of what the effect may move it by
-};
-
-/// Consider analysis (Bierman, Factorization Methods for Discrete Sequential Estimation, 1977, chapter VIII): with the
-/// effect's terms c beside theta, their plausible sizes being the prior, the covariance of theta is larger by
-/// (dtheta/dc) P_c (dtheta/dc)'.
-UnseenEffect unseen_effect(const diagnosis::Problem& problem, const diagnosis::Candidate& candidate,
+/// The effect's terms c beside theta, their plausible sizes being the prior: the covariance of theta is larger by
+/// (dtheta/dc) P_c (dtheta/dc)', P_c being what the data leave of c. (Consider analysis, Bierman, Factorization Methods
+/// for Discrete Sequential Estimation, 1977, chapter VIII, has the prior's P_c.) `variance`: of the rows' noise, in
+/// units of what they were weighed by.
+UnseenEffect unseen_effect(const diagnosis::Problem& problem, const diagnosis::Candidate& candidate, double variance,
                            const std::vector<CoreParameter>& parameters);
 
-/// One note with the worst of them and the value that each moves most, in its stated sigmas; none where all stay below
-/// `kMostBias`.
-std::vector<Note> notes_on_unseen(const std::vector<UnseenEffect>& effects,
-                                  const std::vector<CoreParameter>& parameters);
+/// The note `unseen_effects` of a calibrated result, at its sigmas as they are now: the effects that may move a
+/// released value by more than `kMostBias` of them, the worst first. None is left of a result that is not calibrated,
+/// nor of an effect that is suspected: sigmas hold that.
+void note_unseen_effects(ReplayResult* result);
 
 }  // namespace host::review

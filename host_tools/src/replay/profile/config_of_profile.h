@@ -54,7 +54,9 @@ inline segcal_camera_t camera_to_c(const CameraCalibration& camera) {
   for (int i = 0; i < 3; ++i) out.p_CI[i] = camera.p_CI(i);
   for (int i = 0; i < 4; ++i) out.intrinsics[i] = camera.intrinsics(i);
   for (int i = 0; i < 4; ++i) out.distortion[i] = camera.distortion(i);
-  out.height = camera.reads_columns ? -camera.width : camera.height;
+  out.height = camera.height;
+  if (camera.reads_columns)
+    out.height = -(camera.width > 0 ? camera.width : std::max(1, static_cast<int>(2 * camera.intrinsics(2))));
   return out;
 }
 
