@@ -79,6 +79,8 @@ class Source:
         model = OTHER_NAMES.get(entry.get("distortion_model"), entry.get("distortion_model"))
         if model not in COEFFICIENTS:
             raise InputError(f"{file}: expected a distortion_model of {', '.join(COEFFICIENTS)}")
+        if entry.get("readout", "rows") not in ("rows", "columns"):
+            raise InputError(f"{file}: expected readout rows or columns")
         distortion = entry.get("distortion_coeffs", entry.get("distortion_coefficients"))
         return Camera(*entry["resolution"], entry["intrinsics"], model, distortion[:1] if model == "fov" else distortion, entry.get("readout", "rows"))
 

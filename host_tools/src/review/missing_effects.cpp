@@ -113,7 +113,7 @@ bool asks_for(const Problem& problem, const Catalogue& catalogue, const Candidat
   if (log10_p > kLevel) return false;
   const HalvesTest halves = test_halves(problem, c, {});
   if (halves.log10_p_disagree < decision::kLog10Disagree || halves.gain < decision::kHelps * test.statistic)
-    return false;
+    return true;
   Suspect suspect{c.name, test.statistic, log10_p, 0, "", "", 0, {}};
   find_bias(problem, c, result, by_itself || !bends_lens(c.name), &suspect);
   suspect.words = c.name + " is not in the model and would explain what is left (";
