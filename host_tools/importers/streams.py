@@ -77,5 +77,5 @@ class Camera:
     intrinsics: list  # fx fy cx cy, px
     distortion_model: str  # "radtan", "equidistant", "fov"
     distortion: list
-    readout: str = "rows"  # or "columns": what a rolling shutter exposes one after another
     notes: list = field(default_factory=list)  # what was changed on the way, in words
+    readout: str = "rows"  # or "columns": what a rolling shutter exposes one after another

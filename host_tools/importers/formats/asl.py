@@ -82,7 +82,7 @@ class Source:
         if entry.get("readout", "rows") not in ("rows", "columns"):
             raise InputError(f"{file}: expected readout rows or columns")
         distortion = entry.get("distortion_coeffs", entry.get("distortion_coefficients"))
-        return Camera(*entry["resolution"], entry["intrinsics"], model, distortion[:1] if model == "fov" else distortion, entry.get("readout", "rows"))
+        return Camera(*entry["resolution"], entry["intrinsics"], model, distortion[:1] if model == "fov" else distortion, readout=entry.get("readout", "rows"))
 
     def extrinsics(self, camera, imu):
         """T_cam_imu, or the inverse of EuRoC's T_BS, with the IMU's own T_BS."""
