@@ -53,6 +53,7 @@ VioOptions<S> Device<S>::vio_options() const {
   vio.g = o.model.g;
   vio.frame_interval_s = o.frame_interval_s;
   vio.late_start_at_once = at_once_;
+  vio.track_walk = o.model.track_walk;
   vio.share_calibration(o.filter_share);
   if (!o.joint_filter) return vio;
   const S* sigma = prior().sigma;

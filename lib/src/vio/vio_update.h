@@ -2,7 +2,7 @@
 #pragma once
 
 #include "math/quantiles.h"
-#include "vio/vio_triangulate.h"
+#include "vio/feature_walk.h"
 #include "vio/window_update.h"
 
 namespace SEGCAL_NS {
@@ -46,7 +46,7 @@ struct ResidualMonitor {
 /// Writes the rows of one feature into the block: the landmark's three columns just before the first pose's.
 /// Returns the number of rows, 0 where a point has no image.
 template <class S>
-int feature_rows(Window<S>* w, const TrackView<S>& view, const Landmark<S>& l, S rho_sigma, S pixel_sigma,
+int feature_rows(Window<S>* w, const TrackView<S>& view, const Landmark<S>& l, S rho_sigma, S pixel_sigma, S walk,
                  int camera_columns) {
   const int camera_index = view.track->camera, n = w->columns();
   const CameraCalibration<S>& camera = w->theta.camera[camera_index];
@@ -70,6 +70,7 @@ int feature_rows(Window<S>* w, const TrackView<S>& view, const Landmark<S>& l, S
       row[n] = -r(k) * weight;
     }
   }
+  if (kTrackWalk && walk > S(0)) whiten_walk(w, view, walk, landmark, n + 1);
   S* distance = w->block + 2 * view.n * kBlockStride;
   distance[landmark + 2] = S(1) / rho_sigma;
   distance[n] = -l.rho / rho_sigma;
@@ -111,7 +112,7 @@ bool prepare_feature(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>
   int rows = 0;
   *f = Feature<S>();
   if (triangulate(*w, view, sigma, w->block, &l, monitor->rho_sigma, &f->sigma_rho)) {
-    rows = feature_rows(w, view, l, monitor->rho_sigma, sigma, camera_columns);
+    rows = feature_rows(w, view, l, monitor->rho_sigma, sigma, options.walk_variance(), camera_columns);
   }
   if (rows == 0) {
     ++statistics->not_triangulated;
