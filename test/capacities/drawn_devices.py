@@ -64,15 +64,18 @@ def start_of(chain):
     return "\n".join(lines) + "\n"
 
 
-def run(program, segcal, work, cameras, rate, seed, seconds):
-    """What drawn_device says of one simulated device."""
-    recording = work / "recording"
+def record(segcal, recording, cameras, rate, seed, seconds, scenario="rich", tracks=60):
+    """A simulated device's session, and its start as drawn_device reads it."""
     shutil.rmtree(recording, ignore_errors=True)
-    subprocess.run([segcal, "simulate", "--out", recording, "--scenario", "rich", "--seconds", str(seconds), "--seed", str(seed), "--rate-imu", str(rate),
-                    "--cameras", str(cameras)], check=True, capture_output=True)
-    (work / "start").write_text(start_of(recording / "camchain-imucam.yaml"))
+    subprocess.run([segcal, "simulate", "--out", recording, "--scenario", scenario, "--seconds", str(seconds), "--seed", str(seed), "--rate-imu", str(rate),
+                    "--cameras", str(cameras), "--tracks", str(tracks)], check=True, capture_output=True)
+    (recording / "start").write_text(start_of(recording / "camchain-imucam.yaml"))
+
+
+def run(program, recording, cameras, rate):
+    """What drawn_device says of one simulated device."""
     tracks = [recording / f"mav0/cam{c}/tracks.csv" for c in range(cameras)]
-    done = subprocess.run([program, str(rate), work / "start", recording / "mav0/imu0/data.csv", *tracks], capture_output=True, text=True, check=False)
+    done = subprocess.run([program, str(rate), recording / "start", recording / "mav0/imu0/data.csv", *tracks], capture_output=True, text=True, check=False)
     if done.returncode not in (0, 3):
         return {"died": done.returncode}
     said, parameters = {}, {}
@@ -84,6 +87,7 @@ def run(program, segcal, work, cameras, rate, seed, seconds):
     truth = json.loads((recording / "truth/truth.json").read_text())["parameters"]
     said["errors"] = {t["name"]: (parameters[t["name"]][0] - t["value"]) / parameters[t["name"]][1] for t in truth
                       if t["name"] in parameters and parameters[t["name"]][2] != 0}  # 0: fixed, stayed where it was
+    said["sigmas"] = {name: values[1] for name, values in parameters.items()}
     return said
 
 
@@ -112,7 +116,11 @@ def main():
             for rate in o.rates:
                 for repeat in range(o.repeats):
                     seed = ((100 * o.seed + s) * 10000 + rate) * 10 + repeat
-                    said = {"not_built": refusal} if refusal else run(program, o.segcal, o.work, int(capacities["MAX_CAMERAS"]), rate, seed, o.seconds)
+                    said = {"not_built": refusal}
+                    if program:
+                        cameras = int(capacities["MAX_CAMERAS"])
+                        record(o.segcal, o.work / "recording", cameras, rate, seed, o.seconds)
+                        said = run(program, o.work / "recording", cameras, rate)
                     runs.append({"set": s, "rate": rate, "seed": seed, "capacities": capacities, **said})
                     print(judge(runs[-1]), flush=True)
                     file.write(json.dumps(runs[-1]) + "\n")

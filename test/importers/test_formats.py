@@ -93,6 +93,12 @@ class Folders(Case):
         self.assertEqual({k: chain[k] for k in camera}, camera)
         sensor = yaml.safe_load((self.rec / "mav0/imu0/sensor.yaml").read_text())
         self.assertEqual(sensor["gyroscope_random_walk"], 2.2e-05)
+        shutil.rmtree(self.rec)
+        (root / "dso/camchain.yaml").write_text(yaml.safe_dump({"cam0": {**camera, "readout": "columns"}}))
+        self.converted(root)
+        self.assertEqual(yaml.safe_load((self.rec / "camchain-imucam.yaml").read_text())["cam0"]["readout"], "columns")
+        (root / "dso/camchain.yaml").write_text(yaml.safe_dump({"cam0": {**camera, "readout": "left"}}))
+        self.refused("dso/camchain.yaml: expected readout rows or columns", root, "--out", self.folder / "none")
 
     def test_a_missing_image(self):
         root = self.folder / "room"

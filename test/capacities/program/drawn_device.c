@@ -73,7 +73,9 @@ static void print(const segcal_t* device, int answer) {
          "\nlate %" PRIu32 "\n",
          c->frames, c->frames_used, c->filter_restarts, c->segments_closed, c->segments_discarded,
          c->segments_unsettled, c->segments_ended_early, c->landmarks_left_out, c->points_left_out, c->slices_late);
-  printf("bytes %zu\nstatus %d\n", segcal_storage_bytes(), none ? -1 : result.status);
+  size_t state, segment, workspace;
+  segcal_memory(&state, &segment, &workspace);
+  printf("bytes %zu\nsegment_bytes %zu\nstatus %d\n", segcal_storage_bytes(), segment, none ? -1 : result.status);
   if (none) return;
   printf("segments %" PRId32 "\ndirections %" PRId32 "\nnoise_scale %.3f\nchi2_per_dof %.3f\n", result.segments,
          result.n_directions, result.noise_scale, result.chi2 / result.dof);
