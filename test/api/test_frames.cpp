@@ -52,6 +52,24 @@ void test_a_new_session_is_a_new_frame() {
   TEST_ASSERT_EQUAL_INT(2, calibrate(Way::tracks, Break::session).partitions);
 }
 
+/// The filter weighs by the walk that is stated for the tracks.
+void test_a_walk_of_the_tracks_reaches_the_filter() {
+  segcal_state_t state[2];
+  for (int i = 0; i < 2; ++i) {
+    segcal_config_t config = SyntheticStream::config();
+    config.track_walk = i == 0 ? 0 : 0.9;
+    Storage storage(0xFF);
+    segcal_t* device = create(&storage, config);
+    for (std::size_t k = 0; k < 1600; ++k) {  // before any calibration
+      TEST_ASSERT_GREATER_OR_EQUAL_INT(0, segcal_push_imu(device, &stream().imu[k]));
+      if (k % 20 == 0) push_frame(device, stream().frames[k / 20], Way::tracks);
+    }
+    TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_get_state(device, &state[i]));
+  }
+  const double moved = std::abs(state[0].p_GI[0] - state[1].p_GI[0]);
+  TEST_ASSERT_TRUE(moved > 1e-5 && moved < 0.05);  // m: another weight, the same path
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -61,5 +79,6 @@ int main(int argc, char** argv) {
   RUN_TEST(test_own_odometry_keeps_its_frame_over_a_gap);
   RUN_TEST(test_the_filter_has_a_new_frame_after_a_gap);
   RUN_TEST(test_a_new_session_is_a_new_frame);
+  RUN_TEST(test_a_walk_of_the_tracks_reaches_the_filter);
   return UNITY_END();
 }

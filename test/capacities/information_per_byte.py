@@ -28,15 +28,23 @@ def capacities(shape, segments):
 
 
 def measure(shape, segments, o, recordings):
-    """{recording: what the device said}, from a cache where it is done."""
+    """{recording: what the device said}, from a cache where it is done: delete WORK after a change of the core."""
     name = "_".join(map(str, (*shape, segments)))
-    done = o.work / f"{name}.json"
+    done = o.work / f"{name}_seed{o.seed}_{o.devices}.json"
     if not done.exists():
         program, refusal = build(capacities(shape, segments), o.work / name)
         if refusal:
             sys.exit(f"{name}: {refusal}")
         done.write_text(json.dumps({r.name: run(program, r, 1, RATE_HZ) for r in recordings}))
     return json.loads(done.read_text())
+
+
+def bytes_of(runs):
+    return int(next(r["segment_bytes"] for r in runs.values() if "segment_bytes" in r))
+
+
+def released(runs):
+    return sum(len(r.get("errors", {})) for r in runs.values())
 
 
 def ratio(runs, base, scenario):
@@ -47,12 +55,11 @@ def ratio(runs, base, scenario):
 
 
 def row(shape, segments, runs, base):
-    some = next(iter(runs.values()))
     errors = [e for r in runs.values() for e in r.get("errors", {}).values()]
     by_scenario = " | ".join(f"{ratio(runs, base, s):.2f}" for s in SCENARIOS)
     calibrated = sum(r.get("status") == "1" for r in runs.values())
-    print(f"| {' | '.join(map(str, shape))} | {segments} | {int(some['segment_bytes']) * segments / 1024:.0f} | {by_scenario} | "
-          f"{calibrated} of {len(runs)} | {statistics.mean(e * e for e in errors):.2f} |", flush=True)
+    print(f"| {' | '.join(map(str, shape))} | {segments} | {bytes_of(runs) * segments / 1024:.0f} | {by_scenario} | "
+          f"{calibrated} of {len(runs)} | {released(runs)} | {statistics.mean(e * e for e in errors) if errors else math.nan:.2f} |", flush=True)
 
 
 def main():
@@ -69,12 +76,12 @@ def main():
             scenario, seed = r.name.split("_")
             record(o.segcal, r, 1, RATE_HZ, int(seed), SECONDS, scenario, tracks=100)
     base = measure(SHAPES[0], SEGMENTS, o, recordings)
-    bytes_of_base = int(next(iter(base.values()))["segment_bytes"])
-    print("| keyframes | landmarks | points | segments | kB | sigma arvr | nav | rich | calibrated | mean (error/sigma)^2 |\n|" + "---:|" * 10, flush=True)
+    bytes_of_base = bytes_of(base)
+    print("| keyframes | landmarks | points | segments | kB | sigma arvr | nav | rich | calibrated | released | mean (error/sigma)^2 |\n|" + "---:|" * 11, flush=True)
     for shape in SHAPES:
         runs = measure(shape, SEGMENTS, o, recordings)
         row(shape, SEGMENTS, runs, base)
-        as_much = round(SEGMENTS * bytes_of_base / int(next(iter(runs.values()))["segment_bytes"]))
+        as_much = round(SEGMENTS * bytes_of_base / bytes_of(runs))
         if as_much != SEGMENTS:
             row(shape, as_much, measure(shape, as_much, o, recordings), base)
     return 0

@@ -5,6 +5,7 @@
 // differ: rounding in float, and where the iterations stop.
 #include <unity.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -98,6 +99,23 @@ void test_segments_survive_the_file() {
   TEST_ASSERT_TRUE(text == host::kept_segments_json(host::read_kept_segments(folder.path())));
 }
 
+/// The device may have dropped segments since its calibration, in the middle and at the front: what hung on them begins
+/// a chain, and nothing is linked over what is not there.
+void test_segments_that_left_the_database() {
+  host::ReplayResult result = test::replayed(test::simulated("rich", 40, 3));
+  const std::size_t all = host::kept_segments(result).segments.size();
+  TEST_ASSERT_GREATER_THAN(5, all);
+  const auto gone = [](const host::CoreKept& k) { return k.place == 0 || k.place == 3; };
+  result.kept.erase(std::remove_if(result.kept.begin(), result.kept.end(), gone), result.kept.end());
+  const host::KeptSegments kept = host::kept_segments(result);
+  TEST_ASSERT_EQUAL_size_t(all - 2, kept.segments.size());
+  for (const host::CoreKept& k : kept.segments) {
+    if (k.place == 1 || k.place == 4) TEST_ASSERT_EQUAL_STRING("none", k.join.c_str());
+    if (k.place == 2) TEST_ASSERT_EQUAL_STRING("imu", k.join.c_str());
+  }
+  TEST_ASSERT_TRUE(host::reference_segments(kept, {}).result.status == "calibrated");
+}
+
 /// A calibration with an effect is another problem: an answer to the one without it would look like a disagreement.
 void test_effects_are_refused() {
   host::KeptSegments kept;
@@ -148,6 +166,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_recordings_with_rest);
   RUN_TEST(test_rough_imu);
   RUN_TEST(test_segments_survive_the_file);
+  RUN_TEST(test_segments_that_left_the_database);
   RUN_TEST(test_effects_are_refused);
   RUN_TEST(test_epochs_are_refused);
   RUN_TEST(test_missing_segments_are_an_input_error);

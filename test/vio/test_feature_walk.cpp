@@ -85,7 +85,12 @@ void check(double walk) {
   test::check_near(id, "information", 0, difference / expected.cwiseAbs().maxCoeff(), 1e-13);
 }
 
-void test_without_a_walk_rows_stay() { check(0); }
+/// Whitening by next to nothing leaves what no whitening gives.
+void test_without_a_walk_rows_stay() {
+  Scene scene(11);
+  const Eigen::MatrixXd white = scene.rows(0), got = scene.rows(1e-13);
+  test::check_near(Id(), "rows", 0, (got - white).cwiseAbs().maxCoeff() / white.cwiseAbs().maxCoeff(), 1e-12);
+}
 void test_with_a_small_walk() { check(0.09); }
 void test_with_a_large_walk() { check(4.0); }
 

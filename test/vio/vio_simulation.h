@@ -37,6 +37,7 @@ struct Scene {
   double rest_from = 1e9;  ///< s; from here it stands still again
   double sway = 0;         ///< m, and rad: a hand that tries to hold still
   double pixel_noise = 0.5;
+  double track_walk = 0;  ///< px/sqrt(s); random walk of a corner's error along its track
   double gyro_bias = 0.02, accel_bias = 0.1;
   double r_CI_error = 0.01, p_CI_error = 0.005;  ///< sigma of the filter's initial extrinsics
   double focal_error = 0;   ///< share of f; sigma of the filter's initial intrinsics, 0: exact and not estimated
@@ -134,8 +135,9 @@ inline Calibration<double> simulated_device(int cameras = 1) {
 struct SimulatedTrack {
   std::uint32_t id;
   int frames_left;
-  Vec3<double> l;      ///< m, in G
-  Vec2<double> slide;  ///< px per frame; an outlier's own motion
+  Vec3<double> l;             ///< m, in G
+  Vec2<double> slide;         ///< px per frame; an outlier's own motion
+  Vec2<double> walked{0, 0};  ///< px
   int age;
 };
 
@@ -163,7 +165,7 @@ inline bool see_track(const CameraCalibration<double>& camera, const Scene& scen
                       const SimulatedTrack& track, Random* random, Vec2<double>* uv) {
   const Vec3<double> p_I = x.R_GI.transpose() * (track.l - x.p_GI);
   if (!project<double>(camera, camera.R_CI * p_I + camera.p_CI, uv)) return false;
-  *uv += track.slide * track.age;
+  *uv += track.slide * track.age + track.walked;
   if (uv->x() < 0 || uv->x() > 640 || uv->y() < 0 || uv->y() > 480) return false;
   *uv += Vec2<double>(random->normal(scene.pixel_noise), random->normal(scene.pixel_noise));
   return true;
@@ -178,6 +180,8 @@ inline void observe_frame(const Calibration<double>& theta, const Scene& scene, 
   }
   std::vector<SimulatedTrack> kept;
   for (SimulatedTrack& track : *tracks) {
+    const double step = scene.track_walk * std::sqrt(0.1);  // from frame to frame
+    if (step > 0) track.walked += Vec2<double>(random->normal(step), random->normal(step));
     const int home = static_cast<int>(track.id) % theta.n_cameras;
     Vec2<double> uv;
     if (track.frames_left-- <= 0 || !see_track(theta.camera[home], scene, frame->x, track, random, &uv)) continue;
@@ -313,6 +317,7 @@ template <class S>
 VioOptions<S> options_for(const Scene& scene) {
   VioOptions<S> options;
   options.pixel_sigma = static_cast<S>(scene.pixel_noise);
+  options.track_walk = static_cast<S>(scene.track_walk);
   options.sigma_r_CI = static_cast<S>(scene.r_CI_error);
   options.sigma_p_CI = static_cast<S>(scene.p_CI_error);
   options.sigma_focal = static_cast<S>(scene.focal_error);

@@ -217,6 +217,12 @@ KeptSegments kept_segments(const ReplayResult& result) {
   }
   std::sort(out.segments.begin(), out.segments.end(),
             [](const CoreKept& a, const CoreKept& b) { return a.place < b.place; });
+  // What a segment hung on may have left the database since: then it begins a chain.
+  int next = 0;
+  for (CoreKept& k : out.segments) {
+    if (k.place != next) k.join = "none";
+    next = k.place + 1;
+  }
   return out;
 }
 

@@ -237,7 +237,8 @@ typedef struct {
   uint32_t watch_effects;
   int32_t has_temperature; /* 1: segcal_imu_t.temperature is set; 0: it is not looked at */
   /* Drift of a corner along its track, beside pixel_sigma's white noise: a random walk per axis, px/sqrt(s), up to 100;
-     0: none. A build without SEGCAL_TRACK_WALK refuses others. The filter takes this walk beside 1 px of white noise. */
+     0: none. A build without SEGCAL_TRACK_WALK refuses others. The filter takes this walk
+     beside its own white noise: 1 px, with joint_filter pixel_sigma. */
   double track_walk;
   /* A calibration in the background takes effect at this end of a segment after its beginning, whenever it was done, up
      to 1000; 0: the fourth (16 s). One that is not done by then takes effect at the first end at which it is. With a

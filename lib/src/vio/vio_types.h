@@ -14,7 +14,7 @@ template <class S>
 struct VioOptions {
   ImuNoise<S> noise;
   S pixel_sigma = S(1);                ///< px; above the tracker's 0.5: it also pays for linearisation
-  S track_walk = S(0);                 ///< px/sqrt(s); random walk of a corner along its track, beside it
+  S track_walk = S(0);                 ///< px/sqrt(s); random walk of a corner along its track, beside pixel_sigma
   Vec3<S> g{S(0), S(0), S(-9.80665)};  ///< gravity in G; m/s^2
   S frame_interval_s = S(0.1);         ///< frames closer than this to the last one used are skipped
   S sigma_r_CI = S(0.05);              ///< rad; extrinsic rotation before any calibration
@@ -38,7 +38,8 @@ struct VioOptions {
   /// a start that is due and not done: its frame does the rest; else it waits for its slices
   bool late_start_at_once = true;
 
-  /// Variance of the walk in units of the white noise's, 1/s.
+  /// Variance of the walk in units of the white noise's, 1/s. Where residuals ask for a larger pixel_sigma
+  /// (ResidualMonitor), the walk grows with it: both are one covariance.
   S walk_variance() const { return track_walk * track_walk / (pixel_sigma * pixel_sigma); }
   /// Multiplies the sigmas of the calibration: a small share makes the filter run with what it is given.
   void share_calibration(S share) {

@@ -70,7 +70,9 @@ int feature_rows(Window<S>* w, const TrackView<S>& view, const Landmark<S>& l, S
       row[n] = -r(k) * weight;
     }
   }
-  if (kTrackWalk && walk > S(0)) whiten_walk(w, view, walk, landmark, n + 1);
+  if constexpr (kTrackWalk) {
+    if (walk > S(0)) whiten_walk(w, view, walk, landmark, n + 1);
+  }
   S* distance = w->block + 2 * view.n * kBlockStride;
   distance[landmark + 2] = S(1) / rho_sigma;
   distance[n] = -l.rho / rho_sigma;
@@ -169,12 +171,18 @@ constexpr int kFrameWork =
 constexpr int kUsualSamples = 25, kSampleWork = 2000;
 constexpr int link_work(int samples) { return samples > kUsualSamples ? (samples - kUsualSamples) * kSampleWork : 0; }
 
-/// What folding a track costs at most, once its landmark is gone.
+/// What folding a track costs at most, once its landmark is gone; and whitening its rows, which is not taken back.
+struct TrackWork {
+  int fold, whiten;
+};
+
 template <class S>
-int track_fold_work(const Window<S>& w, const VioTrack<S>& track) {
+TrackWork track_work(const Window<S>& w, const VioTrack<S>& track, const VioOptions<S>& options) {
   int first = 0;
   while (first < w.n_poses && !track.in(w.pose[first].slot)) ++first;
-  return fold_work(2 * track.length() + 1 - kLandmarkColumns, w.columns() + 1 - pose_column(first));
+  const int columns = w.columns() + 1 - pose_column(first);
+  const bool walks = kTrackWalk && options.track_walk > S(0);
+  return {fold_work(2 * track.length() + 1 - kLandmarkColumns, columns), walks ? 2 * track.length() * columns : 0};
 }
 
 /// Uses the tracks that `due` names, as many as a frame has time for, of which `work` is spent, and updates the state.
@@ -187,11 +195,12 @@ int use_tracks(Window<S>* w, TrackTable<S>* tracks, const VioOptions<S>& options
   for (int i = 0; i < tracks->end(); ++i) {
     VioTrack<S>& track = (*tracks)[i];
     if (!track.used || !due(track)) continue;
-    const int fold = track_fold_work(*w, track), once = fold + kPointWork * track.length();
+    const TrackWork its = track_work(*w, track, options);
+    const int once = its.fold + its.whiten + kPointWork * track.length();
     if (tried < kMaxFeaturesPerFrame && work + once <= kFrameWork && track.length() >= kMinTrackLength) {
       ++tried;
       const bool accepted = use_track(w, track, options, monitor, statistics);
-      work += accepted ? once : once + fold;  // folded and taken back
+      work += accepted ? once : once + its.fold;  // folded and taken back
       used += accepted ? 1 : 0;
       track.slots = 0;
     }
