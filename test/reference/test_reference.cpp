@@ -114,6 +114,14 @@ void test_segments_that_left_the_database() {
     if (k.place == 2) TEST_ASSERT_EQUAL_STRING("imu", k.join.c_str());
   }
   TEST_ASSERT_TRUE(host::reference_segments(kept, {}).result.status == "calibrated");
+  // Another segment in the place of one that was calibrated, later in the same session.
+  host::ReplayResult replaced = result;
+  for (host::CoreKept& k : replaced.kept) {
+    if (k.place == 2) k = result.kept.back(), k.place = 2, k.join = "imu";
+  }
+  for (const host::CoreKept& k : host::kept_segments(replaced).segments) {
+    if (k.place == 2) TEST_ASSERT_EQUAL_STRING("none", k.join.c_str());
+  }
 }
 
 /// A calibration with an effect is another problem: an answer to the one without it would look like a disagreement.

@@ -1,6 +1,5 @@
 #include "replay/kept_segments.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "csv.h"
@@ -197,34 +196,6 @@ KeptSegments read(const Json& json) {
 }
 
 }  // namespace
-
-KeptSegments kept_segments(const ReplayResult& result) {
-  KeptSegments out;
-  out.model = result.model;
-  out.start = result.start;
-  out.noise = result.noise;
-  const CoreResult& r = result.result;
-  const double noise = r.noise_scale * r.noise_scale;
-  if (r.dof > 0 && noise > 1.0001 * std::max(1.0, r.chi2 / r.dof)) out.scatter = noise;  // the core's floats round
-  for (const CoreParameter& p : result.result.parameters) out.prior_sigma.push_back(p.prior_sigma);
-  const std::size_t n_theta = std::min(out.prior_sigma.size(), parameter_names(result.start).size());
-  for (std::size_t i = n_theta; i < result.result.parameters.size(); ++i)
-    out.effects.push_back(result.result.parameters[i].name);
-  out.prior_sigma.resize(n_theta);
-  for (const CoreEpoch& e : r.epochs) out.condensed += e.segments;
-  for (const CoreKept& k : result.kept) {
-    if (k.place >= 0) out.segments.push_back(k);
-  }
-  std::sort(out.segments.begin(), out.segments.end(),
-            [](const CoreKept& a, const CoreKept& b) { return a.place < b.place; });
-  // What a segment hung on may have left the database since: then it begins a chain.
-  int next = 0;
-  for (CoreKept& k : out.segments) {
-    if (k.place != next) k.join = "none";
-    next = k.place + 1;
-  }
-  return out;
-}
 
 std::string kept_segments_json(const KeptSegments& kept) {
   Json json;
