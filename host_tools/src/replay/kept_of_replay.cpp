@@ -9,12 +9,12 @@ namespace host {
 namespace {
 
 /// The database may have changed since the calibration whose links these are: what a segment hung on may be gone, and
-/// another one may stand in its place. Then the segment begins a chain.
-bool hangs_on(const CoreKept* before, const CoreKept& k) {
-  if (!before || before->place + 1 != k.place || before->keyframes.empty() || k.keyframes.empty()) return false;
-  const double gap_s = 1e-9 * static_cast<double>(k.keyframes.front().t_ns - before->keyframes.back().t_ns);
-  return before->segment.session == k.segment.session && std::abs(gap_s - k.gap_s) <= 1e-3 * std::max(1.0, gap_s) &&
-         (k.join != "imu" || before->segment.serial + 1 == k.segment.serial);
+/// another one may stand in its place. A link holds if the segment before still ends `gap_s` before this one begins;
+/// the core has that as a float, and stamps in us.
+bool hangs_on(const CoreKept& before, const CoreKept& k) {
+  if (before.keyframes.empty() || k.keyframes.empty()) return false;
+  const double gap_s = 1e-9 * static_cast<double>(k.keyframes.front().t_ns - before.keyframes.back().t_ns);
+  return std::abs(gap_s - k.gap_s) <= 1e-5 + 1e-6 * std::abs(gap_s);
 }
 
 }  // namespace
@@ -39,7 +39,7 @@ KeptSegments kept_segments(const ReplayResult& result) {
   std::sort(out.segments.begin(), out.segments.end(),
             [](const CoreKept& a, const CoreKept& b) { return a.place < b.place; });
   for (std::size_t i = 0; i < out.segments.size(); ++i) {
-    if (!hangs_on(i > 0 ? &out.segments[i - 1] : nullptr, out.segments[i])) out.segments[i].join = "none";
+    if (i == 0 || !hangs_on(out.segments[i - 1], out.segments[i])) out.segments[i].join = "none";
   }
   return out;
 }

@@ -85,7 +85,7 @@ void note_unseen_effects(ReplayResult* result) {
   if (worst.size() > kNamed) list += formatted(" and %zu more", worst.size() - kNamed);
   health.notes.push_back({kName, worst.front().sigmas,
                           "the sigmas assume a device without effects that this motion can hardly tell from the "
-                          "calibration. Of usual size and with no trace in the residuals, what they may move: " +
+                          "calibration. Of usual size they may move values with no trace in the residuals: " +
                               list + ". If your device may have one, --enable it, or record richer motion"});
 }
 
