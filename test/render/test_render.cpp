@@ -150,7 +150,7 @@ Errors corner_errors(host::DistortionModel lens, const Shot& shot) {
   host::sim::Effects effects;
   if (shot.line_delay_s != 0) effects.push_back(std::make_shared<host::sim::RollingShutter>(shot.line_delay_s));
   const host::render::Room room = checkered_room();
-  host::render::Renderer renderer(room, device.cameras[0], 0, truth, effects);
+  host::render::Renderer renderer(room, device.cameras[0], 0, truth, effects, host::sim::no_warm_up());
   Errors errors;
   cv::Mat light, image;
   for (double t = 1; t < 19; t += 1.5) {

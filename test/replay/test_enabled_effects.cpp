@@ -36,6 +36,7 @@ const Case kCases[] = {
     {"accel_temperature", "accel_temperature=5e-3,-3e-3,4e-3"},
     {"gyro_lag", "gyro_lag=0.004"},
     {"accel_axis_offset", "accel_axis_offset=0.01,-0.02,0.015,0.02,0.01,-0.01"},
+    {"camera_temperature", "camera_temperature=2e-4,-3e-4,2e-4,3e-4,-2e-4,3e-4"},
 };
 
 host::ReplayResult replayed_with(const host::SimulationResult& session, const std::string& effect) {

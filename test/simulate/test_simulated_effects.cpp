@@ -234,6 +234,22 @@ void a_shock_leaves_what_was_before() {
   TEST_ASSERT_TRUE(gyro(x[700]) != gyro(y[700]));
 }
 
+/// At 10 degC above the reference; a point far off the axis moves as the camera turned, zoomed and shifted says.
+void camera_temperature_turns_zooms_and_shifts() {
+  host::CameraCalibration camera;
+  camera.intrinsics = {400, 410, 320, 240};
+  const auto effect = host::sim::parse_effect("camera_temperature=0,0,2e-4,3e-4,-1e-4,2e-4");
+  const Eigen::Matrix3d before = camera.R_CI;
+  effect->on_camera_calibration({5, 0, 35}, camera);
+  TEST_ASSERT_DOUBLE_WITHIN(1e-9, 400 * 1.003, camera.intrinsics[0]);
+  TEST_ASSERT_DOUBLE_WITHIN(1e-9, 410 * 1.003, camera.intrinsics[1]);
+  TEST_ASSERT_DOUBLE_WITHIN(1e-9, 320 - 400 * 1e-3, camera.intrinsics[2]);
+  TEST_ASSERT_DOUBLE_WITHIN(1e-9, 240 + 410 * 2e-3, camera.intrinsics[3]);
+  const Eigen::Matrix3d turn = camera.R_CI * before.transpose();  // about z: x moves towards y
+  TEST_ASSERT_DOUBLE_WITHIN(1e-12, std::sin(2e-3), turn(1, 0));
+  TEST_ASSERT_TRUE(simulated("camera_temperature=0,0,2e-4,0,0,0", 5).recording.imu.has_temperature);
+}
+
 void temperature_is_recorded_when_needed() {
   TEST_ASSERT_FALSE(simulated("").recording.imu.has_temperature);
   const auto warm = simulated("gyro_temperature=1e-4,0,0", 30);
@@ -314,6 +330,7 @@ int main(int argc, char** argv) {
   RUN_TEST(lens_terms_act_on_distorted_coordinates);
   RUN_TEST(noise_factor_acts_on_its_sensor_alone);
   RUN_TEST(a_shock_leaves_what_was_before);
+  RUN_TEST(camera_temperature_turns_zooms_and_shifts);
   RUN_TEST(temperature_is_recorded_when_needed);
   RUN_TEST(wrong_effects_are_refused);
   RUN_TEST(a_model_file_gives_its_effects);

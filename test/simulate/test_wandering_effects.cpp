@@ -24,7 +24,7 @@ void focus_hunts_about_the_calibrated_one() {
   const host::sim::FocusHunting hunting(0.002);
   const auto factor = [&](double t) {
     host::CameraCalibration moved = camera();
-    hunting.on_camera_calibration(t, 0, moved);
+    hunting.on_camera_calibration({t, 0}, moved);
     TEST_ASSERT_EQUAL_DOUBLE(319.5, moved.intrinsics[2]);
     TEST_ASSERT_DOUBLE_WITHIN(rounding, moved.intrinsics[0] / 256, moved.intrinsics[1] / 258);
     return moved.intrinsics[0] / 256;
@@ -42,7 +42,7 @@ void a_loose_mount_has_two_places() {
     double sides[2];
     for (int i = 0; i < 2; ++i) {
       host::CameraCalibration moved = camera();
-      mount.on_camera_calibration(1.7 * (k + 0.1 + 0.8 * i), 0, moved);
+      mount.on_camera_calibration({1.7 * (k + 0.1 + 0.8 * i), 0}, moved);
       const Eigen::AngleAxisd turned(moved.R_CI);
       TEST_ASSERT_DOUBLE_WITHIN(
           1e-9, 0.003, turned.angle());  // an angle of 3e-3 out of a matrix: its square root of rounding at worst

@@ -9,7 +9,7 @@ void report_candidates(const Selection& selection, bool has_temperature, Diagnos
   for (const Rejected& r : selection.rejected) out->rejected.push_back({name_of(r.candidate), r.why});
   for (int c : selection.cannot_tell) out->cannot_tell.push_back({name_of(c), "needs " + needs(name_of(c))});
   if (!has_temperature) {
-    for (const char* name : {"gyro_temperature", "accel_temperature"})
+    for (const char* name : {"gyro_temperature", "accel_temperature", "camera_temperature"})
       out->cannot_tell.push_back({name, "needs " + needs(name)});
   }
   for (std::size_t i = 0; i < selection.alone.size(); ++i) {

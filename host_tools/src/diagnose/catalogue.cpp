@@ -28,6 +28,8 @@ constexpr Words kWords[] = {
      "a log with temperature, over several degrees"},
     {"gyro_lag", "the gyroscope is late against the accelerometer and the camera", "turns that begin and end quickly"},
     {"accel_axis_offset", "the accelerometer's axes sit at different places", "quick turns about each axis"},
+    {"camera_temperature", "the camera's rotation, focal length and principal point follow the temperature",
+     "a log with temperature, over several degrees, with turns about each axis and tracks out to the corners"},
     {"calibration_shift", "the calibration is another one from a moment on",
      "lively motion before and after the shock"},
 };
@@ -52,6 +54,8 @@ constexpr Apart kApart[] = {
     {"gyro_g_sensitivity", "gyro_nonlinearity", "shaking without turns, and turns at rest on a table"},
     {"accel_nonlinearity", "accel_axis_offset", "all six faces down at rest, and quick turns about each axis"},
     {"gyro_temperature", "gyro_g_sensitivity", "a change of temperature while the device keeps its attitude"},
+    {"camera_temperature", "gyro_temperature", "turns about each axis while the temperature changes"},
+    {"camera_temperature", "calibration_shift", "the device cooling down again"},
     {"gyro_temperature", "accel_temperature", "a change of temperature at several attitudes"},
 };
 

@@ -15,11 +15,11 @@ namespace host::diagnosis::decision {
 /// in 200 recordings with probability 0.67 at 2e-3.
 constexpr double kLog10Level = -2.7;
 /// Shares of the level. Effects of the catalogue are what devices are known to do: nine tenths,
-/// shared equally among its 11 entries that columns stand for. Shocks are rarer, and each block at
+/// shared equally among its 12 entries that columns stand for. Shocks are rarer, and each block at
 /// each instant is a hypothesis: a tenth over their number, less what a term of the dictionary has:
 /// it has no physics behind it, a hundredth over the number of terms. Rounds of noise look again, but
 /// a recording without any effect has none: a noise is asked for six of its sigmas (kNoiseSigmas).
-constexpr double kCatalogueShare = 0.9 / 11, kStepsShare = 0.09, kDictionaryShare = 0.01;
+constexpr double kCatalogueShare = 0.9 / 12, kStepsShare = 0.09, kDictionaryShare = 0.01;
 /// Effects in one model; more are no diagnosis.
 constexpr int kMostEffects = 5;
 

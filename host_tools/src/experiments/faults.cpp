@@ -51,7 +51,7 @@ std::vector<Calibration> truths_of(const SimulationResult& session, const Json& 
   if (kind.effect.empty()) return out;
   out.push_back(session.truth);
   const double end = p.at("seconds").get<double>();
-  sim::parse_effect(kind.effect)->on_camera_calibration(end, 0, out[1].cameras[0]);
+  sim::parse_effect(kind.effect)->on_camera_calibration({end, 0}, out[1].cameras[0]);
   return out;
 }
 

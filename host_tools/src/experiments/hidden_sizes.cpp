@@ -18,6 +18,7 @@ const std::vector<HiddenSize>& hidden_sizes() {
       {"accel_temperature", 3, 2e-3, "m/s^2/degC", 20},
       {"gyro_lag", 1, 7e-5, "s", 70},
       {"accel_axis_offset", 6, 1.5e-3, "m", 25},
+      {"camera_temperature", 6, 4e-5, "1/degC", 8},
       {"imu_noise", 1, 1, "- above 1", 2},
       {"pixel_noise", 1, 0.4, "- above 1", 3},
       {"calibration_shift", 3, 6e-4, "rad", 20},

@@ -37,7 +37,7 @@ void write_images(const SimulationResult& result, const SimulationOptions& optio
     const fs::path folder = root / "mav0" / ("cam" + std::to_string(c));
     make_folder(folder / "data");
     fs::remove(folder / "tracks.csv");  // of an earlier simulation: it would be read instead of the images
-    Renderer renderer(room, result.truth.cameras[c], c, result.trajectory, options.effects);
+    Renderer renderer(room, result.truth.cameras[c], c, result.trajectory, options.effects, result.warm_up);
     Sensor sensor(images.sensor, options.seed + seed_step_per_camera * c);
     std::string list = "#timestamp [ns],filename\n";
     cv::Mat light;

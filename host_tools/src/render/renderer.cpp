@@ -57,13 +57,14 @@ void meet_block(const Block& block, const Vector3f& o, const Vector3f& d, const 
 }  // namespace
 
 Renderer::Renderer(const Room& room, const CameraCalibration& camera, std::size_t index, const sim::Trajectory& truth,
-                   const sim::Effects& effects)
+                   const sim::Effects& effects, const sim::WarmUp& warm_up)
     : room_(room),
       first_camera_(camera),
       camera_(camera),
       index_(index),
       truth_(truth),
       effects_(effects),
+      warm_up_(warm_up),
       grid_(camera, effects) {
   tiles_across_ = (camera.width + tile_px - 1) / tile_px;
   tiles_down_ = (camera.height + tile_px - 1) / tile_px;
@@ -89,10 +90,10 @@ int Renderer::moments_for(double t, double exposure_s) const {
   return fewest_moments * std::clamp(rounds, 1, most_moments / fewest_moments);
 }
 
-/// A shock moves the camera: then the grid is another.
+/// A shock moves the camera, and so does temperature: then the grid is another.
 void Renderer::follow_calibration(double t) {
   CameraCalibration now = first_camera_;
-  for (const auto& effect : effects_) effect->on_camera_calibration(t, index_, now);
+  for (const auto& effect : effects_) effect->on_camera_calibration({t, index_, warm_up_.at(t)}, now);
   const bool same_lens = now.intrinsics == camera_.intrinsics && now.distortion == camera_.distortion;
   camera_ = now;
   if (!same_lens) grid_ = BearingGrid(camera_, effects_);

@@ -19,7 +19,7 @@ class Renderer {
  public:
   /// `room`, `truth` and `effects` must outlive this.
   Renderer(const Room& room, const CameraCalibration& camera, std::size_t index, const sim::Trajectory& truth,
-           const sim::Effects& effects);
+           const sim::Effects& effects, const sim::WarmUp& warm_up);
 
   /// CV_32F, grey values of the photographs times the brightness of the face; 0 where the lens has no ray.
   /// `t` is the frame's stamp, s on the trajectory's clock.
@@ -48,6 +48,7 @@ class Renderer {
   std::size_t index_;
   const sim::Trajectory& truth_;
   const sim::Effects& effects_;
+  sim::WarmUp warm_up_;
   BearingGrid grid_;
   int tiles_across_ = 0, tiles_down_ = 0;
   std::vector<Seen> seen_;   ///< by tile, row by row

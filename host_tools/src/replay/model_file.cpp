@@ -82,7 +82,8 @@ bool EffectChoice::enabled(const std::string& effect) const {
 }
 
 bool EffectChoice::follows_temperature() const {
-  return has_term_of_temperature_ || enabled("gyro_temperature") || enabled("accel_temperature");
+  return has_term_of_temperature_ || enabled("gyro_temperature") || enabled("accel_temperature") ||
+         enabled("camera_temperature");
 }
 
 double EffectChoice::value(const std::string& parameter) const {

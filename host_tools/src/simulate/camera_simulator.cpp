@@ -31,7 +31,7 @@ class Coverage {
 
 CameraSimulator::CameraSimulator(const CameraCalibration& camera, std::size_t index, const Trajectory& truth,
                                  const std::vector<Eigen::Vector3d>& scene, const Effects& effects,
-                                 const TrackOptions& options, double period, std::uint64_t seed)
+                                 const TrackOptions& options, double period, std::uint64_t seed, const WarmUp& warm_up)
     : camera_(camera),
       index_(index),
       truth_(truth),
@@ -39,6 +39,7 @@ CameraSimulator::CameraSimulator(const CameraCalibration& camera, std::size_t in
       effects_(effects),
       options_(options),
       period_(period),
+      warm_up_(warm_up),
       choices_(seed, Stream::tracks),
       noise_(seed, Stream::pixels),
       in_use_(scene.size(), false) {}
@@ -54,7 +55,7 @@ std::optional<Eigen::Vector2d> CameraSimulator::project_from(const CameraCalibra
 
 CameraCalibration CameraSimulator::camera_at(double t) const {
   CameraCalibration camera = camera_;
-  for (const auto& effect : effects_) effect->on_camera_calibration(t, index_, camera);
+  for (const auto& effect : effects_) effect->on_camera_calibration({t, index_, warm_up_.at(t)}, camera);
   return camera;
 }
 

@@ -37,7 +37,7 @@ class CameraSimulator {
   /// that no track begins that could not live `shortest` frames.
   CameraSimulator(const CameraCalibration& camera, std::size_t index, const Trajectory& truth,
                   const std::vector<Eigen::Vector3d>& scene, const Effects& effects, const TrackOptions& options,
-                  double period, std::uint64_t seed);
+                  double period, std::uint64_t seed, const WarmUp& warm_up = no_warm_up());
 
   /// From now on landmarks that `first`, the rig's first camera, follows at the time are preferred, under its ids.
   /// `first` must outlive this and make each frame before.
@@ -79,6 +79,7 @@ class CameraSimulator {
   const Effects& effects_;
   TrackOptions options_;
   double period_;
+  WarmUp warm_up_;
   Random choices_, noise_;
   std::vector<Track> tracks_;
   const CameraSimulator* first_camera_ = nullptr;

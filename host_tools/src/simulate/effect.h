@@ -8,6 +8,7 @@
 
 #include "../calibration_file.h"
 #include "../recording.h"
+#include "temperature.h"
 #include "trajectory.h"
 
 namespace host::sim {
@@ -26,6 +27,13 @@ struct ImuMoment {
   const BodyState& state;     ///< truth.at(t)
   Eigen::Vector3d force_I;    ///< specific force in I, m/s^2
   double temperature_degC;    ///< 25 where the simulation has no temperature
+};
+
+/// What a camera's calibration can depend on.
+struct CameraMoment {
+  double t;            ///< s since the first frame
+  std::size_t camera;  ///< 0: the first
+  double temperature_degC = reference_temperature_degC;
 };
 
 /// Factors on the standard deviation of the white noise; the files go on stating the noise without them.
@@ -63,9 +71,9 @@ class Effect {
   /// Moves an ideal pixel to where the real lens puts it. `t` in s since the first frame.
   virtual void on_pixel(const CameraCalibration&, double /*t*/, Eigen::Vector2d& /*pixel*/) const {}
 
-  /// What has become of the device by time `t`, s: a shock.
-  virtual void on_camera_calibration(double /*t*/, std::size_t /*camera*/, CameraCalibration&) const {}
-  virtual void on_imu_calibration(double /*t*/, ImuCalibration&) const {}
+  /// What has become of the device by then: a shock, another temperature.
+  virtual void on_camera_calibration(const CameraMoment&, CameraCalibration&) const {}
+  virtual void on_imu_calibration(double /*t, s*/, ImuCalibration&) const {}
 
   virtual void on_noise(NoiseFactors&) const {}
 

@@ -128,6 +128,12 @@ Made make_tangential(const Values& v) {
   return std::make_shared<TangentialResidual>(number(v[0]), number(v[1]));
 }
 
+Made make_camera_temperature(const Values& v) {
+  expect(v, 6, 6);
+  return std::make_shared<CameraTemperature>(three({v[0], v[1], v[2]}), number(v[3]),
+                                             Eigen::Vector2d(number(v[4]), number(v[5])));
+}
+
 Made make_lag(const Values& v) {
   expect(v, 1, 1);
   const double tau = number(v[0]);
@@ -159,6 +165,7 @@ const std::vector<EffectEntry>& effect_entries() {
       {K::catalogue, "accel_temperature", "x,y,z [m/s^2/degC] from 25 degC", "5e-3,0,0", make_three<AccelTemperature>},
       {K::catalogue, "gyro_lag", "tau [s]: first-order low-pass", "0.004", make_lag},
       {K::catalogue, "accel_axis_offset", "yx,yy,yz,zx,zy,zz [m], places of the y and z accelerometers from x's", "0.01,0,0,0,0.01,0", make_axis_offset},
+      {K::catalogue, "camera_temperature", "rx,ry,rz,f,cx,cy [1/degC] from 25 degC: turn [rad], share of f, centre in focal lengths", "1e-4,0,0,1e-4,0,0", make_camera_temperature},
       {K::catalogue, "imu_noise", "factor(,factor of the accelerometer) [-] on the stated noise", "3", make_imu_noise},
       {K::catalogue, "pixel_noise", "factor [-] on --pixel-noise", "2", make_pixel_noise},
       {K::catalogue, "calibration_shift",

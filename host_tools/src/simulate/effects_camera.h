@@ -52,6 +52,23 @@ class TangentialResidual : public Effect {
   double p1_, p2_;
 };
 
+/// The camera at another temperature than 25 degC, per degC: turned by `turn`, rad, in its own axes; the focal length
+/// longer by a share of it, the principal point moved by so many focal lengths.
+class CameraTemperature : public Effect {
+ public:
+  CameraTemperature(const Eigen::Vector3d& turn, double focal, const Eigen::Vector2d& centre)
+      : turn_(turn), focal_(focal), centre_(centre) {}
+  EffectTruth truth() const override;
+  void on_camera_calibration(const CameraMoment& moment, CameraCalibration& calibration) const override;
+  bool needs_temperature() const override { return true; }
+  bool needs_simulated_imu() const override { return true; }  // which brings the temperature
+
+ private:
+  Eigen::Vector3d turn_;    ///< rad/degC
+  double focal_;            ///< 1/degC
+  Eigen::Vector2d centre_;  ///< 1/degC
+};
+
 /// Pixel to distorted normalised coordinates and back.
 Eigen::Vector2d normalised(const CameraCalibration& camera, const Eigen::Vector2d& pixel);
 Eigen::Vector2d in_pixels(const CameraCalibration& camera, const Eigen::Vector2d& d);

@@ -79,9 +79,9 @@ EffectTruth CalibrationShift::truth() const {
   return out;
 }
 
-void CalibrationShift::on_camera_calibration(double t, std::size_t camera, CameraCalibration& calibration) const {
-  const std::string prefix = "cam" + std::to_string(camera) + ".";
-  if (t < t_ || block_.rfind(prefix, 0) != 0) return;
+void CalibrationShift::on_camera_calibration(const CameraMoment& moment, CameraCalibration& calibration) const {
+  const std::string prefix = "cam" + std::to_string(moment.camera) + ".";
+  if (moment.t < t_ || block_.rfind(prefix, 0) != 0) return;
   const std::string part = block_.substr(prefix.size());
   if (part == "r_CI") calibration.R_CI = rotation(step_) * calibration.R_CI;
   if (part == "p_CI") calibration.p_CI += step_;

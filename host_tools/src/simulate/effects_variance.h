@@ -25,7 +25,7 @@ class CalibrationShift : public Effect {
   /// Throws InputError for an unknown block or a wrong number of values.
   CalibrationShift(const std::string& block, double t, const std::vector<double>& step);
   EffectTruth truth() const override;
-  void on_camera_calibration(double t, std::size_t camera, CameraCalibration& calibration) const override;
+  void on_camera_calibration(const CameraMoment& moment, CameraCalibration& calibration) const override;
   void on_imu_calibration(double t, ImuCalibration& imu) const override;
   bool needs_simulated_imu() const override { return block_.rfind("cam", 0) != 0; }
 

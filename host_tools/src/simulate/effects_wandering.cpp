@@ -16,14 +16,14 @@ double wave(double t, double period_s) { return std::sin(two_pi * t / period_s);
 
 }  // namespace
 
-void FocusHunting::on_camera_calibration(double t, std::size_t, CameraCalibration& calibration) const {
-  const double factor = 1 + k_ * wave(t, hunting_period_s);
+void FocusHunting::on_camera_calibration(const CameraMoment& moment, CameraCalibration& calibration) const {
+  const double factor = 1 + k_ * wave(moment.t, hunting_period_s);
   calibration.intrinsics[0] *= factor;
   calibration.intrinsics[1] *= factor;
 }
 
-void LooseMount::on_camera_calibration(double t, std::size_t, CameraCalibration& calibration) const {
-  Random side(static_cast<std::uint64_t>(std::llround(std::floor(t / mount_period_s) + 1000)), Stream::device);
+void LooseMount::on_camera_calibration(const CameraMoment& moment, CameraCalibration& calibration) const {
+  Random side(static_cast<std::uint64_t>(std::llround(std::floor(moment.t / mount_period_s) + 1000)), Stream::device);
   const double angle = side.uniform() < 0.5 ? -angle_ : angle_;
   calibration.R_CI = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()) * calibration.R_CI;
 }

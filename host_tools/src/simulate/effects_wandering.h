@@ -11,7 +11,7 @@ class FocusHunting : public Effect {
  public:
   explicit FocusHunting(double k) : k_(k) {}
   EffectTruth truth() const override { return {"outside:focus_hunting", {{"k", k_, "-"}}}; }
-  void on_camera_calibration(double t, std::size_t camera, CameraCalibration& calibration) const override;
+  void on_camera_calibration(const CameraMoment& moment, CameraCalibration& calibration) const override;
 
  private:
   double k_;
@@ -23,7 +23,7 @@ class LooseMount : public Effect {
  public:
   explicit LooseMount(double angle_rad) : angle_(angle_rad) {}
   EffectTruth truth() const override { return {"outside:loose_mount", {{"angle", angle_, "rad"}}}; }
-  void on_camera_calibration(double t, std::size_t camera, CameraCalibration& calibration) const override;
+  void on_camera_calibration(const CameraMoment& moment, CameraCalibration& calibration) const override;
 
  private:
   double angle_;

@@ -102,12 +102,17 @@ TruthPose as_pose(std::int64_t t_ns, const sim::BodyState& state) {
 
 /// How warm the IMU is, where the recording says it. The time constant is a third of the session unless stated.
 std::optional<sim::WarmUp> temperature_of(const SimulationOptions& options, const SimulatedSession& session) {
-  if (options.temperature) return options.temperature;
+  if (options.temperature) {
+    sim::WarmUp stated = *options.temperature;
+    stated.begins_s = session.first_frame;
+    return stated;
+  }
   const bool needed =
       std::any_of(options.effects.begin(), options.effects.end(), [](const auto& e) { return e->needs_temperature(); });
   if (!needed) return std::nullopt;
   sim::WarmUp warm_up;
   warm_up.time_constant_s = (session.last_frame - session.first_frame) / 3;
+  warm_up.begins_s = session.first_frame;
   return warm_up;
 }
 
@@ -127,10 +132,11 @@ void simulate_imu(const SimulationOptions& options, const SimulatedSession& sess
   sim::ImuWhiteNoise noise(options.seed, options.imu_noise, noise_factors(options));
   const std::optional<sim::WarmUp> warm_up = temperature_of(options, session);
   result.recording.imu.has_temperature = warm_up.has_value();
+  result.warm_up = warm_up.value_or(sim::no_warm_up());
   for (std::size_t k = 0; k < n; ++k) {
     const std::int64_t t_ns = stamp(session, t0 + period * static_cast<double>(k));
     const double t = time_of(session.time_zero_ns, t_ns);
-    const double temperature = warm_up ? warm_up->at(t - session.first_frame) : sim::reference_temperature_degC;
+    const double temperature = result.warm_up.at(t);
     sim::ImuReading reading = sim::ideal_reading(result.truth.imu, session.trajectory, t, options.effects, temperature);
     const sim::Biases biases = result.biases.at(t);
     reading.gyro += biases.gyro;
@@ -156,7 +162,7 @@ void simulate_cameras(const SimulationOptions& options, const SimulatedSession& 
   std::vector<sim::CameraSimulator> simulators;
   for (std::size_t i = 0; i < result.truth.cameras.size(); ++i)
     simulators.emplace_back(result.truth.cameras[i], i, session.trajectory, scene, options.effects, tracks, period,
-                            options.seed + seed_step_per_camera * i);
+                            options.seed + seed_step_per_camera * i, result.warm_up);
   for (std::size_t i = 1; options.stereo_matches && i < simulators.size(); ++i)
     simulators[i].match_with(&simulators[0]);
   result.recording.cameras.resize(simulators.size());

@@ -13,11 +13,15 @@ constexpr double reference_temperature_degC = 25;
 struct WarmUp {
   double begin_degC = reference_temperature_degC, end_degC = 40;
   double time_constant_s = 20;
+  double begins_s = 0;  ///< when, on the trajectory's clock
 
-  /// `t` in s since the first frame.
   double at(double t) const {
-    return t <= 0 ? begin_degC : end_degC - (end_degC - begin_degC) * std::exp(-t / time_constant_s);
+    const double since = t - begins_s;
+    return since <= 0 ? begin_degC : end_degC - (end_degC - begin_degC) * std::exp(-since / time_constant_s);
   }
 };
+
+/// Where there is no temperature.
+inline WarmUp no_warm_up() { return {reference_temperature_degC, reference_temperature_degC}; }
 
 }  // namespace host::sim

@@ -114,9 +114,10 @@ enum {
   SEGCAL_EFFECT_GYRO_TEMPERATURE = 1 << 7, /* needs segcal_imu_t.temperature */
   SEGCAL_EFFECT_ACCEL_TEMPERATURE = 1 << 8,
   SEGCAL_EFFECT_GYRO_LAG = 1 << 9,
-  SEGCAL_EFFECT_ACCEL_AXIS_OFFSET = 1 << 10
+  SEGCAL_EFFECT_ACCEL_AXIS_OFFSET = 1 << 10,
+  SEGCAL_EFFECT_CAMERA_TEMPERATURE = 1 << 11 /* needs segcal_imu_t.temperature, and SEGCAL_MAX_EFFECT_COLUMNS 6 */
 };
-#define SEGCAL_EFFECTS 11          /* how many there are: bits 0..10 */
+#define SEGCAL_EFFECTS 12          /* how many there are: bits 0..11 */
 #define SEGCAL_EFFECT_PARAMETERS 9 /* most parameters of an effect */
 
 enum {
@@ -133,7 +134,8 @@ enum {
   SEGCAL_TERM_TANGENTIAL_1,
   SEGCAL_TERM_TANGENTIAL_2,
   SEGCAL_TERM_IMAGE_U,
-  SEGCAL_TERM_IMAGE_V
+  SEGCAL_TERM_IMAGE_V,
+  SEGCAL_TERM_CAMERA_WARMTH
 };
 /* Corrected readings, rad/s and m/s^2; DW: angular acceleration, rad/s^2; WARMTH: degC above 25; TIME: s since the
    first sample; HEADING: of I's x axis in the horizontal plane, from where the session began. Forces are in I for a

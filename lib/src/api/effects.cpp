@@ -1,6 +1,7 @@
 // The C API's side of effects: the catalogue, names and units of terms, and the rows that diagnosis works on.
 #include "api/handle.h"
 #include "sensors/effect_names.h"
+#include "sensors/warm_camera.h"
 
 namespace SEGCAL_NS {
 namespace {
@@ -17,7 +18,8 @@ void describe(const Term& term, segcal_parameter_t* out) {
 bool term_from_c(const segcal_term_t& in, Term* out) {
   *out = {static_cast<TermKind>(in.kind), in.a, in.b, in.c};
   int effect, parameter;
-  if (in.kind > SEGCAL_TERM_IMAGE_V) return false;
+  if (in.kind > SEGCAL_TERM_CAMERA_WARMTH) return false;
+  if (in.kind == SEGCAL_TERM_CAMERA_WARMTH) return kHasWarmCamera && find_effect(*out, &effect, &parameter);
   if (in.kind >= SEGCAL_TERM_IMAGE_U) return in.a <= kMostPower && in.b <= kMostPower && in.c <= kMostPower;
   if (in.kind <= SEGCAL_TERM_ACCEL_Z) return in.a < kNamedSignals && in.b < kNamedSignals && in.c == 0;
   return find_effect(*out, &effect, &parameter);

@@ -12,6 +12,7 @@
 #pragma once
 
 #include "segments/segment.h"
+#include "sensors/warm_camera.h"
 
 namespace SEGCAL_NS {
 
@@ -22,6 +23,7 @@ struct Exposure {
   bool moved = false;
   Mat3<S> turn;       ///< Exp(w tau), where moved: a turn d of the keyframe is turn' d here
   Vec3<S> w_I, v_GI;  ///< rate of change of the pose with tau, where asked for
+  S warmth = S(0);    ///< degC above 25
 };
 
 /// Rate and force in I at t (us after t0), extended along their slope where the samples end.
@@ -54,6 +56,7 @@ Exposure<S> exposure_of(const Segment<S>& segment, const Observation& z, const C
                         bool with_rates) {
   const State<S>& x = segment.states.x[z.keyframe];
   Exposure<S> out;
+  if (kHasWarmCamera) out.warmth = S(segment.warmth[z.keyframe]);
   out.R_GI = x.R_GI;
   out.p_GI = x.p_GI;
   out.moved = theta.effects.any_of_time();
@@ -77,13 +80,22 @@ template <class S>
           theta.camera[z.camera].share_of_line(S(z.u), S(z.v))};
 }
 
+/// Does f(camera) with the camera of an image point, as it was at that temperature.
+template <class S, class F>
+[[gnu::always_inline]] inline auto with_camera(const Observation& z, const Calibration<S>& theta, S warmth, F f) {
+  const CameraCalibration<S>& camera = theta.camera[z.camera];
+  if (has_warm_camera(theta)) return f(WarmCamera<S>(camera, theta.effects, warmth).now());
+  return f(camera);
+}
+
 /// Predicted minus measured pixel of an image point of landmark l. False where there is no image.
 template <class S>
 bool point_residual(const Segment<S>& segment, const Observation& z, const Calibration<S>& theta, const Vec3<S>& g,
                     const Landmark<S>& l, Vec2<S>* r) {
   const Exposure<S> at = exposure_of(segment, z, theta, g, false);
-  return reprojection_residual(theta.camera[z.camera], at.R_GI, at.p_GI, l, Vec2<S>(S(z.u), S(z.v)), r,
-                               image_terms_at(z, theta));
+  return with_camera(z, theta, at.warmth, [&](const CameraCalibration<S>& camera) {
+    return reprojection_residual(camera, at.R_GI, at.p_GI, l, Vec2<S>(S(z.u), S(z.v)), r, image_terms_at(z, theta));
+  });
 }
 
 /// The same with Jacobians by landmark, pose of the keyframe and camera. In a segment that only turned they are taken
@@ -91,14 +103,18 @@ bool point_residual(const Segment<S>& segment, const Observation& z, const Calib
 template <class S>
 bool point_rows(const Observation& z, const Calibration<S>& theta, const Exposure<S>& at, const Landmark<S>& l,
                 const Vec3<S>* p_first, ReprojectionRows<S>* rows) {
-  const CameraCalibration<S>& camera = theta.camera[z.camera];
   const Vec2<S> uv(S(z.u), S(z.v));
   const ImageTerms<S> terms = image_terms_at(z, theta);
-  const bool seen = p_first ? reprojection_rows(camera, at.R_GI, at.p_GI, at.R_GI, *p_first, l, uv, rows, terms)
-                            : reprojection_rows(camera, at.R_GI, at.p_GI, l, uv, rows, terms);
-  if (seen && at.moved)
+  const bool seen = with_camera(z, theta, at.warmth, [&](const CameraCalibration<S>& camera) {
+    return p_first ? reprojection_rows(camera, at.R_GI, at.p_GI, at.R_GI, *p_first, l, uv, rows, terms)
+                   : reprojection_rows(camera, at.R_GI, at.p_GI, l, uv, rows, terms);
+  });
+  if (!seen) return false;
+  if (at.moved)
     rows->J_pose.template leftCols<3>() = (rows->J_pose.template leftCols<3>() * at.turn.transpose()).eval();
-  return seen;
+  if (has_warm_camera(theta))
+    WarmCamera<S>(theta.camera[z.camera], theta.effects, at.warmth).bring_back(&rows->J_camera);
+  return true;
 }
 
 /// Column of a camera term, px per unit; after point_rows().
@@ -106,6 +122,8 @@ template <class S>
 Vec2<S> camera_term_column(const Term& t, const Observation& z, const Calibration<S>& theta, const Exposure<S>& at,
                            bool turned_only, const ReprojectionRows<S>& rows) {
   const CameraCalibration<S>& camera = theta.camera[z.camera];
+  if (kHasWarmCamera && t.of_warm_camera())
+    return WarmCamera<S>(camera, theta.effects, at.warmth).column(t.a, rows.J_camera);
   if (!t.of_time()) {
     const Vec2<S> phi = image_phi(t, rows.d, image_terms_at(z, theta).row);
     return Vec2<S>(camera.intrinsics(0) * phi.x(), camera.intrinsics(1) * phi.y());

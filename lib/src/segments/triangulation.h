@@ -87,15 +87,17 @@ class WalkingRows<S, false> {
 template <class S>
 bool look_at(const Segment<S>& segment, const Observation& z, const Calibration<S>& theta, const Vec3<S>& g,
              const Landmark<S>& l, const Vec3<S>& e1, const Vec3<S>& e2, Vec2<S>* r, Mat<S, 2, 3>* J) {
-  const CameraCalibration<S>& camera = theta.camera[z.camera];
   const Exposure<S> x = exposure_of(segment, z, theta, g, false);
   // h = R_CG m + rho t moves by R_CG e1, R_CG e2 and t.
-  const Vec3<S> t_I = x.R_GI.transpose() * (l.o - x.p_GI);
-  const Vec3<S> t = camera.R_CI * t_I + camera.p_CI;
-  const Mat3<S> R_CG = camera.R_CI * x.R_GI.transpose();
+  Vec3<S> t;
+  Mat3<S> R_CG;
   Vec2<S> predicted;
   Mat<S, 2, 3> J_h;
-  const bool seen = project<S>(camera, R_CG * l.m + l.rho * t, &predicted, &J_h, nullptr, image_terms_at(z, theta));
+  const bool seen = with_camera(z, theta, x.warmth, [&](const CameraCalibration<S>& camera) {
+    t = camera.R_CI * (x.R_GI.transpose() * (l.o - x.p_GI)) + camera.p_CI;
+    R_CG = camera.R_CI * x.R_GI.transpose();
+    return project<S>(camera, R_CG * l.m + l.rho * t, &predicted, &J_h, nullptr, image_terms_at(z, theta));
+  });
   r->setZero();
   if (!seen) return false;
   *r = predicted - Vec2<S>(S(z.u), S(z.v));

@@ -6,7 +6,7 @@
 
 namespace SEGCAL_NS {
 
-constexpr int kEffects = 11;
+constexpr int kEffects = 12;
 constexpr int kMostTermsOfEffect = 9;
 
 struct EffectEntry {
@@ -53,7 +53,10 @@ inline const EffectEntry& effect_entry(int e) {
        "which is late"},
       {"accel_axis_offset", 6, {"yx", "yy", "yz", "zx", "zy", "zz"}, "m", 0.02,
        "velocity residuals that follow the angular acceleration and the square of the rate",
-       "p_CI, where only one axis is turned"}};
+       "p_CI, where only one axis is turned"},
+      {"camera_temperature", 6, {"rx", "ry", "rz", "f", "cx", "cy"}, "1/degC", 2e-4,
+       "the camera's rotation (rad), focal length (its share) and principal point (focal lengths) follow the temperature",
+       "the camera's own r_CI, f and c at one temperature; rx with cy, ry with cx where tracks stay in the middle"}};
   // clang-format on
   return kCatalogue[e];
 }
@@ -74,7 +77,8 @@ inline Term effect_term(int e, int i) {
     case 7: return {axis(TermKind::gyro_x, i), signal(Signal::warmth, 0), 0, 0};
     case 8: return {axis(TermKind::accel_x, i), signal(Signal::warmth, 0), 0, 0};
     case 9: return {TermKind::gyro_lag, 0, 0, 0};
-    default: return {TermKind::axis_offset, byte(i), 0, 0};
+    case 10: return {TermKind::axis_offset, byte(i), 0, 0};
+    default: return {TermKind::camera_warmth, byte(i), 0, 0};
   }
 }
 

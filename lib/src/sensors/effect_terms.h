@@ -3,7 +3,7 @@
 //
 // A term of the IMU adds c phi to the reading, after T_g and T_a R_AI and before
 // the bias; phi is a sum of up to three products of two signals. A term of the
-// camera moves the time at which a line of the image was exposed, or the distorted point.
+// camera moves the time at which a line of the image was exposed, the distorted point, or the camera with temperature.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,8 @@ enum class TermKind : std::uint8_t {
   axis_offset,             ///< a: 0..5, the entries yx yy yz zx zy zz
   camera_time,             ///< seconds; a = 0: the same for all rows; a = 1: per line beyond the middle one
   radial, tangential_1, tangential_2,  ///< d |d|^2; Brown's two
-  image_u, image_v         ///< x^a y^b row^c, added to the distorted point d; row: -1 at the top, 1 at the bottom
+  image_u, image_v,        ///< x^a y^b row^c, added to the distorted point d; row: -1 at the top, 1 at the bottom
+  camera_warmth            ///< a: 0..5, per degC: r_CI x y z, f, cx, cy (warm_camera.h)
 };
 // clang-format on
 
@@ -50,7 +51,8 @@ struct Term {
   bool of_gyro() const { return kind <= TermKind::gyro_z || kind == TermKind::gyro_lag; }
   bool of_imu() const { return kind <= TermKind::axis_offset; }
   bool of_time() const { return kind == TermKind::camera_time; }
-  bool of_image() const { return kind > TermKind::camera_time; }
+  bool of_image() const { return kind > TermKind::camera_time && kind < TermKind::camera_warmth; }
+  bool of_warm_camera() const { return kind == TermKind::camera_warmth; }
 };
 inline bool operator==(const Term& x, const Term& y) {
   return x.kind == y.kind && x.a == y.a && x.b == y.b && x.c == y.c;
@@ -87,6 +89,9 @@ struct EffectTerms {
   }
   bool any_of_image() const {
     return any([](const Term& t) { return t.of_image(); });
+  }
+  bool any_of_warm_camera() const {
+    return any([](const Term& t) { return t.of_warm_camera(); });
   }
 
  private:
