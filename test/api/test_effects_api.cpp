@@ -133,7 +133,10 @@ void test_configuration_is_checked() {
   check_refused("effect", [](segcal_config_t* c) { c->estimate_effects = 1u << SEGCAL_EFFECTS; });
   check_refused("watch", [](segcal_config_t* c) { c->watch_effects = 1u << SEGCAL_EFFECTS; });
   check_refused("terms", [](segcal_config_t* c) { c->n_terms = SEGCAL_MAX_EFFECT_ESTIMATES + 1; });
-  check_refused("kind", [](segcal_config_t* c) { c->n_terms = 1, c->term[0].kind = SEGCAL_TERM_IMAGE_V + 1; });
+  check_refused("kind", [](segcal_config_t* c) { c->n_terms = 1, c->term[0].kind = SEGCAL_TERM_CAMERA_WARMTH + 1; });
+  check_refused("camera_warmth", [](segcal_config_t* c) {
+    c->n_terms = 1, c->term[0] = {SEGCAL_TERM_CAMERA_WARMTH, 6, 0, 0};  // 0 to 5 are r_CI, f, cx, cy
+  });
   check_refused("signal", [](segcal_config_t* c) { c->n_terms = 1, c->term[0].a = SEGCAL_SIGNAL_SIN_HEADING + 1; });
   check_refused("twice", [](segcal_config_t* c) {
     c->estimate_effects = SEGCAL_EFFECT_TIME_OFFSET;

@@ -55,8 +55,7 @@ inline const EffectEntry& effect_entry(int e) {
        "velocity residuals that follow the angular acceleration and the square of the rate",
        "p_CI, where only one axis is turned"},
       {"camera_temperature", 6, {"rx", "ry", "rz", "f", "cx", "cy"}, "1/degC", 2e-4,
-       "the camera's rotation (rad), focal length (its share) and principal point (focal lengths) follow the temperature",
-       "the camera's own r_CI, f and c at one temperature; rx with cy, ry with cx where tracks stay in the middle"}};
+       "the camera's rotation, f and c (in focal lengths) follow the temperature", "r_CI, f, c at one temperature"}};
   // clang-format on
   return kCatalogue[e];
 }
