@@ -304,6 +304,52 @@ void test_camera_terms() {
   }
 }
 
+/// Camera and terms as a solver moves them: r_CI from the left, then f and c; then the terms' values.
+Calibration<double> moved_camera(Calibration<double> theta, int column, double h) {
+  Vec<double, kMaxCameraColumns> delta = Vec<double, kMaxCameraColumns>::Zero();
+  if (column < kMaxCameraColumns) {
+    delta(column) = h;
+    theta.camera[0].R_CI = so3_exp<double>(Vec3<double>(delta.head<3>())) * theta.camera[0].R_CI;
+    theta.camera[0].p_CI += delta.segment<3>(3);
+    theta.camera[0].intrinsics += delta.segment<4>(6);
+    theta.camera[0].distortion += delta.segment<4>(10);
+  } else {
+    theta.effects.value[column - kMaxCameraColumns] += h;
+  }
+  return theta;
+}
+
+/// A camera that is warm and has a lens term beside it: all columns of the camera and of both effects by differences.
+void test_warm_camera_columns() {
+  const auto s = make_segment();
+  Landmark<double> l;
+  Observation z;
+  place_landmark(s.get(), &l, &z);
+  Calibration<double> theta;
+  theta.camera[0] = lens();
+  for (int i = 0; i < kWarmCameraTerms; ++i)  // at 4.5 degC above: 9 mrad, 1 % of f, 4 px
+    theta.effects.add({TermKind::camera_warmth, static_cast<std::uint8_t>(i), 0, 0}, (i % 2 ? -1 : 1) * 2e-3);
+  theta.effects.add({TermKind::radial, 0, 0, 0}, 0.01);
+  theta.effects.add({TermKind::image_v, 0, 3, 1}, 0.01);
+  ReprojectionRows<double> rows;
+  const Exposure<double> exposure = exposure_of<double>(*s, z, theta, kGravity, true);
+  TEST_ASSERT_TRUE(point_rows<double>(z, theta, exposure, l, nullptr, &rows));
+  for (int column = 0; column < kMaxCameraColumns + theta.effects.n; ++column) {
+    const bool of_camera = column < kMaxCameraColumns;
+    const Vec2<double> analytic = of_camera ? Vec2<double>(rows.J_camera.col(column))
+                                            : camera_term_column<double>(theta.effects.term[column - kMaxCameraColumns],
+                                                                         z, theta, exposure, false, rows);
+    const double h = 1e-6;
+    const Vec2<double> numeric = (predicted<double>(*s, z, moved_camera(theta, column, h), l) -
+                                  predicted<double>(*s, z, moved_camera(theta, column, -h), l)) /
+                                 (2 * h);
+    // pixels of 300, rounded at 1e-16, over the step; and the third derivative, next to nothing
+    for (int i = 0; i < 2; ++i)
+      test::check_near(Id().add("column", column).add("row", i), "derivative", numeric(i), analytic(i),
+                       1e-6 * numeric.norm() + 1e-6);
+  }
+}
+
 /// Image terms two ways: the moved point written again with Jets.
 void test_image_terms_by_jets() {
   using T = ceres::Jet<double, 3>;
@@ -366,6 +412,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_link_terms_in_float);
   RUN_TEST(test_link_terms_away_from_zero);
   RUN_TEST(test_camera_terms);
+  RUN_TEST(test_warm_camera_columns);
   RUN_TEST(test_image_terms_by_jets);
   RUN_TEST(test_exposure_on_the_path);
   return UNITY_END();

@@ -97,11 +97,12 @@ void print_next(const DiagnoseArguments& a, const Diagnosis& d) {
 
 /// A model that follows temperatures which nobody can read says nothing.
 void expect_temperature(const EffectChoice& model, const std::vector<Recording>& sessions) {
+  if (!model.follows_temperature()) return;
   for (const Recording& session : sessions) {
     const TemperatureJumps& jumps = session.imu.temperature_jumps;
-    if (model.follows_temperature() && jumps.count > 0 && !jumps.bridged)
-      throw InputError(session.root.string() + ": expected temperatures for the effects of --model; " +
-                       temperature_words(session.imu));
+    const std::string expected = session.root.string() + ": expected temperatures for the effects of --model";
+    if (jumps.count > 0 && !jumps.bridged) throw InputError(expected + "; " + temperature_words(session.imu));
+    if (!session.imu.has_temperature) throw InputError(expected + ", found an IMU log without them");
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "diagnose/decision.h"
 #include "review/linearised.h"
+#include "review/mean_warmth.h"
 #include "review/segment_scatter.h"
 #include "review/suspected_moves.h"
 
@@ -136,8 +137,9 @@ std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, boo
   std::vector<Suspect> out;
   const Catalogue catalogue = not_estimated(core_catalogue(has_temperature), result.result.parameters);
   const auto ask_all = [&](const Catalogue& part) {
-    const Problem problem = linearised(core, result, part.terms);
+    Problem problem = linearised(core, result, part.terms);
     if (problem.held_out.empty()) return;
+    count_from_mean_warmth(result.result.parameters, part.terms, &problem);
     const double variance = dispersion(problem, {}) * std::max(1.0, pooled_scatter(problem));
     for (const Candidate& c : part.candidates) {
       if (!asks_for(problem, part, c, catalogue.candidates.size(), result, &out))

@@ -53,7 +53,7 @@ struct SimulationResult {
   bool imu_is_simulated = true;  ///< false with `imu_file`: the IMU part of `truth` is unknown then
   sim::Trajectory trajectory;    ///< times in s since `time_zero_ns`
   sim::BiasHistory biases;
-  sim::WarmUp warm_up;  ///< the temperature, which is constant where the recording has none
+  sim::WarmUp warm_up = sim::no_warm_up();  ///< the temperature, which is constant where the recording has none
   std::int64_t time_zero_ns = 0;
   std::uint64_t device_seed = 0;    ///< the specimen
   std::vector<double> frame_times;  ///< what each frame's stamp was before faults of the log, s since `time_zero_ns`

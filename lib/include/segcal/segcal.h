@@ -102,7 +102,8 @@ typedef struct {
  *   SEGCAL_TERM_GYRO_X .. ACCEL_Z   c times the product of the signals a and b is added to the reading of this axis
  *   SEGCAL_TERM_IMAGE_U, IMAGE_V    c x^a y^b row^c is added to the distorted point, in units of the focal length;
  *                                   row runs from -1 at the top of the image to 1 at its bottom (columns: left, right)
- * What they do to a reading stands in lib/src/sensors/effect_terms.h. */
+ *   SEGCAL_TERM_CAMERA_WARMTH       c per degC above 25 of all cameras' a = 0..2: rotation (rad), 3: focal lengths, 4,
+ * 5: centre, in units of the focal length What they do to a reading stands in lib/src/sensors/effect_terms.h. */
 enum {
   SEGCAL_EFFECT_TIME_OFFSET = 1 << 0, /* t_d, s: t_imu = t_cam + t_d. Once released, stamps of frames are moved by it */
   SEGCAL_EFFECT_ROLLING_SHUTTER = 1 << 1, /* line delay, s/row, from the middle row (or column: segcal_camera_t) */
@@ -115,7 +116,8 @@ enum {
   SEGCAL_EFFECT_ACCEL_TEMPERATURE = 1 << 8,
   SEGCAL_EFFECT_GYRO_LAG = 1 << 9,
   SEGCAL_EFFECT_ACCEL_AXIS_OFFSET = 1 << 10,
-  SEGCAL_EFFECT_CAMERA_TEMPERATURE = 1 << 11 /* needs segcal_imu_t.temperature, and SEGCAL_MAX_EFFECT_COLUMNS 6 */
+  SEGCAL_EFFECT_CAMERA_TEMPERATURE = 1 << 11 /* needs segcal_imu_t.temperature, and SEGCAL_MAX_EFFECT_COLUMNS 6; to be
+                                                estimated SEGCAL_MAX_EFFECT_ESTIMATES 6; not with joint_filter */
 };
 #define SEGCAL_EFFECTS 12          /* how many there are: bits 0..11 */
 #define SEGCAL_EFFECT_PARAMETERS 9 /* most parameters of an effect */

@@ -10,6 +10,9 @@ namespace SEGCAL_NS {
 
 constexpr std::uint32_t kCapacities[SEGCAL_N_CAPACITIES] = SEGCAL_CAPACITIES;
 
+/// SEGCAL_MAX_EFFECT_COLUMNS: of questions that are answered at once, and of nothing that is stored.
+constexpr int kEffectColumnsCapacity = 15;
+
 /// Index of the first that differs; SEGCAL_N_CAPACITIES if none does.
 inline int first_difference(const std::uint32_t* capacities) {
   int i = 0;

@@ -168,6 +168,7 @@ class Device {
   [[gnu::cold]] void publish_calibration();
   void finish_calibration();
   [[gnu::cold]] void take_release();
+  [[gnu::cold]] void give_filter_calibration();
   [[gnu::cold]] void read_filter(Release<S>* out, InformationAnalysis<S>* analysis);
   /// A time offset moves the stamps of frames before filter and segments see them, in whole nanoseconds.
   static std::int32_t stamp_shift(const Calibration<S>& theta) {

@@ -9,13 +9,17 @@ namespace SEGCAL_NS {
 /// odometries that choose their keyframes.
 constexpr std::int64_t kKeyframeGapNs = 1000000000;
 
-/// theta for triangulation and scoring: the extrinsics are the filter's (paper, Sec. IV-B).
+/// theta for triangulation and scoring: the extrinsics are the filter's (paper, Sec. IV-B), whose camera is the one of
+/// the present temperature.
 template <class S>
 Calibration<S> Device<S>::working_theta() const {
   Calibration<S> theta = theta_;
   if (odometry_.own || !odometry_.filter.initialised()) return theta;
   for (int c = 0; c < theta.n_cameras; ++c) {
-    theta.camera[c].R_CI = odometry_.filter.R_CI(c);
+    const Mat3<S>& R_CI = odometry_.filter.R_CI(c);
+    theta.camera[c].R_CI = has_warm_camera(theta)
+                               ? WarmCamera<S>(theta.camera[c], theta.effects, imu_.history.warmth()).at_25_degC(R_CI)
+                               : R_CI;
     theta.camera[c].p_CI = odometry_.filter.p_CI(c);
   }
   return theta;

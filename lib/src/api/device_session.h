@@ -81,7 +81,7 @@ void Device<S>::restart_filter() {
   } else {
     filter.reset(theta_, vio_options());
   }
-  if (!d_.options.joint_filter && jobs_.released()) filter.set_calibration(theta_);
+  if (!d_.options.joint_filter && jobs_.released()) give_filter_calibration();
   if (!odometry_.own) ++odometry_.frame;
   odometry_.clear();
   grid_.clear();

@@ -118,6 +118,8 @@ Taken Device<S>::process_frame() {
 
 template <class S>
 Taken Device<S>::track(const Frame<S>& frame) {
+  // while it has no camera of its own, the filter's follows the temperature
+  if (has_warm_camera(theta_) && odometry_.filter.collecting()) give_filter_calibration();
   const std::int32_t late_starts = odometry_.filter.statistics().late_starts;
   const VioStatus status = odometry_.filter.push_frame(frame.time_ns(), frame.points, frame.n, imu_.history);
   d_.faults.slices_late += static_cast<std::uint32_t>(odometry_.filter.statistics().late_starts - late_starts);

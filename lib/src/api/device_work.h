@@ -52,7 +52,15 @@ void Device<S>::take_release() {
   theta_ = jobs_.report().release.theta;
   d_.monitor.reset(prior(), theta_);
   stamp_shift_ns_ = stamp_shift(theta_);
-  if (odometry_.filter.initialised()) odometry_.filter.set_calibration(theta_);
+  if (odometry_.filter.initialised()) give_filter_calibration();
+}
+
+template <class S>
+void Device<S>::give_filter_calibration() {
+  if (!has_warm_camera(theta_)) return odometry_.filter.set_calibration(theta_);
+  Calibration<S> now = theta_;
+  move_cameras(imu_.history.warmth(), &now);
+  odometry_.filter.set_calibration(now);
 }
 
 template <class S>

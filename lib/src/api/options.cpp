@@ -125,6 +125,7 @@ bool options_from_config(const segcal_config_t& c, DeviceOptions<Real>* out) {
   out->strategy = static_cast<Strategy>(c.strategy);
   out->seed = c.seed;
   out->joint_filter = c.joint_filter != 0;
+  if (out->joint_filter && has_warm_camera(out->prior.mean)) return false;
   if (c.calibration_window < 0 || c.calibration_window > 1000) return false;
   out->calibration_window = c.calibration_window == 0 ? 4 : c.calibration_window;
   if (c.condense < 0 || c.condense > (kEpochs > 0 ? 1 : 0)) return false;

@@ -126,7 +126,9 @@ Vec2<S> camera_term_column(const Term& t, const Observation& z, const Calibratio
     return WarmCamera<S>(camera, theta.effects, at.warmth).column(t.a, rows.J_camera);
   if (!t.of_time()) {
     const Vec2<S> phi = image_phi(t, rows.d, image_terms_at(z, theta).row);
-    return Vec2<S>(camera.intrinsics(0) * phi.x(), camera.intrinsics(1) * phi.y());
+    return with_camera(z, theta, at.warmth, [&phi](const CameraCalibration<S>& now) {
+      return Vec2<S>(now.intrinsics(0) * phi.x(), now.intrinsics(1) * phi.y());
+    });
   }
   // The pose turns by w in its own frame, which is a turn of `turn` w for the keyframe.
   const Vec3<S> w = at.moved ? Vec3<S>(at.turn * at.w_I) : at.w_I;

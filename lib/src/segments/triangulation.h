@@ -15,7 +15,9 @@ bool start_landmark(const Segment<S>& segment, int j, const Calibration<S>& thet
   const auto ray = [&](int o, Vec3<S>* from, Vec3<S>* m) {
     const Observation& z = segment.observation[o];
     const Exposure<S> x = exposure_of(segment, z, theta, g, false);
-    return ray_in_world(theta.camera[z.camera], x.R_GI, x.p_GI, Vec2<S>(S(z.u), S(z.v)), from, m);
+    return with_camera(z, theta, x.warmth, [&](const CameraCalibration<S>& camera) {
+      return ray_in_world(camera, x.R_GI, x.p_GI, Vec2<S>(S(z.u), S(z.v)), from, m);
+    });
   };
   if (!ray(segment.first_observation[j], &l->o, &l->m)) return false;
   LandmarkGuess<S> guess(l);

@@ -39,6 +39,8 @@ class WarmCamera {
   }
 
   const CameraCalibration<S>& now() const { return now_; }
+  /// What R_CI is at 25 degC where it is this now.
+  Mat3<S> at_25_degC(const Mat3<S>& R_CI) const { return turn_.transpose() * R_CI; }
 
   /// Rows by the camera as it is now become rows by the camera at 25 degC. [r_CI 3 | p_CI 3 | fx fy cx cy ...]
   template <class Rows>
@@ -69,5 +71,13 @@ class WarmCamera {
   Vec3<S> rotation_;
   Mat3<S> turn_;
 };
+
+/// The cameras become what they are at this temperature: for a filter, which has no model of it.
+template <class S>
+void move_cameras(S warmth, Calibration<S>* theta) {
+  if (!has_warm_camera(*theta)) return;
+  for (int c = 0; c < theta->n_cameras; ++c)
+    theta->camera[c] = CameraCalibration<S>(WarmCamera<S>(theta->camera[c], theta->effects, warmth).now());
+}
 
 }  // namespace SEGCAL_NS

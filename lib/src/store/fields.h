@@ -49,6 +49,14 @@ class Fields {
   void number(T* value) {
     array(value, 1);
   }
+  /// Told to whoever reads the record; a comparison passes over it.
+  void remark(std::uint32_t value) {
+    if (does_ == Does::compares) {
+      at_ += sizeof value;
+    } else {
+      number(&value);
+    }
+  }
   template <class S, int R, int C>
   void matrix(Mat<S, R, C>* m) {
     array(m->data(), R * C);

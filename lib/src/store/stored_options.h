@@ -27,10 +27,15 @@ struct StoredOptions {
 
   /// What must be the same for stored numbers to mean the same.
   static void identity(Fields* f, DeviceOptions<S>* o) {
-    std::uint32_t capacities[SEGCAL_N_CAPACITIES];
-    for (int i = 0; i < SEGCAL_N_CAPACITIES; ++i) capacities[i] = kCapacities[i];
     f->name("capacities", SEGCAL_ERROR_CAPACITY);
-    f->array(capacities, SEGCAL_N_CAPACITIES);
+    for (int i = 0; i < SEGCAL_N_CAPACITIES; ++i) {
+      std::uint32_t capacity = kCapacities[i];
+      if (i == kEffectColumnsCapacity) {
+        f->remark(capacity);
+      } else {
+        f->number(&capacity);
+      }
+    }
     std::uint32_t layout[] = {sizeof(S), sizeof(Observation), sizeof(FaultCounts), sizeof(BuilderCounts),
                               sizeof(MeasurementModel<S>)};
     f->name("layout of the library's numbers", SEGCAL_ERROR_CAPACITY);

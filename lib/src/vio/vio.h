@@ -58,6 +58,8 @@ class Vio {
   VioStatus push_frame(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
 
   bool initialised() const { return running_; }
+  /// No frame has been used yet, or since it was lost.
+  bool collecting() const { return !running_ && !starting_; }
   /// State of the IMU at time(); only when initialised.
   const State<S>& state() const { return window_.now; }
   std::int64_t time() const { return time_; }

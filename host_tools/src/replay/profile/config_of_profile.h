@@ -141,6 +141,8 @@ inline segcal_config_t config_of(const CoreOptions& options) {
   configure_sensors(options, &c);
   configure_database(options, &c);
   configure_effects(options, &c);
+  if (options.joint_ekf && (options.effects & SEGCAL_EFFECT_CAMERA_TEMPERATURE) != 0)
+    throw InputError("--joint-ekf: expected effects without camera_temperature, of which the filter has no model");
   return c;
 }
 
