@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "../support/cases.h"
+#include "diagnose/clock.h"
 #include "diagnose/fault.h"
 #include "simulate/disturb.h"
 #include "simulate/effect_names.h"
@@ -109,6 +110,28 @@ void each_fault_is_found_alone() {
     const auto session = simulated(c.scenario, 41, {c.fault});
     only(id, host::find_faults(session.recording, session.nominal), c.kind, c.sensor);
   }
+}
+
+/// Offsets of windows of 10 s, sigma 1 ms, on a slope, with a scatter of so many of these sigmas about it.
+host::ClockDrift drift_of(int windows, double slope, double scatter) {
+  std::vector<host::OffsetInWindow> out;
+  for (int i = 0; i < windows; ++i) {
+    const double sign = i % 4 == 0 || i % 4 == 3 ? 1 : -1;  // + - - +: no slope of its own over four
+    out.push_back({10.0 * i, slope * 10 * i + sign * scatter * 1e-3, 1e-3});
+  }
+  return host::drift_of(out);
+}
+
+/// Over a minute of real motion the six offsets rise by chance (EuRoC's V1_02: 49 us/s, seven of the line's own
+/// sigmas); more than that, or the same for minutes, is a drift. Level: 1e-4 of sound recordings.
+void a_few_windows_make_no_drift() {
+  // sigma of a slope over six windows of 1 ms is 24 us/s
+  TEST_ASSERT_TRUE(drift_of(6, 6.5 * 24e-6, 0.9).log10_p > -4);
+  TEST_ASSERT_TRUE(drift_of(6, 17 * 24e-6, 0.7).log10_p < -4);
+  // over five minutes 2.1 us/s; windows that scatter by three sigmas make 6.3 of it
+  TEST_ASSERT_TRUE(drift_of(30, 6.5 * 2.1e-6, 3).log10_p > -4);
+  TEST_ASSERT_TRUE(drift_of(30, 6.5 * 6.3e-6, 3).log10_p < -4);
+  TEST_ASSERT_EQUAL_DOUBLE(0, drift_of(2, 1e-3, 0).log10_p);
 }
 
 void counts_and_places_are_right() {
@@ -241,6 +264,7 @@ int main(int argc, char** argv) {
   RUN_TEST(effects_are_no_faults);
   RUN_TEST(each_fault_is_found_alone);
   RUN_TEST(units_are_named);
+  RUN_TEST(a_few_windows_make_no_drift);
   RUN_TEST(counts_and_places_are_right);
   RUN_TEST(spikes_are_found);
   RUN_TEST(other_faults_of_the_log_are_found);

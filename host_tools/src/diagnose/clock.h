@@ -19,6 +19,7 @@ struct ClockDrift {
   double slope = 0, sigma = 0;  ///< s/s
   double offset = 0;            ///< s, in the middle of the recording
   double change = 0;            ///< s, from the first to the last frame
+  double log10_p = 0;           ///< of how often clocks that keep step show such a slope
 };
 
 /// Offset per window of ten seconds, each with its own gyroscope bias and camera rotation, so that errors of these are
@@ -26,8 +27,8 @@ struct ClockDrift {
 std::vector<OffsetInWindow> offsets_over_time(const std::vector<FramePair>& pairs, const GyroPath& gyro,
                                               const Eigen::Matrix3d& R_CI, double start_offset);
 
-/// A line through the offsets, weighted; slope sigma grows with
-/// how badly the line fits. All zero for fewer than three windows.
+/// A line through the offsets, weighted. The slope's sigma is for what windows usually scatter by and for how badly the
+/// line fits, by degrees of freedom. All zero for fewer than three windows.
 ClockDrift drift_of(const std::vector<OffsetInWindow>& offsets);
 
 }  // namespace host

@@ -38,7 +38,7 @@ constexpr double clock_fits = 0.8;       // correlation at an offset that is bel
 constexpr double clock_better_by = 0.6;  // misfit at the best offset over the one at none
 // Quartz clocks differ by up to 50e-6: 3 ms in a minute. 2 ms are four times what an offset may be wrong by.
 constexpr double largest_change_s = 0.002;
-constexpr double significant = 5;  // sigmas of the slope
+constexpr double chance_of_drift = -4;  // log10 of how often a sound recording may show one
 
 Fault whole(const Recording& recording, const char* kind, const char* sensor) {
   Fault fault;
@@ -181,7 +181,7 @@ double coarse_offset(const Recording& recording, const std::vector<FramePair>& p
 void check_drift(const Recording& recording, const std::vector<FramePair>& pairs, const GyroPath& gyro,
                  const Eigen::Matrix3d& R_CI, double offset, std::vector<Fault>& out) {
   const ClockDrift drift = drift_of(offsets_over_time(pairs, gyro, R_CI, offset));
-  if (std::abs(drift.change) <= largest_change_s || std::abs(drift.slope) <= significant * drift.sigma) return;
+  if (std::abs(drift.change) <= largest_change_s || drift.log10_p > chance_of_drift) return;
   Fault fault = whole(recording, "clock_drift", "cam0");
   fault.count = pairs.size();
   fault.value = drift.change;
