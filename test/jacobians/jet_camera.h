@@ -54,6 +54,13 @@ void distort(Distortion model, const T* d, const T& x, const T& y, T* xd, T* yd)
 template <class T>
 Eigen::Matrix<T, 2, 1> project(Distortion model, const T* k, const Eigen::Matrix<T, 3, 1>& h) {
   T xd, yd;
+  if (model == Distortion::equidistant && !(h[2] * h[2] > T(0.01) * (h[0] * h[0] + h[1] * h[1]) && h[2] > T(0))) {
+    const T r = sqrt(h[0] * h[0] + h[1] * h[1]), a = acos(h[2] / sqrt(r * r + h[2] * h[2])), a2 = a * a;
+    const T radius = a * (T(1) + k[4] * a2 + k[5] * a2 * a2 + k[6] * a2 * a2 * a2 + k[7] * a2 * a2 * a2 * a2);
+    xd = radius * h[0] / r;
+    yd = radius * h[1] / r;
+    return {k[0] * xd + k[2], k[1] * yd + k[3]};
+  }
   distort(model, k + 4, T(h[0] / h[2]), T(h[1] / h[2]), &xd, &yd);
   return {k[0] * xd + k[2], k[1] * yd + k[3]};
 }

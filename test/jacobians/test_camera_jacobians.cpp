@@ -21,6 +21,14 @@ const Vec3<double> kPoints[] = {{0, 0, 1},        {1e-6, 0, 1},   {-1e-6, 2e-6, 
                                 {0.12, 0.125, 1}, {0.4, -0.3, 1}, {-1.1, 0.6, 1},   {0.3, 1.7, 1},    {0, 0.02, 0.05}};
 constexpr int kPointCount = sizeof kPoints / sizeof kPoints[0];
 
+/// Directions that only an equidistant lens has: so many degrees from the axis, at this angle about it, of this length.
+const Vec3<double> kWideAngles[] = {{76, 20, 1},  {78, 200, 3}, {79.9, 130, 1}, {80.3, 130, 0.2}, {85, 310, 1},
+                                    {89, 45, 10}, {90, 0, 1},   {90, 90, 0.01}, {95, 250, 1},     {99.5, 100, 1}};
+Vec3<double> direction(const Vec3<double>& at) {
+  const double degrees = M_PI / 180, a = at[0] * degrees, b = at[1] * degrees;
+  return at[2] * Vec3<double>(std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a));
+}
+
 struct NamedCamera {
   const char* name;
   Camera camera;
@@ -99,11 +107,11 @@ Eigen::MatrixXd automatic_projection(const Camera& camera, const Vec3<double>& h
 }
 
 template <class S>
-void check_projection(const NamedCamera& model, int point) {
-  const Id id = Id().add("model", model.name).template type<S>().add("point", point);
+void check_projection(const NamedCamera& model, const char* name, int point, const Vec3<double>& at) {
+  const Id id = Id().add("model", model.name).template type<S>().add(name, point);
   // What S holds of the numbers, so that the automatic derivative in double is taken at the same place.
   const Camera camera = test::cast<double>(test::cast<S>(model.camera));
-  const Vec3<double> h = kPoints[point].cast<S>().template cast<double>();
+  const Vec3<double> h = at.cast<S>().template cast<double>();
   Vec2<double> expected;
   const Eigen::MatrixXd automatic = automatic_projection(camera, h, &expected);
   const Eigen::MatrixXd J = analytic_projection<S>(camera, h);
@@ -227,7 +235,10 @@ void check_reprojection(const NamedCamera& model, const Scene& scene) {
 template <class S>
 void check_all_projections() {
   for (const NamedCamera& camera : cameras()) {
-    for (int point = 0; point < kPointCount; ++point) check_projection<S>(camera, point);
+    for (int point = 0; point < kPointCount; ++point) check_projection<S>(camera, "point", point, kPoints[point]);
+    if (camera.camera.model != Distortion::equidistant) continue;
+    for (const Vec3<double>& at : kWideAngles)
+      check_projection<S>(camera, "wide", static_cast<int>(&at - kWideAngles), direction(at));
   }
 }
 
@@ -244,14 +255,56 @@ void check_unproject() {
     for (int point = 0; point < kPointCount; ++point) {
       const Vec2<double> xy = kPoints[point].head<2>() / kPoints[point].z();
       const Eigen::VectorXd uv = project_after<S>(model.camera, kPoints[point], Eigen::VectorXd::Zero(11));
-      Vec2<S> back;
+      Vec3<S> back;
       const Id id = Id().add("model", model.name).template type<S>().add("point", point).add("by", "unproject");
       test::check_true(id, "did not converge", unproject<S>(test::cast<S>(model.camera), uv.cast<S>(), &back));
       // A pixel in float is good to 3e-5 px of 256 px, more where the model compresses the image's border.
       test::check_near(
-          id, "normalised point", 0, (back.template cast<double>() - xy).norm(),
+          id, "normalised point", 0, ((back.template head<2>() / back.z()).template cast<double>() - xy).norm(),
           (std::is_same<S, float>::value ? 2e-6 : 1e-11) * (1 + xy.squaredNorm()) * (1 + xy.squaredNorm()));
     }
+  }
+}
+
+/// Back to the direction, over all of the sphere that the lens sees, to an angle: a pixel in float is good to 6e-5 px
+/// of 256 px a radian, and these lenses have 0.7 of that and more at their edge.
+template <class S>
+void check_wide_unproject() {
+  for (const NamedCamera& model : cameras()) {
+    if (model.camera.model != Distortion::equidistant) continue;
+    for (const Vec3<double>& at : kWideAngles) {
+      const Vec3<double> h = direction(at);
+      const Eigen::VectorXd uv = project_after<S>(model.camera, h, Eigen::VectorXd::Zero(11));
+      Vec3<S> back;
+      const Id id = Id().add("model", model.name).template type<S>().add("angle", at[0]).add("by", "unproject");
+      test::check_true(id, "did not converge", unproject<S>(test::cast<S>(model.camera), uv.cast<S>(), &back));
+      test::check_near(id, "direction", 0, (back.template cast<double>() - h.normalized()).norm(),
+                       std::is_same<S, float>::value ? 3e-6 : 1e-12);
+    }
+  }
+}
+
+void test_wide_angles_and_back() {
+  check_wide_unproject<float>();
+  check_wide_unproject<double>();
+}
+
+/// 100 degrees from the axis is the end, or where the lens folds back: k1 = -0.2 at 74 degrees. Two degrees before, a
+/// point counts as at the edge.
+void test_the_end_of_a_wide_lens() {
+  Camera camera = make_camera(Distortion::equidistant, {0, 0, 0, 0});
+  Vec2<double> uv;
+  TEST_ASSERT_TRUE(project<double>(camera, direction({99.9, 30, 1}), &uv));
+  TEST_ASSERT_FALSE(project<double>(camera, direction({100.1, 30, 1}), &uv));
+  TEST_ASSERT_TRUE(well_inside<double>(camera, direction({97.5, 30, 1})));
+  TEST_ASSERT_FALSE(well_inside<double>(camera, direction({98.5, 30, 1})));
+  camera.distortion(0) = -0.2;
+  TEST_ASSERT_TRUE(project<double>(camera, direction({70, 30, 1}), &uv));
+  TEST_ASSERT_FALSE(project<double>(camera, direction({75, 30, 1}), &uv));
+  for (Distortion model : {Distortion::fov, Distortion::radtan}) {
+    camera = make_camera(model, {0.001, 0, 0, 0});
+    TEST_ASSERT_TRUE(project<double>(camera, direction({79, 30, 1}), &uv) || model == Distortion::fov);
+    TEST_ASSERT_FALSE(project<double>(camera, direction({81, 30, 1}), &uv));
   }
 }
 
@@ -290,5 +343,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_reprojection);
   RUN_TEST(test_unproject_inverts_project);
   RUN_TEST(test_points_without_image);
+  RUN_TEST(test_wide_angles_and_back);
+  RUN_TEST(test_the_end_of_a_wide_lens);
   return UNITY_END();
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "../support/cases.h"
+#include "review/joint_filter.h"
 #include "simulated_replay.h"
 
 extern "C" void setUp() {}
@@ -23,6 +24,27 @@ host::ReplayResult joint(const std::vector<host::Recording>& sessions, const hos
   options.core.noise = device.recording.imu.noise;
   options.joint_ekf = true;
   return host::replay(sessions, options);
+}
+
+/// As the command does it: held against the segments. Tracks as coarse as a peer's; the device so many times as far
+/// from its data sheet as devices are.
+host::CoreResult judged(const std::string& scenario, double device_scale, std::uint64_t seed, std::string* cause) {
+  host::SimulationOptions device;
+  device.scenario = scenario;
+  device.seconds = 80;
+  device.seed = seed;
+  device.device_scale = device_scale;
+  device.tracks.count = 100;
+  device.tracks.pixel_noise_px = 1;
+  const host::SimulationResult session = host::simulate(device);
+  host::ReplayOptions options;
+  options.core.calibration = session.nominal;
+  options.core.noise = session.recording.imu.noise;
+  options.core.pixel_sigma = 1;
+  options.joint_ekf = options.review = true;
+  const host::ReplayResult out = host::replay({session.recording}, options);
+  *cause = out.cause;
+  return out.result;
 }
 
 host::SimulationResult session_of(std::uint64_t device, std::uint64_t seed) {
@@ -59,6 +81,42 @@ void test_sigmas_are_about_right() {
   test::check_between(Id().add("check", "honest"), "mean (error/sigma)^2", 0.5, all, 2);
 }
 
+/// From a start five times as far off the filter of seed 304 ends 50 of its sigmas away, by its own word calibrated;
+/// that of rich motion is where it says, and stays.
+void test_a_filter_that_is_elsewhere_is_refused() {
+  std::string cause;
+  const host::CoreResult wrong = judged("arvr", 5, 304, &cause);
+  test::check_true(Id().add("seed", 304), (wrong.status + ": " + cause).c_str(),
+                   wrong.status == "failed" && cause.find("accel.m") != std::string::npos);
+  const host::CoreResult right = judged("rich", 5, 301, &cause);
+  test::check_true(Id().add("seed", 301), cause.c_str(), right.status == "calibrated" && cause.empty());
+}
+
+/// A mean square of 1.5, and 3.5 sigmas of one value, are the limits; fixed values do not count.
+void test_what_speaks_against_a_filter() {
+  host::CoreResult filter, segments;
+  filter.parameters.resize(30);
+  for (host::CoreParameter& p : filter.parameters) {
+    p.name = "x";
+    p.sigma = 3;
+    p.verdict = "observed";
+  }
+  segments = filter;
+  for (host::CoreParameter& p : segments.parameters) p.sigma = 4;  // 5 beside the filter's
+  const auto off_by = [&](double all, double first) {
+    host::CoreResult moved = segments;
+    for (host::CoreParameter& p : moved.parameters) p.value += 5 * all;
+    moved.parameters[0].value = 5 * first;
+    return host::review::against_joint_filter(filter, moved);
+  };
+  TEST_ASSERT_EQUAL_STRING("", off_by(1.2, 1.2).c_str());
+  TEST_ASSERT_TRUE(off_by(1.25, 1.25).find("mean square over 30 values is 1.6") != std::string::npos);
+  TEST_ASSERT_EQUAL_STRING("", off_by(0, 3.4).c_str());
+  TEST_ASSERT_TRUE(off_by(0, -3.6).find("x is 3.6 sigma") != std::string::npos);
+  filter.parameters[0].verdict = "fixed";
+  TEST_ASSERT_EQUAL_STRING("", off_by(0, 100).c_str());
+}
+
 /// Two sessions with the same device: the second adds to what the first told, and both together are right.
 void test_the_next_session_goes_on() {
   const host::SimulationResult first = session_of(1, 1), second = session_of(1, 100);
@@ -93,6 +151,8 @@ int main(int argc, char** argv) {
   test::select_cases(argc, argv);
   UNITY_BEGIN();
   RUN_TEST(test_sigmas_are_about_right);
+  RUN_TEST(test_a_filter_that_is_elsewhere_is_refused);
+  RUN_TEST(test_what_speaks_against_a_filter);
   RUN_TEST(test_the_next_session_goes_on);
   RUN_TEST(test_without_motion_nothing_is_claimed);
   return UNITY_END();

@@ -157,11 +157,11 @@ class SyntheticSession {
   bool draw_landmark(double t, Vec3<double>* in_G) {
     const Vec2<double> uv(random_.uniform(30, 610), random_.uniform(30, 450));
     const double depth = random_.uniform(options_.nearest, options_.farthest);
-    Vec2<double> xy;
+    Vec3<double> h;
     const CameraCalibration<double>& camera = truth.camera[0];
-    if (!unproject(camera, uv, &xy)) return false;
+    if (!unproject(camera, uv, &h)) return false;
     const State<double> x = path_.state(t);
-    const Vec3<double> in_C(xy.x() * depth, xy.y() * depth, depth);
+    const Vec3<double> in_C = h * depth;
     *in_G = x.p_GI + x.R_GI * (camera.R_CI.transpose() * (in_C - camera.p_CI));
     return true;
   }

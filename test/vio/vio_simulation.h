@@ -146,9 +146,8 @@ inline SimulatedTrack new_track(const Calibration<double>& theta, const State<do
                                 std::uint32_t id, Random* random) {
   const CameraCalibration<double>& camera = theta.camera[id % theta.n_cameras];
   const Vec2<double> uv(random->uniform(20, 620), random->uniform(20, 460));
-  Vec2<double> xy = Vec2<double>::Zero();
-  unproject(camera, uv, &xy);
-  Vec3<double> h(xy.x(), xy.y(), 1);
+  Vec3<double> h(0, 0, 1);
+  unproject(camera, uv, &h);
   h *= random->uniform(1.5, 8.0) / h.norm();
   SimulatedTrack track;
   track.id = id;

@@ -55,6 +55,30 @@ Vector2<T> distorted(DistortionModel model, const T* k, const Vector2<T>& xy) {
   return (a * (T(1) + a2 * (k[0] + a2 * (k[1] + a2 * (k[2] + a2 * k[3])))) / r) * xy;
 }
 
+/// The distorted point of an equidistant lens by the angle from the axis, for directions away from it.
+template <class T>
+Vector2<T> equidistant(const T* k, const Vector3<T>& h) {
+  using std::atan2;
+  using std::sqrt;
+  const T r = sqrt(h.x() * h.x() + h.y() * h.y());
+  const T a = atan2(r, h.z()), a2 = a * a;
+  return (a * (T(1) + a2 * (k[0] + a2 * (k[1] + a2 * (k[2] + a2 * k[3])))) / r) * Vector2<T>(h.x(), h.y());
+}
+
+/// The distorted point of a direction. False where the models end: 80 degrees from the axis, equidistant 100.
+template <class T>
+bool distorted_direction(DistortionModel model, const T* k, const Vector3<T>& h, Vector2<T>* d) {
+  const T length = h.norm();
+  const bool ahead = h.z() > T(0.3) * length;
+  if (model == DistortionModel::equidistant && !ahead) {
+    *d = equidistant(k, h);
+    return h.z() > T(-0.17364818) * length;
+  }
+  if (!(h.z() > T(0.17) * length)) return false;
+  *d = distorted(model, k, Vector2<T>(h.x() / h.z(), h.y() / h.z()));
+  return true;
+}
+
 // Parameter blocks. Camera: [turn of R_CI 3 | p_CI 3 | fx fy cx cy | distortion 4], R_CI = Exp(turn) R0.
 // Pose: [turn 3 | p_GI 3], R_GI = R0 Exp(turn). Landmark: [shift of the direction 2 | inverse distance].
 constexpr int kCameraSize = 14, kPoseSize = 6, kLandmarkSize = 3;
@@ -86,8 +110,8 @@ template <class T>
 bool predicted(const CameraCalibration& camera0, const State& state0, const Landmark& landmark0, const T* pose,
                const T* landmark, const T* camera, Vector2<T>* uv) {
   const Vector3<T> h = in_camera(camera0, state0, landmark0, pose, landmark, camera);
-  if (!(h.z() > T(0.17) * h.norm())) return false;  // within 80 degrees of the axis
-  const Vector2<T> d = distorted(camera0.model, camera + 10, Vector2<T>(h.x() / h.z(), h.y() / h.z()));
+  Vector2<T> d;
+  if (!distorted_direction(camera0.model, camera + 10, h, &d)) return false;
   *uv = Vector2<T>(camera[6] * d.x() + camera[8], camera[7] * d.y() + camera[9]);
   return true;
 }

@@ -68,7 +68,7 @@ struct Problem {
 /// placed are marked as rejected; it stays where it is.
 void triangulate(Problem* problem);
 
-/// Pixels to a point at z = 1 of the camera; false where the lens does not reach.
-bool unproject(const CameraCalibration& camera, const Eigen::Vector2d& uv, Eigen::Vector2d* xy);
+/// Pixels to a direction in the camera, of any length; false where the lens does not reach.
+bool unproject(const CameraCalibration& camera, const Eigen::Vector2d& uv, Eigen::Vector3d* h);
 
 }  // namespace host::reference

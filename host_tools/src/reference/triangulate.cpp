@@ -1,5 +1,6 @@
 // First places of landmarks: the ray of the first image point,
 // and the inverse distance that fits the other points best.
+#include <algorithm>
 #include <cmath>
 
 #include "reference/imu_residual.h"
@@ -23,10 +24,10 @@ bool place(Problem* problem, std::size_t index, const std::vector<const Point*>&
   const Point& first = *points.front();
   const CameraCalibration& camera = problem->theta.cameras[static_cast<std::size_t>(first.camera)];
   const State& x = problem->states[static_cast<std::size_t>(first.state)];
-  Eigen::Vector2d xy;
-  if (!unproject(camera, first.uv, &xy)) return false;
+  Eigen::Vector3d h;
+  if (!unproject(camera, first.uv, &h)) return false;
   Landmark& l = problem->landmarks[index];
-  l.direction = (x.q_GI * (camera.R_CI.transpose() * xy.homogeneous())).normalized();
+  l.direction = (x.q_GI * (camera.R_CI.transpose() * h)).normalized();
   l.anchor = x.p_GI - x.q_GI * (camera.R_CI.transpose() * camera.p_CI);
   // The cost has its minimum at one inverse distance or another: look at a grid, then between its neighbours.
   static constexpr double kGrid[] = {0,    0.01, 0.02, 0.04, 0.07, 0.1, 0.14, 0.2, 0.27,
@@ -53,23 +54,46 @@ bool place(Problem* problem, std::size_t index, const std::vector<const Point*>&
   return least < 1e3 * static_cast<double>(points.size());
 }
 
-}  // namespace
-
-bool unproject(const CameraCalibration& camera, const Eigen::Vector2d& uv, Eigen::Vector2d* xy) {
-  using Jet = ceres::Jet<double, 2>;
-  const Eigen::Vector2d target((uv.x() - camera.intrinsics(2)) / camera.intrinsics(0),
-                               (uv.y() - camera.intrinsics(3)) / camera.intrinsics(1));
+/// Newton on the angle from the axis, from that of a lens without coefficients.
+bool unproject_wide(const CameraCalibration& camera, const Eigen::Vector2d& target, Eigen::Vector3d* h) {
+  using Jet = ceres::Jet<double, 1>;
   Jet k[4];
   for (int i = 0; i < 4; ++i) k[i] = Jet(camera.distortion(i));
-  *xy = target;
+  double angle = target.norm();
   for (int i = 0; i < 50; ++i) {
-    const Vector2<Jet> d = distorted<Jet>(camera.model, k, Vector2<Jet>(Jet(xy->x(), 0), Jet(xy->y(), 1)));
+    const Jet a(angle, 0);
+    const double radius = target.norm();
+    const Jet reached = equidistant<Jet>(k, Vector3<Jet>(sin(a), Jet(0), cos(a))).x();
+    const double step = (radius - reached.a) / reached.v[0];
+    if (!std::isfinite(step)) return false;
+    angle += std::clamp(step, -0.2, 0.2);
+    if (std::abs(step) > 1e-12) continue;
+    h->head<2>() = target * (std::sin(angle) / radius);
+    h->z() = std::cos(angle);
+    return angle > 0 && h->z() > -0.17364818;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool unproject(const CameraCalibration& camera, const Eigen::Vector2d& uv, Eigen::Vector3d* h) {
+  const Eigen::Vector2d target((uv.x() - camera.intrinsics(2)) / camera.intrinsics(0),
+                               (uv.y() - camera.intrinsics(3)) / camera.intrinsics(1));
+  if (camera.model == DistortionModel::equidistant && target.norm() > 1) return unproject_wide(camera, target, h);
+  using Jet = ceres::Jet<double, 2>;
+  Jet k[4];
+  for (int i = 0; i < 4; ++i) k[i] = Jet(camera.distortion(i));
+  Eigen::Vector2d xy = target;
+  for (int i = 0; i < 50; ++i) {
+    const Vector2<Jet> d = distorted<Jet>(camera.model, k, Vector2<Jet>(Jet(xy.x(), 0), Jet(xy.y(), 1)));
     Eigen::Matrix2d J;
     J << d.x().v.transpose(), d.y().v.transpose();
     const Eigen::Vector2d step = J.inverse() * (target - Eigen::Vector2d(d.x().a, d.y().a));
     const double length = step.norm();
     if (!std::isfinite(length)) return false;
-    *xy += length > 0.3 ? Eigen::Vector2d(step * (0.3 / length)) : step;
+    xy += length > 0.3 ? Eigen::Vector2d(step * (0.3 / length)) : step;
+    *h = xy.homogeneous();
     if (length < 1e-12) return true;
   }
   return false;

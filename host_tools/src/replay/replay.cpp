@@ -7,6 +7,7 @@
 #include "replay/config_file.h"
 #include "replay/counters.h"
 #include "replay/temperature_use.h"
+#include "review/joint_filter.h"
 #include "review/review.h"
 #include "review/unseen_effects.h"
 
@@ -231,7 +232,8 @@ ReplayResult replay_as_stated(const std::vector<Recording>& sessions, const Repl
     options.state->profile = options.profile;
   }
   out.clocks = options.clocks;
-  if (options.review) review::review(sessions, core_options, *core, &out);
+  if (options.review && options.joint_ekf) review::judge_joint_filter(sessions, options, &out);
+  if (options.review && !options.joint_ekf) review::review(sessions, core_options, *core, &out);
   refuse_temperature(sessions, &out);
   review::note_unseen_effects(&out);
   if (options.keep_core) *options.keep_core = std::move(core);

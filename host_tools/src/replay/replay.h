@@ -20,7 +20,7 @@ struct ReplayOptions {
   CoreOptions core;
   std::string profile = "mobile";
   bool joint_ekf = false;  ///< no segments: the filter gives the calibration itself, at the end of each session
-  bool review = false;     ///< judge the result and name causes (review/review.h)
+  bool review = false;     ///< judge the result and name causes (review/review.h, review/joint_filter.h)
   std::vector<ClockSearch> clocks;  ///< what was found of the sessions' clocks, one each; may be empty
   CornerNoise corner_noise = CornerNoise::stated;
   /// at most so many times over all recordings, each from the result of the one before; single-session only

@@ -139,7 +139,7 @@ int run(ReplayArguments a) {
   for (const std::string& name : a.effects) choice.enable(name);
   const double offset = align_clocks(&a, &choice, &sessions);
   choice.apply(&a.replay.core);
-  a.replay.review = !sessions.front().device && !a.replay.joint_ekf && a.replay.calibrate;
+  a.replay.review = !sessions.front().device && a.replay.calibrate;
   if (a.keep_outdated) a.replay.core.outdated_level = -1;
   a.replay.corner_noise = corner_noise_of(a, sessions.front().device.has_value());
   a.replay.progress = show_replay_progress;

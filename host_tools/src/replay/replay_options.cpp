@@ -130,7 +130,8 @@ The odometry estimates extrinsics, intrinsics and the IMU's scales, misalignment
 every run, from priors of its own (4 % of f, 10 px, 0.05 per lens coefficient; 0.01 gyroscope, 0.02 accelerometer), so that
 a wrong start does not spoil the trajectory. That estimate stays inside the filter; the result comes from the segments and
 replaces it. With --joint-ekf the filter has the result's prior and the stated pixel noise, its estimate at the end of a
-session is the result, and the next session goes on from it with all of its information.
+session is the result, and the next session goes on from it with all of its information. It is held against the
+calibration by segments, and is not called calibrated where the two disagree.
 
 With --state each run is the next session of the same device: two runs give the bits of one run over both recordings with
 --pixel-sigma. The file holds the kept segments, epochs and calibration; the options, priors and start must be those of the

@@ -6,12 +6,12 @@
 namespace host::sim {
 namespace {
 
-constexpr double max_tangent = 5.67;         // tan 80 degrees
-constexpr double max_tangent_radtan = 1.73;  // tan 60 degrees
+constexpr double max_tangent = 5.67;             // tan 80 degrees
+constexpr double max_angle_equidistant = 1.745;  // 100 degrees
+constexpr double max_tangent_radtan = 1.73;      // tan 60 degrees
 constexpr double tiny_radius = 1e-9;
-constexpr double max_angle_back = 1.536;             // 88 degrees
-constexpr double max_angle_back_equidistant = 1.66;  // 95 degrees: this model has no pole at 90
-constexpr double max_radius_back_radtan = 3.73;      // tan 75 degrees
+constexpr double max_angle_back = 1.536;         // 88 degrees
+constexpr double max_radius_back_radtan = 3.73;  // tan 75 degrees
 constexpr int newton_steps = 12;
 constexpr double newton_converged = 1e-12;
 
@@ -31,28 +31,35 @@ Eigen::Vector2d distort_radtan(const Eigen::Vector2d& x, const Eigen::Vector4d& 
           x.y() * radial + 2 * k[3] * xy + k[2] * (r2 + 2 * x.y() * x.y())};
 }
 
-/// Kannala and Brandt: theta_d = theta (1 + k1 theta^2 + .. + k4 theta^8).
-Eigen::Vector2d distort_equidistant(const Eigen::Vector2d& x, const Eigen::Vector4d& k) {
+/// Kannala and Brandt: theta_d = theta (1 + k1 theta^2 + .. + k4 theta^8), theta from the axis.
+Eigen::Vector2d distort_equidistant(const Eigen::Vector2d& x, double theta, const Eigen::Vector4d& k) {
   const double r = x.norm();
   if (r < tiny_radius) return x;
-  const double theta = std::atan(r), t2 = theta * theta;
+  const double t2 = theta * theta;
   const double theta_d = theta * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
   return x * (theta_d / r);
 }
 
-bool is_valid(const CameraCalibration& camera, double r2) {
-  if (camera.model != DistortionModel::radtan) return r2 < max_tangent * max_tangent;
+bool radtan_grows(const CameraCalibration& camera, double r2) {
   if (r2 > max_tangent_radtan * max_tangent_radtan) return false;
   return 1 + 3 * camera.distortion[0] * r2 + 5 * camera.distortion[1] * r2 * r2 > 0;
 }
 
-Eigen::Vector2d distorted(const CameraCalibration& camera, const Eigen::Vector2d& x) {
-  switch (camera.model) {
-    case DistortionModel::fov: return distort_fov(x, camera.distortion[0]);
-    case DistortionModel::radtan: return distort_radtan(x, camera.distortion);
-    case DistortionModel::equidistant: break;
+/// Of a point in C; empty where the model is not valid.
+std::optional<Eigen::Vector2d> distorted(const CameraCalibration& camera, const Eigen::Vector3d& p) {
+  if (camera.model == DistortionModel::equidistant) {
+    const Eigen::Vector2d side = p.head<2>();
+    const double theta = std::atan2(side.norm(), p.z());
+    if (theta > max_angle_equidistant) return std::nullopt;
+    return distort_equidistant(side.norm() < tiny_radius ? Eigen::Vector2d(side / p.z()) : side, theta,
+                               camera.distortion);
   }
-  return distort_equidistant(x, camera.distortion);
+  if (p.z() <= 0) return std::nullopt;
+  const Eigen::Vector2d x = p.head<2>() / p.z();
+  const double r2 = x.squaredNorm();
+  if (camera.model == DistortionModel::fov)
+    return r2 < max_tangent * max_tangent ? std::optional(distort_fov(x, camera.distortion[0])) : std::nullopt;
+  return radtan_grows(camera, r2) ? std::optional(distort_radtan(x, camera.distortion)) : std::nullopt;
 }
 
 /// Angle from the axis whose distorted radius is r_d; negative where there is none.
@@ -98,12 +105,10 @@ std::optional<Eigen::Vector3d> bearing_of_radtan(const CameraCalibration& camera
 }  // namespace
 
 std::optional<Eigen::Vector2d> project(const CameraCalibration& camera, const Eigen::Vector3d& p_C, double border_px) {
-  if (p_C.z() <= 0) return std::nullopt;
-  const Eigen::Vector2d x = p_C.head<2>() / p_C.z();
-  if (!is_valid(camera, x.squaredNorm())) return std::nullopt;
-  const Eigen::Vector2d d = distorted(camera, x);
-  const Eigen::Vector2d pixel(camera.intrinsics[0] * d.x() + camera.intrinsics[2],
-                              camera.intrinsics[1] * d.y() + camera.intrinsics[3]);
+  const std::optional<Eigen::Vector2d> d = distorted(camera, p_C);
+  if (!d) return std::nullopt;
+  const Eigen::Vector2d pixel(camera.intrinsics[0] * d->x() + camera.intrinsics[2],
+                              camera.intrinsics[1] * d->y() + camera.intrinsics[3]);
   const bool inside = pixel.x() >= border_px && pixel.x() <= camera.width - 1 - border_px &&  //
                       pixel.y() >= border_px && pixel.y() <= camera.height - 1 - border_px;
   if (!inside) return std::nullopt;
@@ -116,7 +121,7 @@ std::optional<Eigen::Vector3d> bearing_of(const CameraCalibration& camera, const
   const double r_d = d.norm();
   const bool fov = camera.model == DistortionModel::fov;
   const double theta = fov ? angle_of_fov(r_d, camera.distortion[0]) : angle_of_equidistant(r_d, camera.distortion);
-  if (theta < 0 || theta > (fov ? max_angle_back : max_angle_back_equidistant)) return std::nullopt;
+  if (theta < 0 || theta > (fov ? max_angle_back : max_angle_equidistant)) return std::nullopt;
   if (r_d < tiny_radius) return Eigen::Vector3d::UnitZ();
   const Eigen::Vector2d side = d * (std::sin(theta) / r_d);
   return Eigen::Vector3d(side.x(), side.y(), std::cos(theta));

@@ -119,13 +119,13 @@ class ImageTurns {
   void take_point(Image* next, int i) {
     const std::uint32_t id = next->id[i];
     if (find(*next, kept_, id) < kept_) return;
-    Vec2<S> xy;
-    if (!unproject<S>(camera_, Vec2<S>(next->ray[i].x(), next->ray[i].y()), &xy)) return;
-    const S length2 = xy.squaredNorm() + S(1);
+    Vec3<S> h;
+    if (!unproject<S>(camera_, Vec2<S>(next->ray[i].x(), next->ray[i].y()), &h)) return;
+    const S length2 = h.x() * h.x() + h.y() * h.y() + h.z() * h.z();
     if (!is_finite(length2)) return;
     const S shorter = S(1) / square_root(length2);
     next->id[kept_] = id;
-    next->ray[kept_] = Vec3<S>(xy.x() * shorter, xy.y() * shorter, shorter);
+    next->ray[kept_] = Vec3<S>(h.x() * shorter, h.y() * shorter, h.z() * shorter);
     const Image& before = image_[last_];
     const int k = find(before, before.n, id);
     if (k < before.n) match_[matches_++] = {static_cast<std::uint16_t>(k), static_cast<std::uint16_t>(kept_)};

@@ -44,9 +44,8 @@ constexpr S kNearestGuess = S(5);
 template <class S>
 bool ray_in_world(const CameraCalibration<S>& camera, const Mat3<S>& R_GI, const Vec3<S>& p_GI, const Vec2<S>& uv,
                   Vec3<S>* o, Vec3<S>* m) {
-  Vec2<S> xy;
-  if (!unproject(camera, uv, &xy)) return false;
-  const Vec3<S> h_C(xy.x(), xy.y(), S(1));
+  Vec3<S> h_C;
+  if (!unproject(camera, uv, &h_C)) return false;
   const Mat3<S> R_GC = R_GI * camera.R_CI.transpose();
   *o = p_GI - R_GC * camera.p_CI;
   *m = R_GC * (h_C / square_root(h_C.squaredNorm()));

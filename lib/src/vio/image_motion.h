@@ -77,9 +77,9 @@ class RigMotion {
 /// Where a point at `uv` is seen after the device has turned in place; R_turn takes directions in I before to I after.
 template <class S>
 bool turned_point(const CameraCalibration<S>& camera, const Mat3<S>& R_turn, const Vec2<S>& uv, Vec2<S>* out) {
-  Vec2<S> xy;
-  if (!unproject(camera, uv, &xy)) return false;
-  const Vec3<S> h_I = camera.R_CI.transpose() * Vec3<S>(xy.x(), xy.y(), S(1));
+  Vec3<S> h_C;
+  if (!unproject(camera, uv, &h_C)) return false;
+  const Vec3<S> h_I = camera.R_CI.transpose() * h_C;
   return project(camera, Vec3<S>(camera.R_CI * (R_turn * h_I)), out);
 }
 

@@ -19,10 +19,9 @@ template <class S>
   const CameraCalibration<S>& camera = w.theta.camera[track.camera];
   int m = 0;
   for (int i = 0; i < w.n_poses; ++i) {
-    Vec2<S> xy;
-    if (!track.in(w.pose[i].slot) || !unproject(camera, track.uv[w.pose[i].slot], &xy)) continue;
+    Vec3<S> u, e1, e2;
+    if (!track.in(w.pose[i].slot) || !unproject(camera, track.uv[w.pose[i].slot], &u)) continue;
     const StartLink<S>& link = s.link[i];
-    Vec3<S> u(xy.x(), xy.y(), S(1)), e1, e2;
     u /= square_root(u.squaredNorm());
     tangent_basis(u, &e1, &e2);
     const Mat3<S> R_C0 = camera.R_CI * link.dR.transpose();

@@ -98,9 +98,8 @@ template <class S>
 bool bearing_in_imu(const Window<S>& w, const VioTrack<S>& track, int pose, Vec3<S>* f) {
   if (!track.in(w.pose[pose].slot)) return false;
   const CameraCalibration<S>& camera = w.theta.camera[track.camera];
-  Vec2<S> xy;
-  if (!unproject(camera, track.uv[w.pose[pose].slot], &xy)) return false;
-  const Vec3<S> h(xy.x(), xy.y(), S(1));
+  Vec3<S> h;
+  if (!unproject(camera, track.uv[w.pose[pose].slot], &h)) return false;
   *f = camera.R_CI.transpose() * (h / square_root(h.squaredNorm()));
   return true;
 }
