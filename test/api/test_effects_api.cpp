@@ -99,6 +99,30 @@ void test_rows_for_diagnosis() {
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, rows(&second));
 }
 
+/// Profile mobile has room for all effects of the catalogue at once: `segcal diagnose` asks so.
+void test_the_whole_catalogue_at_once() {
+  Storage storage(0xFF);
+  segcal_t* device = lived(&storage, SyntheticStream::config(), kSensitivity);
+  segcal_calibrate(device);
+  std::vector<segcal_term_t> terms;
+  for (int e = 0; e < SEGCAL_EFFECTS; ++e) {
+    segcal_term_t of_effect[SEGCAL_EFFECT_PARAMETERS];
+    const int n = segcal_effect_terms(e, of_effect);
+    terms.insert(terms.end(), of_effect, of_effect + n);
+  }
+  std::uint8_t use[SEGCAL_MAX_SEGMENTS + 1] = {};
+  for (int slot = 0; slot <= SEGCAL_MAX_SEGMENTS; ++slot) {
+    segcal_segment_t s;
+    use[slot] = segcal_get_segment(device, slot, &s) == SEGCAL_OK && s.kept ? 1 : 0;
+  }
+  std::vector<double> rows(5000);
+  int n_theta = 0, n_terms = 0, dof = 0;
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK,
+                        segcal_linearise(device, use, terms.data(), static_cast<int>(terms.size()), rows.data(),
+                                         static_cast<int>(rows.size()), &n_theta, &n_terms, &dof));
+  TEST_ASSERT_EQUAL_INT(terms.size(), n_terms);
+}
+
 /// Estimated effects stand behind theta, with names and units.
 void test_estimated_effects_in_the_result() {
   segcal_config_t config = SyntheticStream::config();
@@ -171,6 +195,7 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_scores_name_what_is_missing);
   RUN_TEST(test_rows_for_diagnosis);
+  RUN_TEST(test_the_whole_catalogue_at_once);
   RUN_TEST(test_estimated_effects_in_the_result);
   RUN_TEST(test_configuration_is_checked);
   RUN_TEST(test_lines_of_the_shutter);

@@ -49,19 +49,35 @@ void test_configuration_comes_back() {
   TEST_ASSERT_TRUE(read.noise.rate_hz == 200);  // zero in the configuration: the default
 }
 
+constexpr std::size_t kHeaderPayload = SEGCAL_NS::kLogMagicBytes + SEGCAL_NS::kBlockHead, kHeaderNumbers = 21;
+
+/// Of a log in whose header number `i` begins with this byte.
+std::string profile_with(std::vector<std::uint8_t> bytes, std::size_t i, std::uint8_t byte) {
+  bytes[kHeaderPayload + 4 * i] = byte;
+  SEGCAL_NS::ByteWriter crc(bytes.data() + kHeaderPayload + 4 * kHeaderNumbers, SEGCAL_NS::kBlockTail);
+  crc.integer(SEGCAL_NS::crc32(bytes.data() + kHeaderPayload, 4 * kHeaderNumbers));
+  return parsed(bytes).sessions[0].device->profile;
+}
+
 /// Whatever changes the bits of a result is in the header: a build
 /// that differs in one of its numbers is none of the profiles.
 void test_every_capacity_counts() {
   LoggedCalls log;
   log.end();
-  const std::size_t payload = SEGCAL_NS::kLogMagicBytes + SEGCAL_NS::kBlockHead, numbers = 21;
-  for (std::size_t i = 2; i < numbers; ++i) {
-    std::vector<std::uint8_t> bytes = log.bytes;
-    bytes[payload + 4 * i] ^= 1;
-    SEGCAL_NS::ByteWriter crc(bytes.data() + payload + 4 * numbers, SEGCAL_NS::kBlockTail);
-    crc.integer(SEGCAL_NS::crc32(bytes.data() + payload, 4 * numbers));
-    check_true(Id().add("number", i), "no known profile", parsed(bytes).sessions[0].device->profile.empty());
+  for (std::size_t i = 2; i < kHeaderNumbers; ++i) {
+    const std::uint8_t other = log.bytes[kHeaderPayload + 4 * i] ^ 1;
+    check_true(Id().add("number", i), "no known profile", profile_with(log.bytes, i, other).empty());
   }
+}
+
+/// Builds of mobile that had 36 columns for effects wrote logs too.
+void test_earlier_columns_for_effects_are_mobile() {
+  LoggedCalls log;
+  log.end();
+  constexpr std::size_t columns = 15;
+  TEST_ASSERT_EQUAL_INT(SEGCAL_MAX_EFFECT_COLUMNS, log.bytes[kHeaderPayload + 4 * columns]);
+  TEST_ASSERT_EQUAL_STRING("mobile", profile_with(log.bytes, columns, 36).c_str());
+  TEST_ASSERT_EQUAL_STRING("", profile_with(log.bytes, columns, 37).c_str());
 }
 
 std::vector<std::uint8_t> encoded(const segcal_config_t& config) {
@@ -168,6 +184,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_calls_come_back);
   RUN_TEST(test_configuration_comes_back);
   RUN_TEST(test_every_capacity_counts);
+  RUN_TEST(test_earlier_columns_for_effects_are_mobile);
   RUN_TEST(test_no_field_is_forgotten);
   RUN_TEST(test_older_configuration_has_defaults_behind_its_end);
   RUN_TEST(test_a_full_disk_is_reported_and_stays_so);

@@ -86,6 +86,15 @@ void test_an_empty_text_names_nothing() {
   TEST_ASSERT_EQUAL_INT(before, std::distance(fs::directory_iterator(scratch), fs::directory_iterator()));
 }
 
+/// Without temperatures their effects mean nothing; nor do those of a camera to the joint filter.
+void test_effects_that_cannot_be_used_are_refused() {
+  test::write_text(scratch / "warm.yaml",
+                   "format: 1\neffects:\n- name: camera_temperature\n  parameters:\n  - {name: f, value: 1e-4}\n");
+  check_refused("segcal diagnose rec --out d --model warm.yaml", "found an IMU log without them");
+  check_refused("segcal replay rec --out out --joint-ekf --model warm.yaml",
+                "expected effects without camera_temperature");
+}
+
 /// A pipe that nobody writes into, and a file that never ends.
 void test_only_regular_files_are_read() {
   ::mkfifo((scratch / "pipe").c_str(), 0600);
@@ -152,6 +161,7 @@ int main() {
   RUN_TEST(test_a_fault_of_the_study_can_be_simulated);
   RUN_TEST(test_a_full_disk_or_closed_pipe_is_an_error);
   RUN_TEST(test_an_empty_text_names_nothing);
+  RUN_TEST(test_effects_that_cannot_be_used_are_refused);
   RUN_TEST(test_only_regular_files_are_read);
   RUN_TEST(test_a_cut_file_brings_no_wrong_number);
   return UNITY_END();

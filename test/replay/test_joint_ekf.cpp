@@ -96,8 +96,9 @@ void test_a_filter_that_is_elsewhere_is_refused() {
 void test_what_speaks_against_a_filter() {
   host::CoreResult filter, segments;
   filter.parameters.resize(30);
-  for (host::CoreParameter& p : filter.parameters) {
-    p.name = "x";
+  for (std::size_t i = 0; i < filter.parameters.size(); ++i) {
+    host::CoreParameter& p = filter.parameters[i];
+    p.name = "x" + std::to_string(i);
     p.sigma = 3;
     p.verdict = "observed";
   }
@@ -112,9 +113,57 @@ void test_what_speaks_against_a_filter() {
   TEST_ASSERT_EQUAL_STRING("", off_by(1.2, 1.2).c_str());
   TEST_ASSERT_TRUE(off_by(1.25, 1.25).find("mean square over 30 values is 1.6") != std::string::npos);
   TEST_ASSERT_EQUAL_STRING("", off_by(0, 3.4).c_str());
-  TEST_ASSERT_TRUE(off_by(0, -3.6).find("x is 3.6 sigma") != std::string::npos);
+  TEST_ASSERT_TRUE(off_by(0, -3.6).find("x0 is 3.6 sigma") != std::string::npos);
   filter.parameters[0].verdict = "fixed";
   TEST_ASSERT_EQUAL_STRING("", off_by(0, 100).c_str());
+}
+
+/// R_CI of a phone is nearly half a turn: two vectors that are a hundredth of a radian apart as rotations, and 2 pi as
+/// vectors.
+void test_half_turns_are_near_each_other() {
+  host::CoreResult filter, segments;
+  for (const char* name : {"cam0.r_CI.x", "cam0.r_CI.y", "cam0.r_CI.z"}) {
+    filter.parameters.emplace_back();
+    filter.parameters.back().name = name;
+    filter.parameters.back().sigma = 0.01;
+    filter.parameters.back().verdict = "observed";
+  }
+  segments = filter;
+  filter.parameters[0].value = M_PI - 0.005;
+  segments.parameters[0].value = -M_PI + 0.005;
+  TEST_ASSERT_EQUAL_STRING("", host::review::against_joint_filter(filter, segments).c_str());
+  segments.parameters[0].value = -M_PI + 0.105;  // 0.11 rad apart, 7.8 of both sigmas
+  TEST_ASSERT_TRUE(host::review::against_joint_filter(filter, segments).find("cam0.r_CI.x is 7.8") !=
+                   std::string::npos);
+}
+
+/// The larger sigma is stated, no larger than the prior's; the covariance keeps its correlations; fixed values stay.
+void test_a_filter_claims_no_more_than_the_segments() {
+  host::CoreResult filter, segments;
+  filter.parameters.resize(3);
+  for (host::CoreParameter& p : filter.parameters) {
+    p.sigma = 1;
+    p.prior_sigma = 20;
+    p.verdict = "observed";
+  }
+  filter.parameters[2].verdict = "fixed";
+  filter.covariance = {1, 0.5, 0, 0.5, 1, 0, 0, 0, 1};
+  segments = filter;
+  segments.parameters[0].sigma = 7;  // above 0.3 of the prior's
+  segments.parameters[1].sigma = 0.5;
+  segments.parameters[2].sigma = 3;
+  host::CoreResult out = filter;
+  host::review::claim_no_more(segments, &out);
+  const double sigma[] = {7, 1, 1}, covariance[] = {49, 3.5, 0, 3.5, 1, 0, 0, 0, 1};
+  const char* const verdict[] = {"weak", "observed", "fixed"};
+  for (int i = 0; i < 3; ++i) {
+    TEST_ASSERT_EQUAL_DOUBLE(sigma[i], out.parameters[i].sigma);
+    TEST_ASSERT_EQUAL_STRING(verdict[i], out.parameters[i].verdict.c_str());
+  }
+  for (int i = 0; i < 9; ++i) TEST_ASSERT_DOUBLE_WITHIN(1e-12, covariance[i], out.covariance[i]);
+  segments.parameters[1].sigma = 50;
+  host::review::claim_no_more(segments, &out);
+  TEST_ASSERT_EQUAL_DOUBLE(20, out.parameters[1].sigma);
 }
 
 /// Two sessions with the same device: the second adds to what the first told, and both together are right.
@@ -153,6 +202,8 @@ int main(int argc, char** argv) {
   RUN_TEST(test_sigmas_are_about_right);
   RUN_TEST(test_a_filter_that_is_elsewhere_is_refused);
   RUN_TEST(test_what_speaks_against_a_filter);
+  RUN_TEST(test_half_turns_are_near_each_other);
+  RUN_TEST(test_a_filter_claims_no_more_than_the_segments);
   RUN_TEST(test_the_next_session_goes_on);
   RUN_TEST(test_without_motion_nothing_is_claimed);
   return UNITY_END();

@@ -137,11 +137,11 @@ std::vector<OffsetInWindow> offsets_over_time(const std::vector<FramePair>& pair
 
 /// By how much the offsets of windows scatter beyond their sigmas, as a variance, and the degrees of freedom that this
 /// knowledge is worth: translation that passes for rotation is another one in each window. By moments of the logarithms
-/// over 22 recordings along five real paths (Smyth, "Linear models and empirical Bayes methods", Statistical
+/// over 30 recordings along five real paths (Smyth, "Linear models and empirical Bayes methods", Statistical
 /// Applications in Genetics and Molecular Biology 3, 2004, section 6). Six windows alone know their scatter so badly
 /// that chance makes seven sigmas of it.
-constexpr double usual_scale = 2.9;
-constexpr int scale_dof = 6;
+constexpr double usual_scale = 3.5;
+constexpr int scale_dof = 12;
 
 ClockDrift drift_of(const std::vector<OffsetInWindow>& offsets) {
   ClockDrift drift;

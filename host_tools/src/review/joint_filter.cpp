@@ -1,32 +1,63 @@
 #include "review/joint_filter.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "compare/parameters.h"
 #include "formatted.h"
+#include "information/release_rules.h"
 #include "review/take_back.h"
 
 namespace host::review {
+namespace {
+
+ParameterList listed(const CoreResult& result) {
+  ParameterList out;
+  for (const CoreParameter& p : result.parameters) out.push_back({p.name, p.unit, p.value, p.sigma, p.verdict});
+  return out;
+}
+
+}  // namespace
 
 std::string against_joint_filter(const CoreResult& filter, const CoreResult& segments) {
   constexpr double kMostSquare = 1.5, kMostSigmas = 3.5;
+  const std::vector<ParameterDifference> all = differences(listed(filter), listed(segments));
   double sum = 0, largest = 0;
   int values = 0;
-  const CoreParameter* farthest = nullptr;
-  for (std::size_t i = 0; i < filter.parameters.size(); ++i) {
-    const CoreParameter &a = filter.parameters[i], &b = segments.parameters.at(i);
-    if (a.verdict == "fixed" || b.verdict == "fixed") continue;
-    const double off = std::abs(a.value - b.value) / std::hypot(a.sigma, b.sigma);
+  std::string farthest;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (filter.parameters[i].verdict == "fixed" || segments.parameters[i].verdict == "fixed") continue;
+    const double off = std::abs(*all[i].in_difference);
     sum += off * off;
     ++values;
-    if (!(off > largest)) continue;
+    if (off < largest) continue;
     largest = off;
-    farthest = &a;
+    farthest = all[i].name;
   }
-  if (!farthest || (sum <= kMostSquare * values && largest <= kMostSigmas)) return "";
+  if (values == 0 || (sum <= kMostSquare * values && largest <= kMostSigmas)) return "";
   return formatted(
       "the filter's calibration is not where its sigmas say: %s is %.1f sigma from the calibration by segments, the "
       "mean square over %d values is %.1f (1 at most where both are right). Replay without --joint-ekf",
-      farthest->name.c_str(), largest, values, sum / values);
+      farthest.c_str(), largest, values, sum / values);
+}
+
+void claim_no_more(const CoreResult& segments, CoreResult* filter) {
+  std::vector<CoreParameter>& parameters = filter->parameters;
+  const std::size_t n = parameters.size();
+  const double observed_below = SEGCAL_NS::ReleaseRules<double>().observed;
+  std::vector<double> growth(n, 1);
+  for (std::size_t i = 0; i < n; ++i) {
+    CoreParameter& p = parameters[i];
+    if (p.verdict == "fixed") continue;
+    const double sigma = std::clamp(segments.parameters.at(i).sigma, p.sigma, std::max(p.sigma, p.prior_sigma));
+    growth[i] = sigma / p.sigma;
+    p.sigma = sigma;
+    if (sigma > observed_below * p.prior_sigma) p.verdict = "weak";
+  }
+  if (filter->covariance.size() != n * n) return;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) filter->covariance[i * n + j] *= growth[i] * growth[j];
+  }
 }
 
 void judge_joint_filter(const std::vector<Recording>& sessions, const ReplayOptions& options, ReplayResult* out) {
@@ -43,7 +74,8 @@ void judge_joint_filter(const std::vector<Recording>& sessions, const ReplayOpti
     return take_back("insufficient", "nothing to hold the filter's calibration against: by segments, " + why, out);
   }
   const std::string against = against_joint_filter(out->result, segments.result);
-  if (!against.empty()) take_back("failed", against, out);
+  if (!against.empty()) return take_back("failed", against, out);
+  claim_no_more(segments.result, &out->result);
 }
 
 }  // namespace host::review

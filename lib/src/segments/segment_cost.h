@@ -68,8 +68,9 @@ S image_cost(const Segment<S>& segment, int j, const TiedLandmarks& tied, const 
 template <class S>
 bool at_edge(const Segment<S>& segment, const Observation& z, const Calibration<S>& theta, const Vec3<S>& g) {
   const Exposure<S> x = exposure_of(segment, z, theta, g, false);
-  const CameraCalibration<S>& camera = theta.camera[z.camera];
-  return !well_inside(camera, homogeneous_in_camera(camera, x.R_GI, x.p_GI, segment.states.landmark[z.landmark]));
+  return with_camera(z, theta, x.warmth, [&](const CameraCalibration<S>& camera) {
+    return !well_inside(camera, homogeneous_in_camera(camera, x.R_GI, x.p_GI, segment.states.landmark[z.landmark]));
+  });
 }
 
 /// Marks points of landmark j that are farther than `longest` px from where its track should be, or at the lens' edge.

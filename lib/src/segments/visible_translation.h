@@ -24,10 +24,12 @@ S visible_shift(const Segment<S>& segment, int j, const Calibration<S>& theta, c
   for (int o = segment.first_observation[j]; o < segment.first_observation[j + 1]; ++o) {
     const Observation& z = segment.observation[o];
     const Exposure<S> x = exposure_of(segment, z, theta, model.g, false);
-    const CameraCalibration<S>& camera = theta.camera[z.camera];
     Vec2<S> moved, turned;
-    if (!project(camera, homogeneous_in_camera(camera, x.R_GI, x.p_GI, l), &moved)) continue;
-    if (!project(camera, homogeneous_in_camera(camera, x.R_GI, p_first, l), &turned)) continue;
+    const bool seen = with_camera(z, theta, x.warmth, [&](const CameraCalibration<S>& camera) {
+      return project(camera, homogeneous_in_camera(camera, x.R_GI, x.p_GI, l), &moved) &&
+             project(camera, homogeneous_in_camera(camera, x.R_GI, p_first, l), &turned);
+    });
+    if (!seen) continue;
     if (TrackNoise<S>::walks(model)) {
       track.add(z.camera, segment.t_us[z.keyframe], moved - turned, model);
     } else {
