@@ -35,7 +35,7 @@ void bearings_are_the_inverse_of_the_projection() {
         const Vector2d pixel(random.uniform(1, camera.width - 2), random.uniform(1, camera.height - 2));
         const auto bearing = host::sim::bearing_of(camera, pixel);
         const test::Id id = test::Id().add("lens", host::distortion_name(lens)).add("device", device).add("point", i);
-        if (!bearing) continue;  // a drawn equidistant lens may fold back in the image's corners
+        if (!bearing) continue;  // beyond 88 degrees
         const auto back = host::sim::project(camera, 2.5 * *bearing, 0);
         if (!back) continue;  // beyond 80 degrees the forward model is not asked
         ++checked;

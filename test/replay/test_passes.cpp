@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "replay/counters.h"
 #include "replay/replay.h"
 #include "simulate/device.h"
 #include "simulate/simulate.h"
@@ -61,6 +62,10 @@ void test_passes_settle_and_count_once() {
   // All else is of the last pass, as of a replay from there.
   TEST_ASSERT_EQUAL_UINT(1, many.calibrations.size());
   TEST_ASSERT_UINT_WITHIN(one.trajectory.size() / 5, one.trajectory.size(), many.trajectory.size());
+  for (const char* counter : {"frames_used", "features_used", "segments_closed"}) {
+    const std::uint32_t in_one = host::count_of(one.counters, counter);
+    TEST_ASSERT_UINT_WITHIN_MESSAGE(in_one / 5, in_one, host::count_of(many.counters, counter), counter);
+  }
   for (const host::CoreSegment& s : many.segments) TEST_ASSERT_EQUAL_UINT(0, s.session);
   for (const host::CoreKept& k : many.kept) TEST_ASSERT_EQUAL_UINT(0, k.segment.session);
   std::map<std::string, double> truth;

@@ -192,8 +192,8 @@ class Review {
     } else {
       const auto observed = std::count_if(r.parameters.begin(), r.parameters.end(),
                                           [](const CoreParameter& p) { return p.verdict == "observed"; });
-      what = formatted("the motion tells %d of %zu parameters, half are needed: move and turn about all axes",
-                       static_cast<int>(observed), r.parameters.size());
+      what = formatted("the motion tells %d of %zu parameters, half are needed: move and turn about all axes%s",
+                       static_cast<int>(observed), r.parameters.size(), room().c_str());
     }
     if (faults_ > 0) return what + ": " + health_.suspects.front().words;
     const std::string trouble = odometry_stayed(health_) ? "" : core_.trouble();
@@ -205,6 +205,16 @@ class Review {
     for (const Note& note : health_.notes)
       if (note.name != "gravity" && note.factor > 1) return what + ": " + note.words;
     return what;
+  }
+
+  /// Segments that no place was left for tell something too: on a host they need not be lost.
+  std::string room() const {
+    const auto lost = std::count_if(out_.segments.begin(), out_.segments.end(),
+                                    [](const CoreSegment& s) { return s.settled && !s.kept && !s.outdated; });
+    const int wanted = static_cast<int>(out_.segments.size());
+    if (lost == 0 || segments_kept("host", wanted) < wanted) return "";
+    return formatted("; or keep the %d segments that found no place as well: --profile host --segments %d",
+                     static_cast<int>(lost), wanted);
   }
 
   /// What the images and the gyroscope say of the clocks; without

@@ -61,17 +61,38 @@ class Draw {
   double scale_;
 };
 
-void draw_camera(CameraCalibration& camera, const DeviceSpread& spread, Draw& draw) {
-  camera.R_CI = rotation_exp(draw.three(spread.rotation_rad)) * camera.R_CI;
-  camera.p_CI += draw.three(spread.translation_m);
-  for (int i = 0; i < 2; ++i) camera.intrinsics[i] += draw(spread.focal_length_px);
-  for (int i = 2; i < 4; ++i) camera.intrinsics[i] += draw(spread.principal_point_px);
+/// Does an equidistant lens reach the corners of the image, 89 degrees (1.56 rad) from the axis, without folding back?
+/// Coefficients that scatter by themselves give lenses that fold back at 60 to 80 degrees, as no fisheye does: one in
+/// four at scale 1.
+bool reaches_the_corners(const CameraCalibration& camera) {
+  const Eigen::Vector4d& k = camera.distortion;
+  for (double theta = 0; theta < 1.56; theta += 0.02) {
+    const double t2 = theta * theta;
+    const double growth = 1 + t2 * (3 * k[0] + t2 * (5 * k[1] + t2 * (7 * k[2] + t2 * 9 * k[3])));
+    if (growth < 0.2) return false;
+  }
+  return true;
+}
+
+void draw_lens(CameraCalibration& camera, const DeviceSpread& spread, Draw& draw) {
   const auto n = static_cast<Eigen::Index>(distortion_parameters(camera.model).size());
   for (Eigen::Index i = 0; i < n; ++i) {
     const bool is_tangential = camera.model == DistortionModel::radtan && i >= 2;
     const bool is_fov = camera.model == DistortionModel::fov;
     camera.distortion[i] += draw(is_fov ? spread.fov_w : is_tangential ? spread.distortion_p : spread.distortion_k);
   }
+}
+
+void draw_camera(CameraCalibration& camera, const DeviceSpread& spread, Draw& draw) {
+  camera.R_CI = rotation_exp(draw.three(spread.rotation_rad)) * camera.R_CI;
+  camera.p_CI += draw.three(spread.translation_m);
+  for (int i = 0; i < 2; ++i) camera.intrinsics[i] += draw(spread.focal_length_px);
+  for (int i = 2; i < 4; ++i) camera.intrinsics[i] += draw(spread.principal_point_px);
+  const CameraCalibration nominal = camera;
+  do {
+    camera.distortion = nominal.distortion;
+    draw_lens(camera, spread, draw);
+  } while (camera.model == DistortionModel::equidistant && !reaches_the_corners(camera));
 }
 
 void draw_triangle(Eigen::Matrix3d& T, double scale_sigma, double misalignment_sigma, Draw& draw) {

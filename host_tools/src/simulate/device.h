@@ -23,7 +23,8 @@ struct DeviceSpread {
 Calibration nominal_device(DistortionModel model, int n_cameras);
 
 /// A specimen: R <- Exp(d) R for the rotations, everything else nominal plus a normal draw.
-/// `scale` multiplies the DeviceSpread; 0 gives the nominal device.
+/// `scale` multiplies the DeviceSpread; 0 gives the nominal device. An equidistant lens is drawn again until it reaches
+/// the image's corners: one that folds back before is no fisheye.
 Calibration draw_device(const Calibration& nominal, std::uint64_t device_seed, double scale);
 
 /// One calibration parameter by its name in result files (docs/formats.md, "result.json"), SI units and px.

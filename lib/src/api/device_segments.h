@@ -9,18 +9,21 @@ namespace SEGCAL_NS {
 /// odometries that choose their keyframes.
 constexpr std::int64_t kKeyframeGapNs = 1000000000;
 
-/// theta for triangulation and scoring: the extrinsics are the filter's (paper, Sec. IV-B), whose camera is the one of
-/// the present temperature.
+/// theta for triangulation and scoring, and where a calibration starts: what the filter has come to believe of the
+/// sensors (paper, Sec. IV-B: of the extrinsics), with whose states it goes. Where the start is far off, an
+/// accelerometer by ten per cent, states with the calibration of the start would break every IMU link. The filter's
+/// camera is the one of the present temperature.
 template <class S>
 Calibration<S> Device<S>::working_theta() const {
   Calibration<S> theta = theta_;
   if (odometry_.own || !odometry_.filter.initialised()) return theta;
+  const Calibration<S>& filter = odometry_.filter.calibration();
+  theta.imu = filter.imu;
   for (int c = 0; c < theta.n_cameras; ++c) {
-    const Mat3<S>& R_CI = odometry_.filter.R_CI(c);
-    theta.camera[c].R_CI = has_warm_camera(theta)
-                               ? WarmCamera<S>(theta.camera[c], theta.effects, imu_.history.warmth()).at_25_degC(R_CI)
-                               : R_CI;
-    theta.camera[c].p_CI = odometry_.filter.p_CI(c);
+    theta.camera[c] =
+        has_warm_camera(theta)
+            ? WarmCamera<S>(theta_.camera[c], theta.effects, imu_.history.warmth()).at_25_degC(filter.camera[c])
+            : filter.camera[c];
   }
   return theta;
 }

@@ -79,7 +79,7 @@ void Device<S>::restart_filter() {
   if (d_.options.joint_filter && filter.knows_sensors()) {
     filter.next_session();
   } else {
-    filter.reset(theta_, vio_options());
+    filter.restart(theta_, vio_options());
   }
   if (!d_.options.joint_filter && jobs_.released()) give_filter_calibration();
   if (!odometry_.own) ++odometry_.frame;

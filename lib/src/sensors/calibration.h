@@ -80,17 +80,22 @@ Mat3<S> scale_misalignment(const Vec3<S>& s, const Vec3<S>& m) {
   return T;
 }
 
+/// One camera moved by its columns(). Rotation: R <- Exp(d) R; everything else is added.
+template <class S>
+void add_camera_step(CameraCalibration<S>* camera, const S* delta) {
+  camera->R_CI = renormalised<S>(so3_exp<S>(Vec3<S>(delta[0], delta[1], delta[2])) * camera->R_CI);
+  camera->p_CI += Vec3<S>(delta[3], delta[4], delta[5]);
+  for (int i = 0; i < 4; ++i) camera->intrinsics(i) += delta[6 + i];
+  for (int i = 0; i < camera->distortion_columns(); ++i) camera->distortion(i) += delta[10 + i];
+}
+
 /// theta <- theta [+] delta. Rotations: R <- Exp(d) R; everything else is added. `delta` has columns() entries.
 template <class S>
 void add_step(Calibration<S>* theta, const S* delta) {
   const auto three = [](const S* d) { return Vec3<S>(d[0], d[1], d[2]); };
   for (int c = 0; c < theta->n_cameras; ++c) {
-    CameraCalibration<S>& camera = theta->camera[c];
-    camera.R_CI = renormalised<S>(so3_exp<S>(three(delta)) * camera.R_CI);
-    camera.p_CI += three(delta + 3);
-    for (int i = 0; i < 4; ++i) camera.intrinsics(i) += delta[6 + i];
-    for (int i = 0; i < camera.distortion_columns(); ++i) camera.distortion(i) += delta[10 + i];
-    delta += camera.columns();
+    add_camera_step(&theta->camera[c], delta);
+    delta += theta->camera[c].columns();
   }
   ImuCalibration<S>& imu = theta->imu;
   imu.gyro_scale += three(delta);

@@ -39,8 +39,15 @@ class WarmCamera {
   }
 
   const CameraCalibration<S>& now() const { return now_; }
-  /// What R_CI is at 25 degC where it is this now.
-  Mat3<S> at_25_degC(const Mat3<S>& R_CI) const { return turn_.transpose() * R_CI; }
+  /// What a camera is at 25 degC that is `now`; another one than now(), as an odometry has estimated it.
+  [[gnu::cold]] CameraCalibration<S> at_25_degC(CameraCalibration<S> now) const {
+    now.R_CI = (turn_.transpose() * now.R_CI).eval();
+    for (int i = 0; i < 2; ++i) {
+      now.intrinsics(i) /= zoom_;
+      now.intrinsics(2 + i) -= shift_[i] * now.intrinsics(i);
+    }
+    return now;
+  }
 
   /// Rows by the camera as it is now become rows by the camera at 25 degC. [r_CI 3 | p_CI 3 | fx fy cx cy ...]
   template <class Rows>

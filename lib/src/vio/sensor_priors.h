@@ -6,6 +6,13 @@
 
 namespace SEGCAL_NS {
 
+/// Column i of a camera behind the extrinsics: fx fy cx cy, then the coefficients.
+template <class S>
+S lens_entry(const CameraCalibration<S>& camera, int i) {
+  return i < kExtrinsicColumns + 4 ? camera.intrinsics(i - kExtrinsicColumns)
+                                   : camera.distortion(i - kExtrinsicColumns - 4);
+}
+
 /// Prior sigma of column i of camera c; 0: the column is not estimated.
 template <class S>
 S camera_sigma(const VioOptions<S>& options, const CameraCalibration<S>& camera, int i) {
@@ -36,7 +43,7 @@ void centre_sensors(Window<S>* w, const S* offset) {
 }
 
 /// The kept information on the sensors as a prior at `given`,
-/// seen from the present theta (the start moves the extrinsics).
+/// seen from the present theta (the start moves the cameras).
 template <class S>
 void fold_learnt(Window<S>* w) {
   S* offset = w->block;
@@ -48,6 +55,8 @@ void fold_learnt(Window<S>* w) {
       offset[camera_column(c) + i] = r(i);
       offset[camera_column(c) + 3 + i] = dp(i);
     }
+    for (int i = kExtrinsicColumns; i < now.columns(); ++i)
+      offset[camera_column(c) + i] = lens_entry(given, i) - lens_entry(now, i);
   }
   centre_sensors(w, offset);
 }

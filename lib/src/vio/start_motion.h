@@ -94,8 +94,9 @@ class MotionStart {
   void correct(const StartContext<S>& c) {
     correct_links(c.w->n_poses, Vec3<S>(c.s->x0.b_a - base_.b_a), Vec3<S>(c.s->x0.b_g - base_.b_g), c.s->link.get());
   }
-  static PackedTriangle<S> triangle(const StartContext<S>& c) {
-    return PackedTriangle<S>(c.w->triangle, kStateColumns + kExtrinsicColumns * c.w->theta.n_cameras + 1);
+  PackedTriangle<S> triangle(const StartContext<S>& c) const {
+    const int per_camera = with_lens_ ? kMaxCameraColumns : kExtrinsicColumns;
+    return PackedTriangle<S>(c.w->triangle, kStateColumns + per_camera * c.w->theta.n_cameras + 1);
   }
   static void copy_cameras(const CameraCalibration<S>* from, int n, CameraCalibration<S>* to) {
     for (int i = 0; i < n; ++i) to[i] = from[i];
@@ -104,6 +105,7 @@ class MotionStart {
                        kPointsPerSlice = 48;  ///< points: linearised, of two tracks as they usually are
   static constexpr int kFoldWork = 30000;     // products per slice, as fold_work() counts them
   bool pending_ = false, good_ = false, had_before_ = false, settled_ = false;
+  bool with_lens_ = false;  ///< the fit moves it
   Place place_ = 0, inner_ = 0, leaf_ = 0;
   std::int32_t i_ = 0, k_ = 0, camera_ = 0, iteration_ = 0, column_ = 0, row_ = 0, rows_ = 0, used_ = 0, discarded_ = 0;
   std::int64_t first_ns_ = 0, last_imu_ns_ = 0, t_ = 0;
@@ -126,6 +128,7 @@ bool MotionStart<S>::run_step(const StartContext<S>& c, const Samples& imu) {
     give_cameras_back(c);
     SEGCAL_AWAIT(place_, gyro_bias_step(c, imu));
     SEGCAL_AWAIT(place_, align_step(c));
+    with_lens_ = false;
     if (good_) {
       SEGCAL_AWAIT(place_, refine_step(c));
       // The linear alignment may end near a wrong minimum if the device turns more than it moves. Hands move slowly:
@@ -139,7 +142,13 @@ bool MotionStart<S>::run_step(const StartContext<S>& c, const Samples& imu) {
         fit_ = trial_;
       }
       good_ = acceptable(c.w, fit_, triangle(c), c.s);
+      with_lens_ = !good_ && c.options.sigma_focal > S(0);
       SEGCAL_PAUSE(place_);
+      if (with_lens_) {
+        SEGCAL_AWAIT(place_, refine_step(c));
+        good_ = acceptable(c.w, fit_, triangle(c), c.s);
+        SEGCAL_PAUSE(place_);
+      }
     }
     if (good_) {
       SEGCAL_AWAIT(place_, discard_step(c));

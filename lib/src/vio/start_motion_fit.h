@@ -1,4 +1,4 @@
-// Second part of the start in motion (start_motion.h): the alignment is refined with the extrinsics,
+// Second part of the start in motion (start_motion.h): the alignment is refined with the cameras,
 // judged, and rid of tracks that miss.
 #pragma once
 
@@ -33,7 +33,7 @@ bool acceptable(Window<S>* w, const RefineFit<S>& fit, const PackedTriangle<S>& 
          s->x0.v_GI.squaredNorm() < S(36);
 }
 
-/// Linearises the window at x0 and the present extrinsics; trial_ is the fit there.
+/// Linearises the window at x0 and the present cameras; trial_ is the fit there.
 template <class S>
 bool MotionStart<S>::linearise_step(const StartContext<S>& c) {
   PackedTriangle<S> R = triangle(c);
@@ -52,7 +52,7 @@ bool MotionStart<S>::linearise_step(const StartContext<S>& c) {
   SEGCAL_SLICES_END(leaf_);
 }
 
-/// Minimises over x0 and the extrinsics; the best ones stay in x0 and the window, with R linearised there.
+/// Minimises over x0 and the cameras; the best ones stay in x0 and the window, with R linearised there.
 template <class S>
 bool MotionStart<S>::refine_step(const StartContext<S>& c) {
   const int cameras = c.w->theta.n_cameras;

@@ -1,9 +1,11 @@
 // The start, part 4: Levenberg-Marquardt over the window.
 //
 // Over a second the inertial integral is far more precise than the image, so every pose is
-// a function of the first state: 15 columns, the extrinsics with their prior, and landmarks
+// a function of the first state: 15 columns, the cameras with their prior, and landmarks
 // that are eliminated one by one. It only serves to find the point at which the filter
 // linearises: the filter then weighs inertial noise and image points once more, properly.
+// Where no motion fits the lens as it was given, it is among the unknowns too: a wide one that is off by its tolerance
+// moves the image's corners by tens of pixels. Not before: over a second a wrong motion finds a lens that goes with it.
 #pragma once
 
 #include "math/quantiles.h"
@@ -14,7 +16,7 @@
 
 namespace SEGCAL_NS {
 
-constexpr int kRefineColumns = kStateColumns + kExtrinsicColumns * kMaxCameras;
+constexpr int kRefineColumns = kStateColumns + kMaxCameraColumns * kMaxCameras;
 static_assert(2 * packed_size(kRefineColumns + 1) + packed_size(kFilterColumns + 1 - camera_column(0)) <=
                   packed_size(kFilterColumns + 1),
               "both fit where the filter will have R, without its rows of the sensors");
@@ -37,6 +39,12 @@ struct StartColumns {
   int theta, p, motion, camera, per_camera;
 };
 
+/// A camera's columns in a triangle over x0 and the cameras: the extrinsics, or those of the lens as well.
+template <class S>
+int columns_per_camera(const Window<S>& w, const PackedTriangle<S>& R) {
+  return (R.columns() - 1 - kStateColumns) / w.theta.n_cameras;
+}
+
 /// One row `a / sigma` at `column` with right-hand side -value / sigma.
 template <class S>
 void fold_prior_row(PackedTriangle<S>* R, int column, const Vec3<S>& a, S value, S sigma, S* row) {
@@ -57,7 +65,7 @@ template <class S>
     for (int i = 0; i < at.per_camera; ++i) {
       const S sigma = camera_sigma(options, given, i);
       if (sigma == S(0)) continue;
-      const S value = i < 3 ? r(i) : i < kExtrinsicColumns ? dp(i - 3) : S(0);
+      const S value = i < 3 ? r(i) : i < kExtrinsicColumns ? dp(i - 3) : lens_entry(now, i) - lens_entry(given, i);
       fold_prior_row<S>(R, at.camera + at.per_camera * c + i, Vec3<S>(S(1), S(0), S(0)), value, sigma, row);
     }
   }
@@ -90,24 +98,23 @@ struct RefineFit {
   std::int32_t work = 0;  ///< points linearised since the last pause
 };
 
-/// Two rows [l 3 | x0 15 | extrinsics | rhs] of an image point,
-/// n numbers beside the landmark's and the right-hand side.
+/// Two rows [l 3 | x0 15 | cameras | rhs] of an image point, n numbers beside the landmark's and the right-hand side;
+/// the camera's `columns` ones begin at `first`.
 template <class S>
-void write_rows(const ReprojectionRows<S>& rows, const Mat<S, 2, kStateColumns>& J, int camera, S weight, int n,
-                S* out) {
+void write_rows(const ReprojectionRows<S>& rows, const Mat<S, 2, kStateColumns>& J, int first, int columns, S weight,
+                int n, S* out) {
   const int stride = kLandmarkColumns + n + 1;
   for (int k = 0; k < 2; ++k) {
     S* row = out + k * stride;
     for (int c = 0; c < stride; ++c) row[c] = S(0);
     for (int c = 0; c < kLandmarkColumns; ++c) row[c] = weight * rows.J_l(k, c);
     for (int c = 0; c < kStateColumns; ++c) row[3 + c] = weight * J(k, c);
-    for (int c = 0; c < kExtrinsicColumns; ++c)
-      row[3 + kStateColumns + kExtrinsicColumns * camera + c] = weight * rows.J_camera(k, c);
+    for (int c = 0; c < columns; ++c) row[3 + first + c] = weight * rows.J_camera(k, c);
     row[3 + n] = -weight * rows.r(k);
   }
 }
 
-/// One track's rows [l 3 | x0 15 | extrinsics | rhs] into the
+/// One track's rows [l 3 | x0 15 | cameras | rhs] into the
 /// triangle, Huber weights beyond 2 sigma. *rho: triangulate_again().
 template <class S>
 void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, const StartScratch<S>& s,
@@ -119,6 +126,7 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
   Landmark<S> l;
   const int n = R->columns() - 1, stride = kLandmarkColumns + n + 1;
   const CameraCalibration<S>& camera = w->theta.camera[track.camera];
+  const int columns = columns_per_camera(*w, *R), first = kStateColumns + columns * track.camera;
   S cost = S(0);
   bool good = triangulate_again(*w, view, S(4) * options.pixel_sigma, w->block, &l, rho, &fit->work);
   fit->work += 2 * view.n;  // its rows, and their fold
@@ -132,7 +140,7 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
     const S weight = (e < S(2) ? S(1) : square_root(S(2) / e)) / options.pixel_sigma;
     Mat<S, 6, kStateColumns> D;
     pose_by_start(s.x0, s.link[view.pose[i]], &D);
-    write_rows<S>(rows, rows.J_pose * D, track.camera, weight, n, w->block + 2 * i * stride);
+    write_rows<S>(rows, rows.J_pose * D, first, columns, weight, n, w->block + 2 * i * stride);
   }
   const S worst = S(20) * S(view.n);  // a track that fits nowhere costs this much and pulls at nothing
   if (!good || cost > worst) {
@@ -146,13 +154,13 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
   fold_rows(*R, w->block + 3 * stride + 3, 2 * view.n - 3, stride, 0, n);
 }
 
-/// Poses and priors at s.x0 and the present extrinsics; the tracks' rows follow one by one (start_motion.h).
+/// Poses and priors at s.x0 and the present cameras; the tracks' rows follow one by one (start_motion.h).
 template <class S>
 RefineFit<S> begin_linearisation(Window<S>* w, const VioOptions<S>& options, const StartScratch<S>& s,
                                  PackedTriangle<S>* R) {
   place_poses(w, options, s);
   R->clear();
-  const StartColumns at{0, 3, 6, kStateColumns, kExtrinsicColumns};
+  const StartColumns at{0, 3, 6, kStateColumns, columns_per_camera(*w, *R)};
   fold_start_prior(options, s.x0, R, at, S(3), w->block);
   fold_camera_prior(*w, options, R, at, w->block);
   RefineFit<S> fit;
@@ -180,15 +188,14 @@ void damped_step(const PackedTriangle<S>& R, S lambda, S* damped_data, S* row, S
   back_substitute(damped, n, step);
 }
 
-/// Moves x0 and the extrinsics by a step.
+/// Moves x0 and the cameras by a step.
 template <class S>
-void take_start_step(Window<S>* w, const S* step, StartScratch<S>* s) {
+void take_start_step(Window<S>* w, const S* step, int per_camera, StartScratch<S>* s) {
   s->x0.add(step);
   for (int c = 0; c < w->theta.n_cameras; ++c) {
-    const S* d = step + kStateColumns + kExtrinsicColumns * c;
-    CameraCalibration<S>& camera = w->theta.camera[c];
-    camera.R_CI = renormalised<S>(so3_exp<S>(Vec3<S>(d[0], d[1], d[2])) * camera.R_CI);
-    camera.p_CI += Vec3<S>(d[3], d[4], d[5]);
+    S of_camera[kMaxCameraColumns] = {};
+    for (int i = 0; i < per_camera; ++i) of_camera[i] = step[kStateColumns + per_camera * c + i];
+    add_camera_step(&w->theta.camera[c], of_camera);
   }
 }
 
@@ -197,7 +204,7 @@ template <class S>
 void descend(Window<S>* w, const PackedTriangle<S>& R, S lambda, StartScratch<S>* s) {
   S step[kRefineColumns];
   damped_step(R, lambda, w->triangle + packed_size(kRefineColumns + 1), w->block, step);
-  take_start_step(w, step, s);
+  take_start_step(w, step, columns_per_camera(*w, R), s);
 }
 
 /// A track that does not fit the refined window is a mismatch or

@@ -31,6 +31,14 @@ class Vio {
   /// Forgets everything and waits for frames.
   [[gnu::cold]] void reset(const Calibration<S>& theta, const VioOptions<S>& options);
 
+  /// The same for one that has run before; its counts go on.
+  [[gnu::cold]] void restart(const Calibration<S>& theta, const VioOptions<S>& options) {
+    const VioStatistics counted = statistics_;
+    reset(theta, options);
+    statistics_ = counted;
+    statistics_.frames_waited = statistics_.starts_tried = 0;
+  }
+
   /// A new calibration for the running filter: in place of its own, which it knows as well as before (sensor_priors.h).
   void set_calibration(const Calibration<S>& theta);
   /// See VioOptions::late_start_at_once.

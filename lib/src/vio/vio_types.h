@@ -73,7 +73,7 @@ struct VioStatistics {
   // since the filter ran last:
   std::int32_t frames_waited = 0;  ///< collected for a start
   std::int32_t starts_tried = 0;   ///< in motion
-  // since reset():
+  // since reset(), over sessions:
   std::int32_t starts = 0;       ///< successful initialisations
   std::int32_t late_starts = 0;  ///< frames at which a start was due and its slices were not done
   std::int32_t restarts = 0;     ///< times the filter was lost
