@@ -33,7 +33,9 @@ class Diagnoser {
             std::all_of(sessions.begin(), sessions.end(), [](const Recording& r) { return r.imu.has_temperature; })),
         model_(options.core, has_temperature_),
         evidence_(sessions, with_temperature(options.core, has_temperature_), options.profile,
-                  [this](double fraction) { report(fraction); }) {}
+                  [this](double fraction) { report(fraction); }) {
+    model_.include(told);  // known to some ms, which bend all that is tested beside it
+  }
 
   Diagnosis run() {
     out_.noise = options_.core.noise;

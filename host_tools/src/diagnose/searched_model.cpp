@@ -35,6 +35,14 @@ void SearchedModel::begin_with(const CoreOptions& given) {
   }
 }
 
+void SearchedModel::include(const std::string& effect) {
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const int candidate = static_cast<int>(c);
+    if (candidates[c].name == effect && std::count(known.begin(), known.end(), candidate) == 0)
+      known.push_back(candidate);
+  }
+}
+
 void SearchedModel::forget_additions() {
   terms.resize(given_terms_);
   start.resize(given_terms_);

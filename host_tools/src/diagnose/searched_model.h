@@ -13,8 +13,10 @@ struct SearchedModel {
   std::vector<TermInfo> terms;  ///< columns of the fits
   std::vector<double> start;    ///< of each term, where the next fit begins
   std::vector<Candidate> candidates;
-  std::vector<int> known;  ///< candidates that were given
+  std::vector<int> known;  ///< candidates that were given: in every model
 
+  /// Counts an effect of the catalogue as known; "" none.
+  void include(const std::string& effect);
   /// Terms that a search has put behind the others.
   void forget_additions();
   /// The next fit begins at what the rows of the last one say

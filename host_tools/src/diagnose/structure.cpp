@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kBins = 8;
 constexpr std::size_t kFewest = 80;  ///< ten per bin
+constexpr int kPieces = 16;          ///< of time: a few seconds each, longer than a corner is seen
 
 std::vector<int> order_of(const std::vector<double>& x) {
   std::vector<int> order(x.size());
@@ -63,7 +64,35 @@ double between_bins(const std::vector<double>& value, const std::vector<double>&
   return sum;
 }
 
-/// `shrink`: effective over actual number of residuals.
+/// By how much the slope of value over cause scatters beyond what independent residuals give, as a variance, at least
+/// 1: cluster-robust (Liang and Zeger, "Longitudinal data analysis using generalized linear models", Biometrika 73,
+/// 1986), the clusters being pieces of time. Points of one image share the error of its stamp, and corners drift for
+/// seconds.
+double design_effect(const std::vector<double>& time, std::vector<double> value, std::vector<double> cause) {
+  if (time.empty()) return 1;
+  const auto centre = [](std::vector<double>* x) {
+    const double mean = std::accumulate(x->begin(), x->end(), 0.0) / static_cast<double>(x->size());
+    for (double& a : *x) a -= mean;
+  };
+  centre(&value);
+  centre(&cause);
+  const double xx = std::inner_product(cause.begin(), cause.end(), cause.begin(), 0.0);
+  const double xv = std::inner_product(cause.begin(), cause.end(), value.begin(), 0.0);
+  const double vv = std::inner_product(value.begin(), value.end(), value.begin(), 0.0);
+  if (!(xx > 0 && vv > 0)) return 1;
+  const std::vector<int> order = order_of(time);
+  double sum = 0;
+  for (int b = 0; b < kPieces; ++b) {
+    double score = 0;
+    for (std::size_t i = order.size() * b / kPieces; i < order.size() * (b + 1) / kPieces; ++i)
+      score += cause[order[i]] * (value[order[i]] - xv / xx * cause[order[i]]);
+    sum += score * score;
+  }
+  const double independent = xx * vv / static_cast<double>(value.size());
+  return std::max(1.0, kPieces / (kPieces - 1.0) * sum / independent);
+}
+
+/// `shrink`: effective over actual number of residuals, by how they follow each other along their series.
 Structure hold_against(const ResidualList& list, Cause cause, const std::vector<double>& value_rank, double shrink) {
   const std::vector<double>& x = list.cause[static_cast<int>(cause)];
   const double n = static_cast<double>(list.value.size());
@@ -75,7 +104,9 @@ Structure hold_against(const ResidualList& list, Cause cause, const std::vector<
     variance += v * v / n;
   }
   Structure out{list.sensor, list.axis, words_of(cause), unit_of(cause), 0, 0, {}, {}, {}};
-  const double between = between_bins(centred, x, variance, &out), rho = correlation(value_rank, ranks_of(x));
+  const std::vector<double> cause_rank = ranks_of(x);
+  const double between = between_bins(centred, x, variance, &out), rho = correlation(value_rank, cause_rank);
+  shrink = std::min(shrink, 1 / design_effect(list.cause[static_cast<int>(Cause::time)], value_rank, cause_rank));
   const double p_rank = log10_upper_tail(rho * rho * n * shrink, 1),
                p_bins = log10_upper_tail(between / variance * shrink, kBins - 1);
   out.correlation = p_rank <= p_bins ? rho : std::sqrt(between / (variance * n));
