@@ -43,6 +43,31 @@ void test_noise_has_no_structure() {
   TEST_ASSERT_LESS_OR_EQUAL_INT(3, slow);
 }
 
+/// Forty points see each of fifty images, whose stamps err: what the points of an image have in common is one error,
+/// not forty. Counted as forty, images that turned quickly and had bad stamps by chance make structure in each of a
+/// hundred recordings.
+void test_points_of_an_image_share_its_error() {
+  int found = 0;
+  for (int seed = 0; seed < 100; ++seed) {
+    test::Random random(500 + seed);
+    double error[50], rate[50];
+    for (int image = 0; image < 50; ++image) {
+      error[image] = random.normal(0.7);
+      rate[image] = random.normal();
+    }
+    ResidualList list{"camera", "v", {}, {}, {}};
+    for (int i = 0; i < kCount; ++i) {
+      list.value.push_back(error[i % 50] + random.normal(0.7));
+      list.series.push_back(i / 50);
+      list.cause[static_cast<int>(Cause::time)].push_back(0.1 * (i % 50));
+      list.cause[static_cast<int>(Cause::rate_y)].push_back(rate[i % 50]);
+    }
+    found += find_structure({list}, kLevel, 3).empty() ? 0 : 1;
+  }
+  // 0.1 expected, and more: sixteen pieces tell their scatter to a third.
+  TEST_ASSERT_LESS_OR_EQUAL_INT(6, found);
+}
+
 /// A quarter of a sigma over the range of the cause, straight or bent.
 void test_dependence_is_named() {
   for (const bool bent : {false, true}) {
@@ -140,6 +165,7 @@ void test_autocorrelation() {
 int main() {
   UNITY_BEGIN();
   RUN_TEST(test_noise_has_no_structure);
+  RUN_TEST(test_points_of_an_image_share_its_error);
   RUN_TEST(test_dependence_is_named);
   RUN_TEST(test_slow_images_do_not_follow_their_own_noise);
   RUN_TEST(test_autocorrelation);
