@@ -74,6 +74,10 @@ void check_segments(bool held) {
     for (const host::CoreKept& k : core->kept()) serials.push_back(k.segment.serial);
     TEST_ASSERT_GREATER_THAN_INT(3, static_cast<int>(serials.size()));
     const Eigen::VectorXd step = step_wanted(core->linearise(serials, {}));
+    for (int i = 0; i < 4; ++i) {
+      // The filter knows them to a third of a pixel; f that is not taken back is 1.2 px, cx 0.8, cy 1.2.
+      test::check_between(id.add("entry", 6 + i), "fx fy cx cy [px]", -0.5, step(6 + i), 0.5);
+    }
     for (int i = 0; i < 3; ++i) {
       // The filter knows r_CI to a milliradian or two; a turn that is not taken back is 17.
       test::check_between(id.add("entry", i), "r_CI [rad]", -4e-3, step(i), 4e-3);

@@ -317,6 +317,27 @@ void test_a_step_that_the_prior_forbids_is_refused() {
   test::check_true(Id(), out.cause.c_str(), out.cause.rfind("the result is too far from the start", 0) == 0);
 }
 
+/// Two segments of a second tell too little; the words say how to keep more, and that helps.
+void test_advice_to_keep_more_segments_is_good() {
+  const host::SimulationResult session = test::simulated("nav", 30, 3);
+  const auto kept = [&session](const char* profile, int segments) {
+    host::ReplayOptions options;
+    options.profile = profile;
+    options.core.calibration = session.nominal;
+    options.core.noise = session.recording.imu.noise;
+    options.core.segment_s = 1;
+    options.core.segments = segments;
+    options.review = true;
+    return host::replay({session.recording}, options);
+  };
+  const host::ReplayResult few = kept("mobile", 2);
+  const std::size_t at = few.cause.find("--profile host --segments ");
+  TEST_ASSERT_TRUE_MESSAGE(at != std::string::npos, few.cause.c_str());
+  const host::ReplayResult more = kept("host", std::stoi(few.cause.substr(at + 26)));
+  TEST_ASSERT_EQUAL_STRING_MESSAGE("calibrated", more.result.status.c_str(), more.cause.c_str());
+  TEST_ASSERT_TRUE(largest_error(session, more) < 5);
+}
+
 /// Near a half turn the two rotation vectors are opposite; the step between the rotations is small all the same.
 void test_steps_of_rotations_are_small_rotations() {
   std::vector<host::CoreParameter> p(3);
@@ -350,5 +371,6 @@ int main(int argc, char** argv) {
   RUN_TEST(test_what_is_suspected_is_in_the_sigmas);
   RUN_TEST(test_few_segments_name_a_lens);
   RUN_TEST(test_a_step_that_the_prior_forbids_is_refused);
+  RUN_TEST(test_advice_to_keep_more_segments_is_good);
   return UNITY_END();
 }

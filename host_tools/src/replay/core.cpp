@@ -23,13 +23,16 @@ std::unique_ptr<Core> make_core(const std::string& profile, const CoreOptions& o
   refuse_profile(profile);
 }
 
-int segments_kept(const std::string& profile, int wanted) {
-  if (wanted > 0) return wanted;
+int most_segments(const std::string& profile) {
 #define SEGCAL_CALL(name) \
-  if (profile == #name) return std::min(8, segcal_##name##_core::most_segments());
+  if (profile == #name) return segcal_##name##_core::most_segments();
   SEGCAL_FOR_EACH_PROFILE(SEGCAL_CALL)
 #undef SEGCAL_CALL
   refuse_profile(profile);
+}
+
+int segments_kept(const std::string& profile, int wanted) {
+  return wanted > 0 ? wanted : std::min(8, most_segments(profile));
 }
 
 }  // namespace host

@@ -243,7 +243,8 @@ class Core {
 /// `profile`: mcu, mobile, host or mobile_double. Throws InputError
 /// for another name or a configuration that the core refuses.
 std::unique_ptr<Core> make_core(const std::string& profile, const CoreOptions& options);
-/// How many segments a core of the profile keeps, where `wanted` are (CoreOptions::segments).
+/// Segments that a profile has room for; those that it keeps (CoreOptions::segments: `wanted`).
+int most_segments(const std::string& profile);
 int segments_kept(const std::string& profile, int wanted);
 
 }  // namespace host

@@ -233,6 +233,7 @@ ReplayResult replay_as_stated(const std::vector<Recording>& sessions, const Repl
   }
   out.clocks = options.clocks;
   if (options.review && options.joint_ekf) review::judge_joint_filter(sessions, options, &out);
+  core_options.segments = segments_kept(options.profile, core_options.segments);
   if (options.review && !options.joint_ekf) review::review(sessions, core_options, *core, &out);
   refuse_temperature(sessions, &out);
   review::note_unseen_effects(&out);

@@ -207,14 +207,14 @@ class Review {
     return what;
   }
 
-  /// Segments that no place was left for tell something too: on a host they need not be lost.
+  /// A database that was full left out segments that tell something too: a host has room for them. Not a device's log,
+  /// which is replayed as it was.
   std::string room() const {
-    const auto lost = std::count_if(out_.segments.begin(), out_.segments.end(),
-                                    [](const CoreSegment& s) { return s.settled && !s.kept && !s.outdated; });
-    const int wanted = static_cast<int>(out_.segments.size());
-    if (lost == 0 || segments_kept("host", wanted) < wanted) return "";
-    return formatted("; or keep the %d segments that found no place as well: --profile host --segments %d",
-                     static_cast<int>(lost), wanted);
+    const auto placed =
+        std::count_if(out_.segments.begin(), out_.segments.end(), [](const auto& s) { return s.kept || s.outdated; });
+    const int scored = static_cast<int>(out_.segments.size()), room = std::min(scored, most_segments("host"));
+    if (sessions_.front().device || placed < options_.segments || room <= options_.segments) return "";
+    return formatted("; or keep more of the %d segments: --profile host --segments %d", scored, room);
   }
 
   /// What the images and the gyroscope say of the clocks; without
