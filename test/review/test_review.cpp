@@ -319,8 +319,8 @@ void test_a_step_that_the_prior_forbids_is_refused() {
 
 /// Two segments of a second tell too little; the words say how to keep more, and that helps.
 void test_advice_to_keep_more_segments_is_good() {
-  const host::SimulationResult session = test::simulated("nav", 30, 3);
-  const auto kept = [&session](const char* profile, int segments) {
+  const host::SimulationResult session = test::simulated("nav", 30, 3), brief = test::simulated("nav", 4, 3);
+  const auto kept = [](const host::SimulationResult& session, const char* profile, int segments) {
     host::ReplayOptions options;
     options.profile = profile;
     options.core.calibration = session.nominal;
@@ -330,12 +330,16 @@ void test_advice_to_keep_more_segments_is_good() {
     options.review = true;
     return host::replay({session.recording}, options);
   };
-  const host::ReplayResult few = kept("mobile", 2);
+  const host::ReplayResult few = kept(session, "mobile", 2);
   const std::size_t at = few.cause.find("--profile host --segments ");
   TEST_ASSERT_TRUE_MESSAGE(at != std::string::npos, few.cause.c_str());
-  const host::ReplayResult more = kept("host", std::stoi(few.cause.substr(at + 26)));
+  const host::ReplayResult more = kept(session, "host", std::stoi(few.cause.substr(at + 26)));
   TEST_ASSERT_EQUAL_STRING_MESSAGE("calibrated", more.result.status.c_str(), more.cause.c_str());
   TEST_ASSERT_TRUE(largest_error(session, more) < 5);
+  // One of three tells enough to be kept: a database of two has room left.
+  const std::string nothing_lost = kept(brief, "mobile", 2).cause;
+  TEST_ASSERT_TRUE_MESSAGE(nothing_lost.find("half are needed") != std::string::npos, nothing_lost.c_str());
+  TEST_ASSERT_TRUE_MESSAGE(nothing_lost.find("--profile") == std::string::npos, nothing_lost.c_str());
 }
 
 /// Near a half turn the two rotation vectors are opposite; the step between the rotations is small all the same.

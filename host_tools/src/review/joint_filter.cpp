@@ -65,7 +65,7 @@ void judge_joint_filter(const std::vector<Recording>& sessions, const ReplayOpti
   ReplayOptions by_segments = options;
   by_segments.joint_ekf = false;
   by_segments.profile = "host";  // of all segments, as the filter has seen them all
-  by_segments.core.segments = segments_kept("host", 64);
+  by_segments.core.segments = most_segments("host");
   by_segments.keep_core = nullptr;
   by_segments.after_session = nullptr;
   const ReplayResult segments = replay_as_stated(sessions, by_segments);

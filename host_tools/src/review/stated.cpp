@@ -32,7 +32,7 @@ void judge(const char* name, const char* sensor, double factor, double sigma, co
   if (verdict.empty()) return;
   out->push_back(
       {name, factor,
-       formatted("%s noise is %.2f +- %.2f times what was stated: %s", sensor, factor, sigma, verdict.c_str())});
+       formatted("%s noise is %.2f +- %.1g times what was stated: %s", sensor, factor, sigma, verdict.c_str())});
 }
 
 std::string to_state(const char* entry, double value) { return formatted("State %s %.3g (--config)", entry, value); }
