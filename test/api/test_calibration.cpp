@@ -101,7 +101,7 @@ void test_only_a_calibrated_result_moves_the_device() {
 
 /// Lively motion: segments go on up to twice their length, and lose every second keyframe on the way.
 void test_segments_of_open_length() {
-  static const SyntheticStream forty(208, 40);
+  static const SyntheticStream forty(210, 40);
   segcal_config_t config = SyntheticStream::config();
   config.segment_s = 4;
   config.least_segment_s = 2;

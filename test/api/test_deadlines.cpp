@@ -214,7 +214,7 @@ void test_flush_and_calibrate_in_slices() {
     segcal_config_t c = config();
     c.trigger_fraction = -1;
     segcal_t* device = create_with_deadlines(&storage, c);
-    for (std::size_t i = 0; i < 2200; ++i) {
+    for (std::size_t i = 0; i < 2100; ++i) {
       segcal_push_imu(device, &thirty().imu[i]);
       if (i % 20 == 0) push_frame(device, thirty().frames[i / 20], Way::tracks);
       segcal_background(device, 1000000);

@@ -7,6 +7,7 @@
 
 #include "../support/cases.h"
 #include "euroc.h"
+#include "segcal/segcal.h"
 #include "temporary_folder.h"
 
 extern "C" void setUp() {}
@@ -22,8 +23,9 @@ constexpr double kDegree = M_PI / 180;
 host::Recording recording;
 host::Calibration published, fixture_start;
 
-host::ReplayResult replayed(const host::Calibration& start, bool calibrate) {
+host::ReplayResult replayed(const host::Calibration& start, bool calibrate, std::uint32_t effects = 0) {
   host::ReplayOptions options;
+  options.core.effects = effects;
   options.core.calibration = start;
   options.core.noise = recording.imu.noise;
   if (calibrate) options.corner_noise = host::CornerNoise::shown;  // as the command does
@@ -41,26 +43,37 @@ const host::ReplayResult& first_replay() {
   return result;
 }
 
-void check_calibration(const Id& id, const host::ReplayResult& found) {
+/// Of errors against the published calibration.
+struct Limits {
+  double f, c_px, R_CI_deg, p_CI_m;
+};
+
+void check_calibration(const Id& id, const host::ReplayResult& found, const Limits& limits) {
   const test::euroc::CameraError error = test::euroc::camera_error(found.calibration.cameras[0], published.cameras[0]);
   const double R_CI = error.R_CI / kDegree;
   std::printf("%s: %s, chi2/dof %.3f, f %.2f %%, c %.2f px, R_CI %.2f deg, p_CI %.1f mm, reprojection median %.2f px\n",
               id.text().c_str(), found.result.status.c_str(), found.result.chi2 / found.result.dof, 100 * error.f,
               error.c, R_CI, 1e3 * error.p_CI, found.result.reprojection_median_px);
   test::check_true(id, "not calibrated", found.result.status == "calibrated");
-  test::check_between(id, "f, share", 0, error.f, 0.015);
-  test::check_between(id, "c, px", 0, error.c, 5);
-  test::check_between(id, "R_CI, deg", 0, R_CI, 0.8);
-  test::check_between(id, "p_CI, m", 0, error.p_CI, 0.020);
+  test::check_between(id, "f, share", 0, error.f, limits.f);
+  test::check_between(id, "c, px", 0, error.c, limits.c_px);
+  test::check_between(id, "R_CI, deg", 0, R_CI, limits.R_CI_deg);
+  test::check_between(id, "p_CI, m", 0, error.p_CI, limits.p_CI_m);
   test::check_between(id, "reprojection median, px", 0, found.result.reprojection_median_px, 0.6);
 }
 
+/// The lens is not quite radtan: without radial_residual, which the review names, c stands for a part of it, with a
+/// sigma of 3 px; with it, c has 1.4 px.
 void test_the_published_calibration_is_found() {
   const unsigned random_starts = test::selection().empty() && !std::getenv("SEGCAL_LONG") ? 2 : 10;
   for (unsigned start = 0; start <= random_starts; ++start) {
-    const Id id = Id().add("start", start);
-    if (!test::selected(id.text())) continue;
-    check_calibration(id, start == 0 ? first_replay() : replayed(start_of(start), true));
+    const Id plain = Id().add("start", start), lens = Id().add("lens_from", start);
+    if (test::selected(plain.text())) {
+      check_calibration(plain, start == 0 ? first_replay() : replayed(start_of(start), true), {0.015, 6.5, 0.8, 0.020});
+    }
+    if (test::selected(lens.text())) {
+      check_calibration(lens, replayed(start_of(start), true, SEGCAL_EFFECT_RADIAL_RESIDUAL), {0.01, 4, 0.4, 0.020});
+    }
   }
 }
 

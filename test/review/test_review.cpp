@@ -4,6 +4,7 @@
 #include "../support/cases.h"
 #include "clock/clock_search.h"
 #include "diagnose/fault.h"
+#include "review/followed.h"
 #include "review/linearised.h"
 #include "segcal/segcal.h"
 #include "simulate/disturb.h"
@@ -161,9 +162,9 @@ void test_a_remark_is_no_cause() {
   test::check_true(Id(), "said", !out.health.suspects.empty() && out.health.suspects.back().name == "lost_tracks.cam0");
 }
 
-/// By 2 deg. Usually the filter begins anew, and two newer segments contradict the older ones, which go. Two of 20
-/// devices went on as they were, kept nothing since, and called the camera of before calibrated; and where a single
-/// segment is kept since the turn, nothing says which is right.
+/// By 2 deg. Usually the filter begins anew, and two newer segments contradict the older ones, which go. One of 17
+/// devices goes on with the camera of before, and takes the turn for a step of the bias: refused, if for that. Where a
+/// single segment is kept since the turn, nothing says which is right.
 void test_a_camera_that_turned_is_named() {
   struct Case {
     std::uint64_t seed;
@@ -171,9 +172,10 @@ void test_a_camera_that_turned_is_named() {
   };
   for (const Case& c : {Case{1, "20", ""},
                         {3, "20", ""},
-                        {8, "20", "a camera that moved"},
-                        {1, "30", "disagree with each other"},
-                        {2, "30", "disagree with each other"}}) {
+                        {8, "20", "the gyroscope's bias steps"},
+                        {1, "30", ""},
+                        {2, "30", "disagree with each other"},
+                        {5, "30", "disagree with each other"}}) {
     const Id id = Id().add("seed", c.seed).add("at", c.at_s);
     if (!test::selected(id.text())) continue;
     host::SimulationOptions options;
@@ -189,6 +191,22 @@ void test_a_camera_that_turned_is_named() {
     test::check_true(id, ("cause: " + out.cause).c_str(), out.cause.find(said) != std::string::npos);
     test::check_true(id, "outdated segments", !said.empty() || counter(out, "segments_outdated") > 0);
   }
+}
+
+/// Of the last session's newer half, three at least: a filter that went on with a camera that is another one.
+void test_segments_that_do_not_follow_are_counted() {
+  std::vector<host::CoreSegment> all(14);
+  for (std::size_t i = 4; i < all.size(); ++i) all[i].session = 1;  // ten, of which the newer half is five
+  TEST_ASSERT_TRUE(host::review::segments_followed(all));
+  for (const std::size_t i : {0, 1, 2, 3, 4, 5, 6, 7, 8}) all[i].settled = false;
+  TEST_ASSERT_TRUE(host::review::segments_followed(all));
+  all[9].settled = all[11].settled = false;
+  TEST_ASSERT_TRUE(host::review::segments_followed(all));
+  all[13].settled = false;
+  TEST_ASSERT_FALSE(host::review::segments_followed(all));
+  const std::string words = host::review::followed_words(all);
+  TEST_ASSERT_EQUAL_INT_MESSAGE(0, static_cast<int>(words.find("3 of the last 5 segments do not follow")),
+                                words.c_str());
 }
 
 /// What a driver that trims its sensor anew leaves behind: chi2/dof 1.03 to 2.4, calibrated without the rule, with
@@ -319,7 +337,7 @@ void test_a_step_that_the_prior_forbids_is_refused() {
 
 /// Two segments of a second tell too little; the words say how to keep more, and that helps.
 void test_advice_to_keep_more_segments_is_good() {
-  const host::SimulationResult session = test::simulated("nav", 30, 3), brief = test::simulated("nav", 4, 3);
+  const host::SimulationResult session = test::simulated("nav", 40, 3), brief = test::simulated("nav", 5, 3);
   const auto kept = [](const host::SimulationResult& session, const char* profile, int segments) {
     host::ReplayOptions options;
     options.profile = profile;
@@ -369,6 +387,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_an_offset_that_is_not_modelled_is_named);
   RUN_TEST(test_a_remark_is_no_cause);
   RUN_TEST(test_a_camera_that_turned_is_named);
+  RUN_TEST(test_segments_that_do_not_follow_are_counted);
   RUN_TEST(test_a_bias_that_steps_is_refused_and_named);
   RUN_TEST(test_a_step_beside_a_larger_effect_is_refused);
   RUN_TEST(test_a_step_is_found_in_tracks_that_drift);

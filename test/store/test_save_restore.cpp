@@ -23,7 +23,7 @@ FakeFlash new_flash(Geometry g = kFlash) {
 }
 
 const SyntheticStream& session(int i) {
-  static const SyntheticStream sessions[] = {SyntheticStream(11, 14), SyntheticStream(12, 13), SyntheticStream(13, 9)};
+  static const SyntheticStream sessions[] = {SyntheticStream(11, 14), SyntheticStream(12, 13), SyntheticStream(13, 12)};
   return sessions[i];
 }
 

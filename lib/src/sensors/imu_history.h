@@ -60,18 +60,18 @@ Stretch<S> stretch_between(std::int64_t t0, std::int64_t t1, S warmth, const Mat
   return {warmth, warmth, S(t0 - zero) * S(1e-9), S(t1 - zero) * S(1e-9), &R_GI, true};
 }
 
-/// The samples up to one of them and the warmth of then, while newer ones come in.
+/// Samples [first, last] of the history and the warmth of then, while newer ones come in and older ones go.
 template <class S>
-struct ImuUntil {
+struct ImuStretch {
   const ImuHistory<S>& imu;
-  std::int32_t count;
+  std::int32_t first, count;
   S warmth;
 
-  ImuUntil(const ImuHistory<S>& history, std::int64_t last_ns, S warmth_then)
-      : imu(history), count(history.at_or_before(last_ns) + 1), warmth(warmth_then) {}
+  ImuStretch(const ImuHistory<S>& history, std::int32_t first_index, std::int64_t last_ns, S warmth_then)
+      : imu(history), first(first_index), count(history.at_or_before(last_ns) + 1 - first_index), warmth(warmth_then) {}
   int size() const { return count; }
-  std::int64_t time(int i) const { return imu.time(i); }
-  const InertialReading<S>& reading(int i) const { return imu.reading(i); }
+  std::int64_t time(int i) const { return imu.time(first + i); }
+  const InertialReading<S>& reading(int i) const { return imu.reading(first + i); }
   int at_or_before(std::int64_t t) const { return SEGCAL_NS::at_or_before(*this, t); }
 
   /// Integrates from t0 to t1 > t0, which must be covered. `R_GI`: at t0.

@@ -70,11 +70,22 @@ struct StoredFields {
     f->array(imu.delta_us_, imu.count_);
     f->array(&imu.value_[0][0], 6 * imu.count_);
   }
+  /// Whether they never go back, which loops over samples rely on; and far from where sums would overflow.
+  static bool stamps_grow(const ImuStore<S>& imu) {
+    constexpr std::int32_t kMost = 1 << 30;
+    for (int i = 0; i < imu.count_; ++i) {
+      const std::int32_t anchor = imu.anchor_us_[i / kStampsPerAnchor];
+      if (anchor > kMost || anchor < -kMost || (i > 0 && imu.time(i) < imu.time(i - 1))) return false;
+    }
+    return true;
+  }
+
   /// Whether all that others use as an index is one. What the CRC
   /// lets through was written by this library, unless by intent.
   static bool sound(const Segment<S>& s, const Calibration<S>& theta) {
     if (s.n_keyframes < 2 || s.information.n_theta != theta.columns() || s.first_observation[0] != 0) return false;
     if (s.first_observation[s.n_landmarks] != s.n_observations || s.imu.count_ < 2) return false;
+    if (!stamps_grow(s.imu)) return false;
     for (int k = 1; k < s.n_keyframes; ++k) {
       if (s.t_us[k] <= s.t_us[k - 1]) return false;
     }

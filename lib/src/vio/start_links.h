@@ -53,6 +53,7 @@ struct StartScratch {
   State<S> aligned;         ///< what the descent from the linear alignment found
   CameraCalibration<S> best_camera[kMaxCameras], aligned_camera[kMaxCameras];
   S pixel_scale;  ///< what the fit says about pixel_sigma, 1..4
+  S waited;       ///< s since the first try
   bool still;
 };
 

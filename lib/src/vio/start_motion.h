@@ -16,8 +16,10 @@ namespace SEGCAL_NS {
 /// s of IMU samples that a start may need.
 constexpr double kStartSeconds = 1.4;
 constexpr int kStartFrames = kWindow < 8 ? kWindow : 8;  // fewer frames than this are not tried
-/// More are not waited for: tracks must last as long, and with 2 s of frames some devices did not start within 20 s.
-constexpr int kMostStartFrames = kWindow < 12 ? kWindow : 12;
+/// s; nor a shorter time, where the window has room for more frames: acceleration shows with its square.
+constexpr double kShortestStart = 0.85;
+/// More are not waited for: tracks must last as long.
+constexpr int kMostStartFrames = kWindow < 20 ? kWindow : 20;
 
 /// What a start works on and for.
 template <class S>
@@ -64,14 +66,16 @@ class MotionStart {
   /// One slice of it.
   void step(const StartContext<S>& c, const ImuHistory<S>& imu) {
     if (keeps_samples(imu, 0)) {
-      pending_ = !run_step(c, ImuUntil<S>(imu, last_imu_ns_, warmth_));
+      // None from before the one at the first frame: how many are left depends on when this is done.
+      const int first = imu.at_or_before(first_ns_) - (had_before_ ? 1 : 0);
+      pending_ = !run_step(c, ImuStretch<S>(imu, first, last_imu_ns_, warmth_));
     } else {
       pending_ = false;
     }
   }
 
  private:
-  using Samples = ImuUntil<S>;
+  using Samples = ImuStretch<S>;
   [[gnu::cold]] bool run_step(const StartContext<S>& c, const Samples& imu);
   bool integrate_step(const StartContext<S>& c, const Samples& imu);
   void integrate_some(const Samples& imu, std::int64_t end);

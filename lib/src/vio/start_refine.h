@@ -74,7 +74,7 @@ template <class S>
 /// Prior of the first state. Place and heading are held: nothing measures them.
 template <class S>
 void fold_start_prior(const VioOptions<S>& options, const State<S>& x0, PackedTriangle<S>* R, const StartColumns& at,
-                      S sigma_v, S* row) {
+                      S sigma_v, S sigma_b_a, S* row) {
   const Mat3<S> unit = Mat3<S>::Identity();
   for (int i = 0; i < 3; ++i) {
     const Vec3<S> error_in_G = x0.R_GI.row(i).transpose();  // roll, pitch, yaw
@@ -82,7 +82,7 @@ void fold_start_prior(const VioOptions<S>& options, const State<S>& x0, PackedTr
     fold_prior_row<S>(R, at.theta, error_in_G, S(0), i == 2 ? S(1e-3) : S(0.5), row);
     fold_prior_row<S>(R, at.p, e, S(0), S(1e-3), row);
     fold_prior_row<S>(R, at.motion, e, S(0), sigma_v, row);
-    fold_prior_row<S>(R, at.motion + 3, e, x0.b_a(i), options.sigma_b_a, row);
+    fold_prior_row<S>(R, at.motion + 3, e, x0.b_a(i), sigma_b_a, row);
     fold_prior_row<S>(R, at.motion + 6, e, x0.b_g(i), options.sigma_b_g, row);
   }
 }
@@ -114,6 +114,14 @@ void write_rows(const ReprojectionRows<S>& rows, const Mat<S, 2, kStateColumns>&
   }
 }
 
+/// px. White noise and walk taken together as white: over the window a walk scatters about its mean by q T / 6.
+template <class S>
+S start_pixel_sigma(const Window<S>& w, const VioOptions<S>& options) {
+  if (!kTrackWalk) return options.pixel_sigma;
+  const S T = S(w.newest().time - w.pose[0].time) * S(1e-9);
+  return options.pixel_sigma * square_root(S(1) + options.walk_variance() * T / S(6));
+}
+
 /// One track's rows [l 3 | x0 15 | cameras | rhs] into the
 /// triangle, Huber weights beyond 2 sigma. *rho: triangulate_again().
 template <class S>
@@ -127,17 +135,18 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
   const int n = R->columns() - 1, stride = kLandmarkColumns + n + 1;
   const CameraCalibration<S>& camera = w->theta.camera[track.camera];
   const int columns = columns_per_camera(*w, *R), first = kStateColumns + columns * track.camera;
+  const S sigma = start_pixel_sigma(*w, options);
   S cost = S(0);
-  bool good = triangulate_again(*w, view, S(4) * options.pixel_sigma, w->block, &l, rho, &fit->work);
+  bool good = triangulate_again(*w, view, S(4) * sigma, w->block, &l, rho, &fit->work);
   fit->work += 2 * view.n;  // its rows, and their fold
   for (int i = 0; good && i < view.n; ++i) {
     const WindowPose<S>& pose = w->pose[view.pose[i]];
     ReprojectionRows<S> rows;
     good = reprojection_rows(camera, pose.R_GI, pose.p_GI, pose.R_GI, pose.p_GI, l, view.uv(*w, i), &rows);
     if (!good) break;
-    const S e = square_root(rows.r.squaredNorm()) / options.pixel_sigma;
+    const S e = square_root(rows.r.squaredNorm()) / sigma;
     cost += e < S(2) ? e * e : S(4) * e - S(4);
-    const S weight = (e < S(2) ? S(1) : square_root(S(2) / e)) / options.pixel_sigma;
+    const S weight = (e < S(2) ? S(1) : square_root(S(2) / e)) / sigma;
     Mat<S, 6, kStateColumns> D;
     pose_by_start(s.x0, s.link[view.pose[i]], &D);
     write_rows<S>(rows, rows.J_pose * D, first, columns, weight, n, w->block + 2 * i * stride);
@@ -154,6 +163,14 @@ void refine_track(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& o
   fold_rows(*R, w->block + 3 * stride + 3, 2 * view.n - 3, stride, 0, n);
 }
 
+/// m/s^2. Over a second, in which a device turns little, scale, misalignment and rotation of the accelerometer are a
+/// bias as well: what they make of gravity.
+template <class S>
+S start_bias_sigma(const VioOptions<S>& options) {
+  const S of_sensor = options.sigma_accel * options.sigma_accel + options.sigma_r_AI * options.sigma_r_AI;
+  return square_root(options.sigma_b_a * options.sigma_b_a + options.g.squaredNorm() * of_sensor);
+}
+
 /// Poses and priors at s.x0 and the present cameras; the tracks' rows follow one by one (start_motion.h).
 template <class S>
 RefineFit<S> begin_linearisation(Window<S>* w, const VioOptions<S>& options, const StartScratch<S>& s,
@@ -161,7 +178,7 @@ RefineFit<S> begin_linearisation(Window<S>* w, const VioOptions<S>& options, con
   place_poses(w, options, s);
   R->clear();
   const StartColumns at{0, 3, 6, kStateColumns, columns_per_camera(*w, *R)};
-  fold_start_prior(options, s.x0, R, at, S(3), w->block);
+  fold_start_prior(options, s.x0, R, at, S(3), start_bias_sigma(options), w->block);
   fold_camera_prior(*w, options, R, at, w->block);
   RefineFit<S> fit;
   const int n = R->columns() - 1;
@@ -211,7 +228,7 @@ void descend(Window<S>* w, const PackedTriangle<S>& R, S lambda, StartScratch<S>
 /// a thing that moves: it is not to be offered to the filter.
 template <class S>
 bool misfit(Window<S>* w, const VioTrack<S>& track, const VioOptions<S>& options, S pixel_scale) {
-  const S sigma = options.pixel_sigma * pixel_scale;
+  const S sigma = start_pixel_sigma(*w, options) * pixel_scale;
   const TrackView<S> view = view_of(*w, track);
   if (!track.used || view.n < kMinTrackLength) return false;
   Landmark<S> l;

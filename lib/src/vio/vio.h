@@ -106,6 +106,7 @@ class Vio {
   VioStatus wait_for_start(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
   [[gnu::cold]] VioStatus try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu);
   VioStatus begin_running();
+  void forget_oldest_frame();
   [[gnu::cold]] void drop_start();
   StartContext<S> start_context() { return {&window_, &tracks_, &start_, options_, origin_, &monitor_, &statistics_}; }
   [[gnu::cold]] VioStatus give_up();
@@ -124,6 +125,7 @@ class Vio {
   VioStatistics statistics_;
   std::int64_t time_, last_update_;  ///< of the newest pose; of the last feature
   std::int64_t arrived_;             ///< newest frame, whether it became a pose or not
+  std::int64_t waiting_since_;       ///< first try of a start in motion
   std::int64_t start_due_;           ///< a start takes effect at the first frame from then on
   std::int32_t denied_rest_;         ///< frames in a row at rest beyond doubt that the filter takes for motion
   std::int32_t place_kept_;          ///< frames in a row that rocked in place, as far as the window reaches
@@ -168,6 +170,7 @@ void Vio<S>::next_session() {
   }
   origin_ = Origin<S>();
   monitor_ = ResidualMonitor<S>();
+  statistics_.frames_waited = statistics_.starts_tried = 0;
   time_ = arrived_ = INT64_MIN;
   forget();
 }

@@ -13,7 +13,7 @@ template <class S>
   for (int c = 0; c < w->theta.n_cameras; ++c) w->camera_first[c] = w->theta.camera[c];
   w->clear_information();
   const StartColumns at{pose_column(0), pose_column(0) + 3, 0, camera_column(0), kMaxCameraColumns};
-  fold_start_prior(options, x0, &R, at, sigma_v, w->block);
+  fold_start_prior(options, x0, &R, at, sigma_v, options.sigma_b_a, w->block);
   if (w->learnt) {
     fold_learnt(w);
   } else {

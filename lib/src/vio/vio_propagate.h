@@ -26,7 +26,7 @@ template <class S>
 [[gnu::always_inline]] inline ImuIntegral<S> integral_between(const Window<S>& w, const VioOptions<S>& options,
                                                               const ImuHistory<S>& imu, const State<S>& x0,
                                                               std::int64_t t0, std::int64_t t1) {
-  const ImuUntil<S> samples(imu, imu.newest(), imu.warmth());
+  const ImuStretch<S> samples(imu, 0, imu.newest(), imu.warmth());
   ImuIntegrator<S> integrator(w.theta.imu, x0.b_a, x0.b_g, noise_in(samples, options.noise, t0, t1, S(1e-9)),
                               &w.theta.effects);
   samples.integrate(t0, t1, x0.R_GI, &integrator);

@@ -12,20 +12,31 @@ int samples_until_next_frame(const ImuHistory<S>& imu, const Window<S>& w) {
   return n + n / 4 + 2;
 }
 
+template <class S>
+void Vio<S>::forget_oldest_frame() {
+  tracks_.forget_slot(window_.pose[0].slot);
+  window_.forget_oldest();
+}
+
 /// Frames pile up in the window until gravity, velocity and biases can be told.
 template <class S>
 VioStatus Vio<S>::collect(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
   if (!imu.covers(t_ns, t_ns)) return VioStatus::skipped;
   time_ = arrived_ = t_ns;
   while (window_.n_poses == kMostStartFrames || (window_.n_poses > 0 && !imu.covers(window_.pose[0].time, t_ns))) {
-    tracks_.forget_slot(window_.pose[0].slot);
-    window_.forget_oldest();
+    forget_oldest_frame();
   }
   ++statistics_.frames_waited;
   const int slot = window_.append_empty(t_ns);
   statistics_.dropped_points += tracks_.observe(slot, points, n);
   tracks_.remove_ended_shorter_than(3);
   return try_to_start(t_ns, imu);
+}
+
+template <class S>
+bool enough_frames(const Window<S>& w) {
+  if (w.n_poses == kMostStartFrames) return true;
+  return w.n_poses >= kStartFrames && double(w.newest().time - w.pose[0].time) * 1e-9 >= kShortestStart;
 }
 
 template <class S>
@@ -36,15 +47,18 @@ template <class S>
     monitor_ = ResidualMonitor<S>();
     return begin_running();
   }
-  if (window_.n_poses < kStartFrames) return VioStatus::initialising;
+  if (!enough_frames(window_)) return VioStatus::initialising;
   motion_.begin(window_, imu);
   start_due_ = t_ns + std::int64_t(SEGCAL_START_DELAY_MS) * 1000000;
   const bool in_background = start_due_ > t_ns;
-  if (in_background && !motion_.keeps_samples(imu, samples_until_next_frame(imu, window_))) {
+  while (in_background && !motion_.keeps_samples(imu, samples_until_next_frame(imu, window_))) {
     motion_.cancel();  // the samples would be gone before there is time for it
-    return VioStatus::initialising;
+    if (window_.n_poses <= kStartFrames) return VioStatus::initialising;
+    forget_oldest_frame();
+    motion_.begin(window_, imu);
   }
-  ++statistics_.starts_tried;
+  if (statistics_.starts_tried++ == 0) waiting_since_ = t_ns;
+  start_.waited = S(t_ns - waiting_since_) * S(1e-9);
   starting_ = true;
   if (in_background) return VioStatus::initialising;
   finish_start(imu);
@@ -52,10 +66,10 @@ template <class S>
   return motion_.succeeded() ? begin_running() : VioStatus::initialising;
 }
 
-/// What its slices have moved so far is not to be used.
+/// What its slices have moved so far is not to be used, nor what they have folded into the rows of the sensors.
 template <class S>
 void Vio<S>::drop_start() {
-  motion_.give_cameras_back(start_context());
+  window_.restore_calibration();
   forget();
 }
 
@@ -80,7 +94,10 @@ template <class S>
   }
   if (finish_start(imu)) ++statistics_.late_starts;
   starting_ = false;
-  if (!motion_.succeeded()) return collect(t_ns, points, n, imu);
+  if (!motion_.succeeded()) {
+    forget();  // what came meanwhile is missing between its frames and those to come
+    return collect(t_ns, points, n, imu);
+  }
   const VioStatus begun = begin_running();
   return begun == VioStatus::tracking ? track(t_ns, points, n, imu) : begun;
 }
