@@ -119,6 +119,15 @@ void test_extrinsic_step() {
   TEST_ASSERT_DOUBLE_WITHIN(3 * sigma + 0.1 * 0.012, 0.012, step);
 }
 
+/// Rows exposed from both ends at once, which the catalogue lacks: a small gyro_lag is called for by all of the
+/// recording and closes the gap of the halves, but three of four folds do not choose it. It had a name before they were
+/// asked. Since the filter starts later, it has that of a time_offset of 63 us.
+void test_a_name_that_folds_do_not_choose() {
+  const Diagnosis d = diagnosed("rich", 60, 35010052, "outside:two_way_shutter=4e-6");
+  TEST_ASSERT_TRUE_MESSAGE(d.effects.empty(), d.sentence.c_str());
+  TEST_ASSERT_EQUAL_STRING("unexplained", d.verdict.c_str());
+}
+
 /// A rate that follows the heading, as a magnet's field would make it: in the words of the dictionary on each axis, and
 /// nothing else. The heading is known but for where the session began, so that cosine and sine share the 0.006 rad/s.
 /// Of seeds 1 to 4 these words are found in 2, 3 and 4; seed 1 is `unexplained` with a window of 19 poses, not with 11.
@@ -200,6 +209,7 @@ int main() {
   RUN_TEST(test_pixel_noise);
   RUN_TEST(test_less_pixel_noise_than_stated);
   RUN_TEST(test_extrinsic_step);
+  if (test::open_limits()) RUN_TEST(test_a_name_that_folds_do_not_choose);
   RUN_TEST(test_heading_has_words_of_its_own);
   RUN_TEST(test_likeness_is_no_name);
   RUN_TEST(test_odometry_that_diverges);

@@ -69,10 +69,12 @@ void test_the_published_calibration_is_found() {
   for (unsigned start = 0; start <= random_starts; ++start) {
     const Id plain = Id().add("start", start), lens = Id().add("lens_from", start);
     if (test::selected(plain.text())) {
-      check_calibration(plain, start == 0 ? first_replay() : replayed(start_of(start), true), {0.015, 6.5, 0.8, 0.020});
+      check_calibration(plain, start == 0 ? first_replay() : replayed(start_of(start), true),
+                        {test::open_limit(0.01, 0.015), test::open_limit(1.5, 6.5), test::open_limit(0.4, 0.8), 0.020});
     }
     if (test::selected(lens.text())) {
-      check_calibration(lens, replayed(start_of(start), true, SEGCAL_EFFECT_RADIAL_RESIDUAL), {0.01, 4, 0.4, 0.020});
+      check_calibration(lens, replayed(start_of(start), true, SEGCAL_EFFECT_RADIAL_RESIDUAL),
+                        {0.01, test::open_limit(1.5, 4), 0.4, 0.020});
     }
   }
 }

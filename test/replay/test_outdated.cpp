@@ -104,9 +104,9 @@ void test_old_segments_go_when_the_device_changed() {
       // The largest of 26 normal numbers exceeds 4.5 in one of
       // 6000 sets; the old segments would have made it far larger.
       test::check_between(id, "largest error in sigmas", 0, error, 4.5);
-      // Kept, the old ones widen the sigmas by what the segments disagree by: a worse answer, hardly a wrong one:
-      // the largest of these eight was 5.3 when this was written.
-      test::check_between(id, "largest error with the old segments", 0, error_all, 6);
+      // Kept, the old ones widen the sigmas by what the segments disagree by: a worse answer, but no wrong one. One of
+      // these eight is 5.3 sigma off, though.
+      test::check_between(id, "largest error with the old segments", 0, error_all, test::open_limit(5, 6));
     }
   }
 }

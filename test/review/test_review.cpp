@@ -337,7 +337,7 @@ void test_a_step_that_the_prior_forbids_is_refused() {
 
 /// Two segments of a second tell too little; the words say how to keep more, and that helps.
 void test_advice_to_keep_more_segments_is_good() {
-  const host::SimulationResult session = test::simulated("nav", 40, 3), brief = test::simulated("nav", 5, 3);
+  const host::SimulationResult session = test::simulated("nav", 40, 3), brief = test::simulated("rich", 4, 3);
   const auto kept = [](const host::SimulationResult& session, const char* profile, int segments) {
     host::ReplayOptions options;
     options.profile = profile;

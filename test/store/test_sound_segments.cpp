@@ -45,6 +45,27 @@ void test_a_landmark_without_points_is_refused() {
   TEST_ASSERT_FALSE(StoredFields<double>::sound(s, theta));
 }
 
+/// Loops over samples would go round for ever.
+void test_stamps_of_samples_grow() {
+  ImuStore<double> imu;
+  imu.clear();
+  for (int i = 0; i < 2 * kStampsPerAnchor; ++i) imu.push(5000 * i, {});
+  TEST_ASSERT_TRUE(StoredFields<double>::stamps_grow(imu));
+  ImuStore<double> back;
+  back.clear();
+  for (int i = 0; i < kStampsPerAnchor; ++i) back.push(5000 * i, {});
+  back.push(1000, {});  // every sixteenth has a stamp of its own
+  TEST_ASSERT_FALSE(StoredFields<double>::stamps_grow(back));
+  ImuStore<double> far;
+  far.clear();
+  far.push(INT32_MAX, {});
+  TEST_ASSERT_FALSE(StoredFields<double>::stamps_grow(far));
+  const Calibration<double> theta = test::nominal_calibration(Distortion::fov);
+  Segment<double> s = stored(theta);
+  s.imu = back;
+  TEST_ASSERT_FALSE(StoredFields<double>::sound(s, theta));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -52,5 +73,6 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_what_is_no_index_is_refused);
   RUN_TEST(test_a_landmark_without_points_is_refused);
+  RUN_TEST(test_stamps_of_samples_grow);
   return UNITY_END();
 }

@@ -52,6 +52,12 @@ inline bool selected(const std::string& id) {
   return true;
 }
 
+/// Limits that are not met today (README, "Known limits") are asked for too: such tests are red.
+inline bool open_limits() { return std::getenv("SEGCAL_OPEN_LIMITS") != nullptr; }
+
+/// The goal where it is asked for, else `today`: what was measured, with some room.
+inline double open_limit(double goal, double today) { return open_limits() ? goal : today; }
+
 template <class S>
 const char* type_name() {
   return std::is_same<S, float>::value ? "float" : "double";

@@ -130,6 +130,9 @@ void lost_samples_cancel_it(void) {
   const Outcome lost = run(in_motion(2), 100000, blind);
   TEST_ASSERT_TRUE_MESSAGE(lost.first_tracking > 2.35, "a window of older frames was used");
   TEST_ASSERT_TRUE(run(in_motion(2), 0, blind).hash == lost.hash);
+  // No frame at all until then: the filter begins anew without a word to the start, whose slices are all done.
+  const std::vector<Span> dark = {{0.95, 2.45}};
+  TEST_ASSERT_TRUE(run(in_motion(2), 0, dark).hash == run(in_motion(2), 100000, dark).hash);
 }
 
 /// All tracks of a first window are due in one frame when its oldest pose leaves: most wait. The shortest features cost

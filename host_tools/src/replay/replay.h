@@ -57,8 +57,8 @@ struct ReplayTiming {
 
 /// What was stated, or taken for granted, and what the data say of it. Nothing is refused for it.
 struct Note {
-  std::string name;   ///< gyro_noise, accel_noise, pixel_noise, gravity or unseen_effects
-  double factor = 1;  ///< what the data show over what was stated; of unseen_effects sigmas
+  std::string name;   ///< gyro_noise, accel_noise, pixel_noise, gravity, one_segment or unseen_effects
+  double factor = 1;  ///< what the data show over what was stated; of one_segment and unseen_effects sigmas
   std::string words;  ///< a sentence
 };
 

@@ -13,6 +13,7 @@
 #include "review/followed.h"
 #include "review/linearised.h"
 #include "review/missing_effects.h"
+#include "review/one_segment.h"
 #include "review/segment_scatter.h"
 #include "review/stated.h"
 #include "review/suspected_moves.h"
@@ -32,8 +33,6 @@ constexpr double kMostRatio = 4;
 /// far apart do not tell of one calibration. Real recordings have 2 to 13 with the
 /// noise of use and 11 to 20 with a tenth of it, a camera that turned late 32 to 62.
 constexpr double kMostScatter = 25;
-const char* const kOneSegment =
-    "one segment alone cannot show whether what is left in it is noise: two that agree are needed";
 
 /// The effect that refuses a calibration; null: none does.
 const Suspect* refusing(const std::vector<Suspect>& missing) {
@@ -79,6 +78,7 @@ class Review {
   void find_notes() {
     health_.notes = notes_on_noise(sessions_.front(), out_);
     for (const Note& note : notes_on_gravity(options_, out_)) health_.notes.push_back(note);
+    if (one_segment_) health_.notes.push_back(*one_segment_);
   }
 
   void judge_fit() {
@@ -118,14 +118,18 @@ class Review {
   void widen_sigmas() {
     const diagnosis::Problem problem = linearised(core_, out_, {});
     const double dispersion = out_.result.noise_scale * out_.result.noise_scale;
-    const SegmentScatter scatter = scatter_of_segments(problem, printed_by_columns(out_.result.parameters), dispersion);
+    const Eigen::MatrixXd printed = printed_by_columns(out_.result.parameters);
+    const SegmentScatter scatter = scatter_of_segments(problem, printed, dispersion);
+    const OneSegment one = rests_on_one_segment(problem, printed);
+    one_segment_ = note_on_one_segment(one, out_.result.parameters);
+    const Eigen::ArrayXd factors = scatter.variance_factor.array().max(one.variance_factor.array()).sqrt();
     health_.segment_scatter = scatter.pooled * dispersion;
     for (std::size_t i = 0; i < out_.result.parameters.size(); ++i) {
       CoreParameter& p = out_.result.parameters[i];
       health_.noise_sigmas.push_back(p.sigma);
       if (p.verdict == "fixed") continue;
       const double before = p.sigma;
-      p.sigma = std::min(p.prior_sigma, p.sigma * std::sqrt(scatter.variance_factor(static_cast<Eigen::Index>(i))));
+      p.sigma = std::min(p.prior_sigma, p.sigma * factors(static_cast<Eigen::Index>(i)));
       if (p.sigma > before) scale_covariance(i, p.sigma / before);
       if (p.sigma > kRelease.observed * p.prior_sigma) p.verdict = "weak";
     }
@@ -234,6 +238,7 @@ class Review {
   Health& health_;
   std::size_t faults_ = 0;
   std::vector<Suspect> remarks_;  ///< said, and the cause of nothing
+  std::optional<Note> one_segment_;
 };
 
 }  // namespace

@@ -23,16 +23,19 @@ S largest_sigma(const PackedTriangle<S>& R, int column, S* y) {
 /// simulated recordings (docs/results.md): a smaller one waits until the device has left the place where it moved well.
 template <class S>
 constexpr S kStartScale = S(0.07);
-/// s. A motion that does not show its scale so well is not waited for forever: after so long twice the share will do,
-/// and so on. At 4 s a few devices of profile mcu, whose window is 0.8 s long, wait for more than 14 s.
+/// s. In a window of a second or less many motions never show their scale so well, and are not waited for forever:
+/// after so long twice the share will do, and so on. At 4 s a few devices of profile mcu wait for more than 14 s. A
+/// window of two seconds needs none of this, and a lens that is far off makes a wrong scale look known there.
 template <class S>
 constexpr S kStartPatience = S(2.5);
-/// What the bound of 0.1 m/s, which was here before, came to at the speed of a hand, 0.3 m/s.
+constexpr bool kShortWindow = kMostStartFrames < 20;
+/// What a bound of 0.1 m/s comes to at the speed of a hand, 0.3 m/s.
 template <class S>
 constexpr S kMostStartScale = S(0.35);
 
 template <class S>
 S acceptable_scale_error(S waited_s) {
+  if (!kShortWindow) return kStartScale<S>;
   const S share = kStartScale<S> * (S(1) + waited_s / kStartPatience<S>);
   return share < kMostStartScale<S> ? share : kMostStartScale<S>;
 }

@@ -107,7 +107,6 @@ class Vio {
   [[gnu::cold]] VioStatus try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu);
   VioStatus begin_running();
   void forget_oldest_frame();
-  [[gnu::cold]] void drop_start();
   StartContext<S> start_context() { return {&window_, &tracks_, &start_, options_, origin_, &monitor_, &statistics_}; }
   [[gnu::cold]] VioStatus give_up();
   [[gnu::cold]] void forget();
@@ -141,11 +140,14 @@ template <class S>
   statistics_ = VioStatistics();
   monitor_ = ResidualMonitor<S>();
   time_ = arrived_ = INT64_MIN;
+  starting_ = false;
   forget();
 }
 
 template <class S>
 void Vio<S>::forget() {
+  // Slices of a start may have moved the calibration and folded into the rows of the sensors; it must not matter which.
+  if (starting_) window_.restore_calibration();
   running_ = still_ = starting_ = false;
   motion_.cancel();
   denied_rest_ = place_kept_ = 0;

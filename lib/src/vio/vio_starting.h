@@ -66,13 +66,6 @@ template <class S>
   return motion_.succeeded() ? begin_running() : VioStatus::initialising;
 }
 
-/// What its slices have moved so far is not to be used, nor what they have folded into the rows of the sensors.
-template <class S>
-void Vio<S>::drop_start() {
-  window_.restore_calibration();
-  forget();
-}
-
 /// Frames between those of the start and its effect are let go: features are tracked over the gap. A start that is late
 /// takes effect at a later frame, as long as its samples are there.
 template <class S>
@@ -80,7 +73,7 @@ template <class S>
                                                const ImuHistory<S>& imu) {
   arrived_ = t_ns;
   if (!motion_.keeps_samples(imu, 0)) {  // no frame came in time
-    drop_start();
+    forget();
     return collect(t_ns, points, n, imu);
   }
   const bool last_chance = !motion_.keeps_samples(imu, samples_until_next_frame(imu, window_));
@@ -89,7 +82,7 @@ template <class S>
   if (start_pending() && !options_.late_start_at_once) {
     ++statistics_.late_starts;
     if (!last_chance) return VioStatus::initialising;
-    drop_start();
+    forget();
     return collect(t_ns, points, n, imu);
   }
   if (finish_start(imu)) ++statistics_.late_starts;
