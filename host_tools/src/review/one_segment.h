@@ -23,8 +23,10 @@ struct OneSegment {
   double largest = 1;               ///< by which a sigma is larger without that segment
 };
 
-/// `printed`: rows of printed values over theta's columns. Of two segments, or one, nothing is said.
-OneSegment rests_on_one_segment(const diagnosis::Problem& problem, const Eigen::MatrixXd& printed);
+/// `printed`: rows of printed values over theta's columns; `covariance`: theirs from segments, epochs and the prior, by
+/// stated noise. Of two segments, or one, nothing is said.
+OneSegment rests_on_one_segment(const std::vector<diagnosis::Piece>& pieces, const Eigen::MatrixXd& printed,
+                                const Eigen::MatrixXd& covariance);
 
 /// The note `one_segment`, if any value does.
 std::optional<Note> note_on_one_segment(const OneSegment& one, const std::vector<CoreParameter>& parameters);

@@ -6,7 +6,6 @@
 #include "diagnose/chi_square.h"
 #include "diagnose/fault.h"
 #include "formatted.h"
-#include "information/release_rules.h"
 #include "replay/counters.h"
 #include "replay/words.h"
 #include "review/bias_steps.h"
@@ -14,16 +13,15 @@
 #include "review/linearised.h"
 #include "review/missing_effects.h"
 #include "review/one_segment.h"
-#include "review/segment_scatter.h"
 #include "review/stated.h"
 #include "review/suspected_moves.h"
 #include "review/take_back.h"
+#include "review/widened_sigmas.h"
 
 namespace host::review {
 namespace {
 
 constexpr double kImplausible = -6;  // log10 p of the step from the start
-constexpr SEGCAL_NS::ReleaseRules<double> kRelease;
 
 /// chi2/dof beyond which residuals are not the stated noise made larger (a factor of two), but something else: drones,
 /// phones and effects of the catalogue's sizes stay below 3. The core goes on to 6, since a fit that failed shows no
@@ -78,13 +76,13 @@ class Review {
   void find_notes() {
     health_.notes = notes_on_noise(sessions_.front(), out_);
     for (const Note& note : notes_on_gravity(options_, out_)) health_.notes.push_back(note);
-    if (one_segment_) health_.notes.push_back(*one_segment_);
+    health_.notes.insert(health_.notes.end(), notes_on_sigmas_.begin(), notes_on_sigmas_.end());
   }
 
   void judge_fit() {
     const std::vector<Suspect> missing = missing_effects(core_, out_, options_.has_temperature, &health_.unseen);
     health_.suspects.insert(health_.suspects.end(), missing.begin(), missing.end());
-    widen_sigmas();
+    notes_on_sigmas_ = widen_sigmas(core_, &out_);
     if (out_.result.status != "calibrated") return;
     if (!odometry_stayed(health_)) return refuse("insufficient", used_words(health_));
     if (const std::string step = stepping_bias(missing); !step.empty()) return refuse("failed", step);
@@ -113,37 +111,6 @@ class Review {
     health_.suspects.insert(health_.suspects.begin() + static_cast<std::ptrdiff_t>(place), *step);
     const bool effect_refuses = second && refusing(missing);
     return !effect_refuses && step->bias_sigmas > kMostStepBias ? step->words : "";
-  }
-
-  void widen_sigmas() {
-    const diagnosis::Problem problem = linearised(core_, out_, {});
-    const double dispersion = out_.result.noise_scale * out_.result.noise_scale;
-    const Eigen::MatrixXd printed = printed_by_columns(out_.result.parameters);
-    const SegmentScatter scatter = scatter_of_segments(problem, printed, dispersion);
-    const OneSegment one = rests_on_one_segment(problem, printed);
-    one_segment_ = note_on_one_segment(one, out_.result.parameters);
-    const Eigen::ArrayXd factors = scatter.variance_factor.array().max(one.variance_factor.array()).sqrt();
-    health_.segment_scatter = scatter.pooled * dispersion;
-    for (std::size_t i = 0; i < out_.result.parameters.size(); ++i) {
-      CoreParameter& p = out_.result.parameters[i];
-      health_.noise_sigmas.push_back(p.sigma);
-      if (p.verdict == "fixed") continue;
-      const double before = p.sigma;
-      p.sigma = std::min(p.prior_sigma, p.sigma * factors(static_cast<Eigen::Index>(i)));
-      if (p.sigma > before) scale_covariance(i, p.sigma / before);
-      if (p.sigma > kRelease.observed * p.prior_sigma) p.verdict = "weak";
-    }
-  }
-
-  /// Correlations stay.
-  void scale_covariance(std::size_t i, double factor) {
-    std::vector<double>& covariance = out_.result.covariance;
-    const std::size_t n = out_.result.parameters.size();
-    if (covariance.size() != n * n) return;
-    for (std::size_t j = 0; j < n; ++j) {
-      covariance[i * n + j] *= factor;
-      covariance[j * n + i] *= factor;
-    }
   }
 
   /// The prior says where the truth may be; a step far beyond it was not made by noise.
@@ -238,7 +205,7 @@ class Review {
   Health& health_;
   std::size_t faults_ = 0;
   std::vector<Suspect> remarks_;  ///< said, and the cause of nothing
-  std::optional<Note> one_segment_;
+  std::vector<Note> notes_on_sigmas_;
 };
 
 }  // namespace
