@@ -127,6 +127,16 @@ void test_too_few_are_observed_then() {
   TEST_ASSERT_TRUE(now.cause.find("what gyro_lag would move, in the sigmas, 0 of 1 ") != std::string::npos);
 }
 
+/// Then the cause is what made the sigmas large, not the segments' scatter.
+void test_too_few_are_observed_without_one_segment() {
+  host::ReplayResult now = calibrated(0.4);
+  now.result.parameters[0].verdict = "weak";
+  now.health.notes.push_back({"one_segment", 2.5, "one segment tells it"});
+  host::review::refuse_unobserved(&now);
+  TEST_ASSERT_EQUAL_STRING("insufficient", now.result.status.c_str());
+  TEST_ASSERT_EQUAL_STRING("one segment tells it. With these, 0 of 1 parameters are observed", now.cause.c_str());
+}
+
 void test_chance_is_no_bias() {
   TEST_ASSERT_DOUBLE_WITHIN(1e-12, -4, host::review::beyond_chance(-5, 3));
   TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, host::review::beyond_chance(2, 3));
@@ -150,6 +160,7 @@ int main() {
   RUN_TEST(test_the_cause_is_what_moves_most);
   RUN_TEST(test_sigmas_grow_by_what_is_suspected);
   RUN_TEST(test_too_few_are_observed_then);
+  RUN_TEST(test_too_few_are_observed_without_one_segment);
   RUN_TEST(test_chance_is_no_bias);
   RUN_TEST(test_what_both_suspect_is_not_taken_twice);
   return UNITY_END();

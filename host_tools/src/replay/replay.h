@@ -57,8 +57,9 @@ struct ReplayTiming {
 
 /// What was stated, or taken for granted, and what the data say of it. Nothing is refused for it.
 struct Note {
-  std::string name;   ///< gyro_noise, accel_noise, pixel_noise, gravity, one_segment or unseen_effects
-  double factor = 1;  ///< what the data show over what was stated; of one_segment and unseen_effects sigmas
+  /// gyro_noise, accel_noise, pixel_noise, gravity, one_segment, start_conflict or unseen_effects
+  std::string name;
+  double factor = 1;  ///< what the data show over what was stated; of the last three in sigmas
   std::string words;  ///< a sentence
 };
 

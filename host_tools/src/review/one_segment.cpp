@@ -55,10 +55,11 @@ std::optional<Note> note_on_one_segment(const OneSegment& one, const std::vector
   if (one.values.empty()) return std::nullopt;
   std::string names;
   for (const int i : one.values) names += (names.empty() ? "" : ", ") + parameters[static_cast<std::size_t>(i)].name;
-  return Note{"one_segment", one.largest,
-              formatted("one segment tells most of what is known of %s, and no other can show whether it is right: the "
-                        "sigmas of all values are what the other segments know. Record more of that motion",
-                        names.c_str())};
+  return Note{
+      "one_segment", one.largest,
+      formatted("one segment tells most of what is known of %s, and no other can show whether it is right, so the "
+                "sigmas of all values are what the other segments know: record more of that motion",
+                names.c_str())};
 }
 
 }  // namespace host::review

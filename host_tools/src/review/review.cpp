@@ -51,7 +51,7 @@ class Review {
     const bool fitted =
         out_.calibrated && out_.result.dof > 0 && out_.kept.size() >= 2 && out_.result.status != "failed";
     if (fitted) judge_fit();
-    find_notes();
+    find_other_notes();
     if (out_.result.status == "calibrated" && out_.kept.size() == 1 && out_.result.epochs.empty())
       refuse("insufficient", kOneSegment);
     const bool open = !out_.result.changes.empty() && out_.result.changes.back().open;
@@ -73,16 +73,15 @@ class Review {
     faults_ = health_.suspects.size();
   }
 
-  void find_notes() {
-    health_.notes = notes_on_noise(sessions_.front(), out_);
+  void find_other_notes() {
+    for (const Note& note : notes_on_noise(sessions_.front(), out_)) health_.notes.push_back(note);
     for (const Note& note : notes_on_gravity(options_, out_)) health_.notes.push_back(note);
-    health_.notes.insert(health_.notes.end(), notes_on_sigmas_.begin(), notes_on_sigmas_.end());
   }
 
   void judge_fit() {
     const std::vector<Suspect> missing = missing_effects(core_, out_, options_.has_temperature, &health_.unseen);
     health_.suspects.insert(health_.suspects.end(), missing.begin(), missing.end());
-    notes_on_sigmas_ = widen_sigmas(core_, &out_);
+    health_.notes = widen_sigmas(core_, &out_);
     if (out_.result.status != "calibrated") return;
     if (!odometry_stayed(health_)) return refuse("insufficient", used_words(health_));
     if (const std::string step = stepping_bias(missing); !step.empty()) return refuse("failed", step);
@@ -174,7 +173,7 @@ class Review {
     if (!trouble.empty()) return what + ": " + trouble;
     if (!health_.suspects.empty()) return what + ": " + health_.suspects.front().words;
     for (const Note& note : health_.notes)
-      if (note.name != "gravity" && note.factor > 1) return what + ": " + note.words;
+      if (note.name.find("_noise") != std::string::npos && note.factor > 1) return what + ": " + note.words;
     return what;
   }
 
@@ -205,7 +204,6 @@ class Review {
   Health& health_;
   std::size_t faults_ = 0;
   std::vector<Suspect> remarks_;  ///< said, and the cause of nothing
-  std::vector<Note> notes_on_sigmas_;
 };
 
 }  // namespace
