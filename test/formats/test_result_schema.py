@@ -100,6 +100,18 @@ def check_refusals(result):
         assert not VALIDATOR.is_valid(document)
 
 
+def check_notes():
+    """A brief recording whose answer rests on one segment says so."""
+    log = FOLDER / "brief"
+    made = segcal("simulate", "--out", log, "--scenario", "arvr", "--seconds", 14, "--seed", 58)
+    assert made.returncode == 0, made.stderr
+    done = segcal("replay", log, "--out", FOLDER / "brief_out")
+    assert done.returncode in (0, 1), done.stderr
+    result = json.loads((FOLDER / "brief_out" / "result.json").read_text())
+    check_document(result)
+    assert "one_segment" in [note["name"] for note in result["health"]["notes"]]
+
+
 def main():
     shutil.rmtree(FOLDER, ignore_errors=True)
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
@@ -121,6 +133,7 @@ def main():
     assert two["configuration"]["calib_sha256"] == digest((cold / "camchain-imucam.yaml").read_bytes())
     assert two["configuration"]["strategy"] == "multi" and two["configuration"]["segments"] == 3
 
+    check_notes()
     replayed("effects", cold, "--enable", "time_offset", "--enable", "rolling_shutter")
     check_yaml()
 

@@ -127,14 +127,18 @@ void test_too_few_are_observed_then() {
   TEST_ASSERT_TRUE(now.cause.find("what gyro_lag would move, in the sigmas, 0 of 1 ") != std::string::npos);
 }
 
-/// Then the cause is what made the sigmas large, not the segments' scatter.
+/// Then that is said beside the segments' scatter.
 void test_too_few_are_observed_without_one_segment() {
   host::ReplayResult now = calibrated(0.4);
   now.result.parameters[0].verdict = "weak";
+  now.health.segment_scatter = 1.44;
   now.health.notes.push_back({"one_segment", 2.5, "one segment tells it"});
   host::review::refuse_unobserved(&now);
   TEST_ASSERT_EQUAL_STRING("insufficient", now.result.status.c_str());
-  TEST_ASSERT_EQUAL_STRING("one segment tells it. With these, 0 of 1 parameters are observed", now.cause.c_str());
+  TEST_ASSERT_EQUAL_STRING(
+      "the segments disagree with each other by 1.2 times their noise, and one segment tells it; "
+      "with that in the sigmas, 0 of 1 parameters are observed",
+      now.cause.c_str());
 }
 
 void test_chance_is_no_bias() {

@@ -4,43 +4,43 @@
 #include <cmath>
 
 #include "formatted.h"
+#include "information/release_rules.h"
 #include "review/linearised.h"
+#include "review/names.h"
 
 namespace host::review {
 namespace {
 
-constexpr double kMostStep =
-    3;  ///< chance makes one of 370 weak values look like that, and a larger sigma harms little
+constexpr double kMostStep = 3;  ///< chance makes one such step in 2000, as it has 0.87 of the start's sigma at most
 
 }  // namespace
 
-Eigen::VectorXd steps_in_their_sigmas(const std::vector<CoreParameter>& parameters,
-                                      const std::vector<double>& noise_sigmas) {
-  Eigen::VectorXd step = printed_by_columns(parameters) * step_from_start(parameters);
+std::vector<double> start_conflict_factors(const std::vector<CoreParameter>& parameters) {
+  const Eigen::VectorXd step = printed_by_columns(parameters) * step_from_start(parameters);
+  const double weak = SEGCAL_NS::ReleaseRules<double>().weak;
+  std::vector<double> out(parameters.size(), 1);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const CoreParameter& p = parameters[i];
-    const double variance = p.prior_sigma * p.prior_sigma - noise_sigmas[i] * noise_sigmas[i];
-    double& of_step = step(static_cast<Eigen::Index>(i));
-    of_step = p.verdict == "fixed" || variance <= 0 ? 0 : std::abs(of_step) / std::sqrt(variance);
+    const double sigmas = std::abs(step(static_cast<Eigen::Index>(i))) / p.prior_sigma;
+    if (p.verdict == "weak" && p.sigma >= weak * p.prior_sigma && sigmas > kMostStep) out[i] = sigmas;
   }
-  return step;
-}
-
-double start_conflict_factor(const CoreParameter& parameter, double step_in_its_sigmas) {
-  return parameter.verdict == "weak" && step_in_its_sigmas > kMostStep ? step_in_its_sigmas : 1;
+  return out;
 }
 
 std::optional<Note> note_on_start_conflict(const std::vector<CoreParameter>& parameters,
                                            const std::vector<double>& factors) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    if (factors[i] > 1) names.push_back(parameters[i].name);
+  }
+  if (names.empty()) return std::nullopt;
   const auto most = std::max_element(factors.begin(), factors.end());
-  if (most == factors.end() || *most <= 1) return std::nullopt;
   const CoreParameter& p = parameters[static_cast<std::size_t>(most - factors.begin())];
-  return Note{
-      "start_conflict", *most,
-      formatted("%s went from %.4g to %.4g, %.1f times as far as its start's sigma of %.2g lets expect, and the "
-                "recording tells little more of it than the start: one of both is wrong, and its sigma holds "
-                "that. Measure it, or record more motion that shows it",
-                p.name.c_str(), p.initial, p.value, *most, p.prior_sigma)};
+  return Note{"start_conflict", *most,
+              formatted("the recording tells little more of %s than the start, and contradicts it (%s went from %.4g "
+                        "to %.4g, by %.1f of its start's sigmas): one of the two is wrong, and sigma is as large as "
+                        "they are apart. Measure it, or record more motion that shows it",
+                        names_of(names).c_str(), p.name.c_str(), p.initial, p.value, *most)};
 }
 
 }  // namespace host::review

@@ -9,19 +9,16 @@
 
 namespace host::review {
 
-/// With a start of variance P and a posterior of variance S, the step from the start has the variance P - S (Box,
-/// "Sampling and Bayes' inference in scientific modelling and robustness", J. R. Stat. Soc. A 1980). The step in its
-/// own sigmas, for each printed value; 0 of what is fixed. `noise_sigmas`: sigmas by stated noise.
-Eigen::VectorXd steps_in_their_sigmas(const std::vector<CoreParameter>& parameters,
-                                      const std::vector<double>& noise_sigmas);
+/// By how much each sigma grows; 1 where nothing contradicts. A weak value whose sigma is at least half of its start's
+/// is a mean of what the start and what the recording say. Where it is more than three of the start's sigmas away from
+/// the start, one of the two is wrong, and the mean is as uncertain as they are apart: its sigma grows by the number of
+/// these sigmas (the ratio of Birge, "The calculation of errors by the method of least squares", Phys. Rev. 1932, for
+/// two measurements), also beyond the start's, which is not to be believed then. By stated noise the step has a
+/// variance of prior^2 - sigma^2 (Box, "Sampling and Bayes' inference in scientific modelling and robustness", J. R.
+/// Stat. Soc. A 1980), three quarters of the start's at most here.
+std::vector<double> start_conflict_factors(const std::vector<CoreParameter>& parameters);
 
-/// By how much a sigma grows. A weak value is a mean of what the start and what the recording say, and if these are
-/// more than three sigmas apart, one of both is wrong and the mean is as uncertain as they are apart (Birge, "The
-/// calculation of errors by the method of least squares", Phys. Rev. 1932, of two measurements). 1 elsewhere: the start
-/// has less than a tenth of the weight in a value that is observed.
-double start_conflict_factor(const CoreParameter& parameter, double step_in_its_sigmas);
-
-/// The note `start_conflict` on the largest of these factors, if any is above 1.
+/// The note `start_conflict`, if any of these is above 1.
 std::optional<Note> note_on_start_conflict(const std::vector<CoreParameter>& parameters,
                                            const std::vector<double>& factors);
 

@@ -31,16 +31,15 @@ void refuse_unobserved(ReplayResult* out) {
   if (2 * static_cast<std::size_t>(observed) >= parameters.size()) return;
   const std::string observed_of =
       formatted("%d of %zu parameters are observed", static_cast<int>(observed), parameters.size());
-  const std::vector<Note>& notes = out->health.notes;
-  const auto one = std::find_if(notes.begin(), notes.end(), [](const Note& n) { return n.name == "one_segment"; });
-  if (one != notes.end()) return take_back("insufficient", one->words + ". With these, " + observed_of, out);
   const std::vector<Suspect>& all = out->health.suspects;
   const auto suspect = std::find_if(all.begin(), all.end(), [](const Suspect& s) { return s.in_sigmas; });
   const std::string held = suspect == all.end() ? "that" : "that, and what " + suspect->name + " would move,";
-  take_back("insufficient",
-            formatted("the segments disagree with each other by %.1f times their noise: with %s in the sigmas, %s",
-                      std::sqrt(out->health.segment_scatter), held.c_str(), observed_of.c_str()),
-            out);
+  const std::vector<Note>& notes = out->health.notes;
+  const auto one = std::find_if(notes.begin(), notes.end(), [](const Note& n) { return n.name == "one_segment"; });
+  std::string why = formatted("the segments disagree with each other by %.1f times their noise",
+                              std::sqrt(out->health.segment_scatter));
+  if (one != notes.end()) why += ", and " + one->words;
+  take_back("insufficient", why + formatted("; with %s in the sigmas, %s", held.c_str(), observed_of.c_str()), out);
 }
 
 void keep_suspects(const ReplayResult& earlier, ReplayResult* now) {
