@@ -1,7 +1,6 @@
 // Do the start and the recording contradict each other where neither outweighs the other?
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
