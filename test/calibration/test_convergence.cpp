@@ -81,6 +81,25 @@ void test_rounding_is_no_reason_to_damp() {
   }
 }
 
+/// A cost with a kink: the whole step should gain 0.03 and costs, the damped one should gain less than rounding.
+void test_no_step_is_asked_for_ever() {
+  const CalibratorOptions options;
+  const float step[1] = {1}, sigma[1] = {1};
+  for (const float damped : {3000.0f, 3000.02f}) {
+    StepPolicy<float> policy;
+    policy.begin(3000);
+    TEST_ASSERT_FALSE(policy.judge(3001, 0.03f, step, 1, sigma, options));
+    TEST_ASSERT_TRUE(policy.judge(damped, 1e-3f, step, 1, sigma, options));
+    // What gained something in between is another place: a whole step from there is asked again.
+    policy.begin(3000);
+    TEST_ASSERT_FALSE(policy.judge(3001, 0.03f, step, 1, sigma, options));
+    TEST_ASSERT_FALSE(policy.judge(2999, 0.02f, step, 1, sigma, options));
+    TEST_ASSERT_TRUE(policy.damping() > 0);
+    TEST_ASSERT_FALSE(policy.judge(damped - 1, 1e-3f, step, 1, sigma, options));
+    TEST_ASSERT_TRUE(policy.damping() == 0);
+  }
+}
+
 /// As if the first steps had been taken the wrong way: two hundredths of the path with the other sign, and landmarks at
 /// infinity. With all of it mirrored, landmarks behind the camera, images are the same but for the lever arm's part.
 void start_the_wrong_way(Segment<double>* segment) {
@@ -141,6 +160,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_a_whole_step_that_gains_nothing_is_the_end);
   RUN_TEST(test_only_steps_that_gain_are_damped);
   RUN_TEST(test_rounding_is_no_reason_to_damp);
+  RUN_TEST(test_no_step_is_asked_for_ever);
   RUN_TEST(test_no_landmark_goes_behind_the_camera);
   return UNITY_END();
 }
