@@ -168,7 +168,8 @@ void test_rows_are_the_core_s() {
   const host::DiagnoseOptions options = options_of(session);
   const Catalogue catalogue = core_catalogue(false);
   const std::vector<host::Recording> sessions{session.recording};
-  Evidence evidence(sessions, options.core, "host", [](double) {});
+  Budget budget(1);  // of no use to one fit
+  Evidence evidence(sessions, options.core, "host", &budget, [](double) {});
   std::vector<bool> estimated(catalogue.terms.size(), false);
   estimated[0] = true;
   const Problem problem = evidence.fit(catalogue.terms, estimated, std::vector<double>(catalogue.terms.size(), 0));

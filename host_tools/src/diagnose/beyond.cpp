@@ -15,8 +15,8 @@ constexpr std::size_t kBatch = 30;  ///< columns of one linearisation beside tho
 }  // namespace
 
 Beyond::Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<double>* start, Selection* selection,
-               Budget* fits, bool has_temperature)
-    : fits_(fits),
+               Budget* work, bool has_temperature)
+    : work_(work),
       evidence_(evidence),
       terms_(terms),
       start_(start),
@@ -27,7 +27,7 @@ void Beyond::run(const Fit& fit) {
   std::vector<Open> open = scan();
   for (int i = 0; i < decision::kTermRounds && !selection_->shifted; ++i) {  // fits do not know steps
     const std::vector<TermInfo> best = best_that_hold(open);
-    if (best.empty() || !fits_->allows()) break;
+    if (best.empty() || !work_->allows()) break;
     for (const TermInfo& term : best) add(term);
     refit(fit);
     drop_superfluous(fit);
@@ -78,10 +78,8 @@ std::vector<TermInfo> Beyond::best_that_hold(const std::vector<Open>& open) {
 /// scatter, the same in both halves, and of use to the other.
 bool Beyond::holds(const Problem& problem, const Candidate& candidate) const {
   const std::vector<TermGroup> free = free_in(problem);
-  if (!called(judge_effect(problem, candidate, free).log10_p, share())) return false;
-  const HalvesTest halves = test_halves(problem, candidate, free);
-  return halves.log10_p_disagree >= decision::kLog10Disagree &&
-         halves.gain >= decision::kHelps * test_effect(problem, candidate, free).statistic;
+  return called(judge_effect(problem, candidate, free).log10_p, share()) &&
+         halves_refuse(problem, candidate, free).empty();
 }
 
 /// Columns [theta | taken | candidates | step].

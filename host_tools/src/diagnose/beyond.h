@@ -15,7 +15,7 @@ class Beyond {
 
   /// Works on the selection in place; `terms` and `start` grow by what is added.
   Beyond(Evidence* evidence, std::vector<TermInfo>* terms, std::vector<double>* start, Selection* selection,
-         Budget* fits, bool has_temperature);
+         Budget* work, bool has_temperature);
   /// What stays significant is in the selection's leftover.
   void run(const Fit& fit);
 
@@ -36,7 +36,7 @@ class Beyond {
   void refit(const Fit& fit);
   std::vector<TermGroup> groups_but(std::size_t left_out) const;
 
-  Budget* fits_;
+  Budget* work_;
   Evidence* evidence_;
   std::vector<TermInfo>* terms_;
   std::vector<double>* start_;

@@ -1,22 +1,27 @@
-// How many fits a diagnosis may still make. Selection, rounds of noise and terms beyond the catalogue draw on one
-// budget, so that no recording takes much longer than others; an answer that it cut short says so.
+// How much work a diagnosis may still do. Selection, rounds of noise and terms beyond the catalogue draw on one budget,
+// so that no recording takes much longer than others; an answer that it cut short says so. Work is counted in slices of
+// the core (segcal_progress), each bounded, and not in fits or seconds: a fit that does not settle takes ten times as
+// long as one that does, and an answer must not depend on the machine.
 #pragma once
+
+#include <cstdint>
 
 namespace host::diagnosis {
 
 class Budget {
  public:
-  explicit Budget(int fits) : left_(fits) {}
+  explicit Budget(std::int64_t slices) : left_(slices) {}
   /// May another fit be made? Remembers that it was asked in vain.
   bool allows() {
     used_up_ = used_up_ || left_ <= 0;
     return left_ > 0;
   }
-  void take() { --left_; }
+  void take(std::int64_t slices) { left_ -= slices; }
+  std::int64_t left() const { return left_; }
   bool used_up() const { return used_up_; }
 
  private:
-  int left_;
+  std::int64_t left_;
   bool used_up_ = false;
 };
 

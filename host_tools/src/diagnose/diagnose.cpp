@@ -32,7 +32,7 @@ class Diagnoser {
         has_temperature_(
             std::all_of(sessions.begin(), sessions.end(), [](const Recording& r) { return r.imu.has_temperature; })),
         model_(options.core, has_temperature_),
-        evidence_(sessions, with_temperature(options.core, has_temperature_), options.profile,
+        evidence_(sessions, with_temperature(options.core, has_temperature_), options.profile, &work_left_,
                   [this](double fraction) { report(fraction); }) {
     model_.include(told);  // known to some ms, which bend all that is tested beside it
   }
@@ -92,7 +92,6 @@ class Diagnoser {
 
   Problem fit(const std::vector<bool>& estimated) {
     begin("fit " + std::to_string(++fits_));
-    fits_left_.take();
     const Problem problem = evidence_.fit(model_.terms, estimated, model_.start);
     pixels_ = pixel_noise(evidence_.result().kept);
     return problem;
@@ -107,13 +106,13 @@ class Diagnoser {
   void find_effects() {
     out_.fit_before = evidence_.result();
     search();
-    if (fits_left_.allows() && tracks_drift()) {
+    if (work_left_.allows() && tracks_drift()) {
       fit_plain();
       out_.fit_before = evidence_.result();
       search();
     }
     for (int round = 0;
-         round < decision::kNoiseRounds && fits_left_.allows() && !lens_has_no_name() && pixel_noise_is_above();
+         round < decision::kNoiseRounds && work_left_.allows() && !lens_has_no_name() && pixel_noise_is_above();
          ++round) {
       fit_plain();
       search();
@@ -121,7 +120,7 @@ class Diagnoser {
     }
     find_pixel_factor();
     if (!selection_.accepted.empty() || noisy_pixels_) out_.fit_after = evidence_.result();
-    out_.cut_short = fits_left_.used_up();
+    out_.cut_short = work_left_.used_up();
     report_candidates(selection_, has_temperature_, &out_);
   }
 
@@ -129,7 +128,7 @@ class Diagnoser {
     model_.forget_additions();
     SelectionOptions options;
     options.known = model_.known;
-    options.fits = &fits_left_;
+    options.work = &work_left_;
     Problem last = plain_;
     const Refit refit = [this, &last](const std::vector<int>& accepted) {
       if (accepted.empty()) return plain_;
@@ -186,7 +185,7 @@ class Diagnoser {
   void look_beyond() {
     if (!options_.dictionary) return;
     begin("terms beyond the catalogue");
-    Beyond beyond(&evidence_, &model_.terms, &model_.start, &selection_, &fits_left_, has_temperature_);
+    Beyond beyond(&evidence_, &model_.terms, &model_.start, &selection_, &work_left_, has_temperature_);
     beyond.run([this](const std::vector<bool>& estimated) { return fit(estimated); });
   }
 
@@ -216,10 +215,10 @@ class Diagnoser {
   const DiagnoseOptions& options_;
   bool has_temperature_;
   SearchedModel model_;
+  Budget work_left_{decision::kSlices};
   Evidence evidence_;
   std::string step_;
   int fits_ = 0;
-  Budget fits_left_{decision::kFits};
   Problem plain_;
   PixelNoise pixels_;
   Selection selection_;

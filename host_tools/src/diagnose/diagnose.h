@@ -69,7 +69,7 @@ struct Diagnosis {
   bool judged = true;                  ///< false: too short or too still; the verdict then says nothing
   std::string lost;                    ///< why nothing could be fitted although there is motion; empty: a fit was made
   std::string sentence;                ///< the answer, to read aloud
-  bool cut_short = false;  ///< the number of fits was used up: something may be left that more would have found
+  bool cut_short = false;  ///< the work of one diagnosis was used up: something may be left that more would have found
   std::vector<DiagnosedEffect> effects;
   /// excess over the own noise floor without and with the effects; chi2/dof of noise
   SensorShares before, after, noise_floor;

@@ -7,6 +7,7 @@
 #include "diagnose/chi_square.h"
 #include "diagnose/decision.h"
 #include "diagnose/selection.h"
+#include "formatted.h"
 
 namespace host::diagnosis {
 namespace {
@@ -152,6 +153,15 @@ HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const
     out.gain += fall / noise + (R * p[1 - k].covariance * R.transpose()).trace() / noise;
   }
   return out;
+}
+
+std::string halves_refuse(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free) {
+  const HalvesTest halves = test_halves(problem, candidate, free);
+  if (halves.log10_p_disagree < decision::kLog10Disagree)
+    return formatted("the halves of the recording disagree about it (p = 1e%.0f)", halves.log10_p_disagree);
+  if (halves.gain <= decision::kHelps * test_effect(problem, candidate, free).statistic)
+    return "its value from one half of the recording does not help the other";
+  return {};
 }
 
 }  // namespace host::diagnosis

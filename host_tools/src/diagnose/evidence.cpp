@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/fit_rows.h"
 #include "replay/counters.h"
 
 namespace host::diagnosis {
@@ -20,66 +21,10 @@ constexpr int kMostInflations = 3;
 /// at 1 and n - 1 degrees of freedom: for p = 1e-4 an effect of one parameter needs 1.9
 /// times the statistic that chi-square would ask for with 15 segments, 50 times with four.
 constexpr double kSegments = 15, kShortestSegment = 2;
+/// Fits that are kept: a search that drops what it has taken comes back to one of the last.
+constexpr std::size_t kRemembered = 4;
 /// Segments dropped of all that tell something; with more the fit is made with larger noise.
 constexpr double kDroppedShare = 0.25;
-
-MatrixXd unpacked(const CoreRows& rows) {
-  const int n = rows.n_theta + rows.n_candidates + 1;
-  MatrixXd R = MatrixXd::Zero(n, n);
-  std::size_t at = 0;
-  for (int i = 0; i < n; ++i) {
-    for (int c = i; c < n; ++c) R(i, c) = rows.triangle[at++];
-  }
-  return R;
-}
-
-/// Steps of these blocks are looked for; sizes of a shock.
-std::vector<Block> blocks_of(const Calibration& calibration) {
-  std::vector<Block> out;
-  int at = 0;
-  const auto add = [&out, &at](const std::string& name, int count, double size) {
-    out.push_back({name, {at, count}, std::vector<double>(count, size)});
-    at += count;
-  };
-  for (std::size_t c = 0; c < calibration.cameras.size(); ++c) {
-    const std::string cam = "cam" + std::to_string(c) + ".";
-    add(cam + "r_CI", 3, 0.05);
-    add(cam + "p_CI", 3, 0.03);
-    add(cam + "f", 2, 10);
-    add(cam + "c", 2, 10);
-    add(cam + "distortion", calibration.cameras[c].model == DistortionModel::fov ? 1 : 4, 0.03);
-  }
-  add("gyro.s", 3, 0.02);
-  add("gyro.m", 3, 0.02);
-  add("accel.s", 3, 0.03);
-  add("accel.m", 3, 0.03);
-  add("accel.r_AI", 3, 0.03);
-  return out;
-}
-
-Prior prior_of(const CoreResult& result, int n) {
-  Prior out{VectorXd(n), VectorXd(n)};
-  for (int i = 0; i < n; ++i) {
-    const CoreParameter& p = result.parameters[i];
-    out.mean(i) = p.initial - p.value;
-    out.sigma(i) = p.prior_sigma;
-  }
-  return out;
-}
-
-/// Terms from their places among [taken | asked] to the caller's order.
-void reorder(const std::vector<int>& place, Rows* rows, int n_theta) {
-  MatrixXd out = rows->R;
-  for (std::size_t i = 0; i < place.size(); ++i)
-    out.col(n_theta + static_cast<int>(i)) = rows->R.col(n_theta + place[i]);
-  rows->R = triangle_of(out);
-}
-void reorder(const std::vector<int>& place, Problem* problem) {
-  for (Rows* rows : {&problem->all, &problem->train, &problem->held_out}) {
-    if (!rows->empty()) reorder(place, rows, problem->n_theta);
-  }
-  for (Piece& p : problem->pieces) reorder(place, &p.rows, problem->n_theta);
-}
 
 CoreOptions inflated(CoreOptions core, int times) {
   core.pixel_sigma *= std::pow(kInflatePixels, times);
@@ -100,8 +45,8 @@ double seconds_of(const std::vector<Recording>& sessions) {
 }  // namespace
 
 Evidence::Evidence(const std::vector<Recording>& sessions, const CoreOptions& options, const std::string& profile,
-                   std::function<void(double)> progress)
-    : sessions_(sessions), options_(options), profile_(profile), progress_(std::move(progress)) {
+                   Budget* budget, std::function<void(double)> progress)
+    : sessions_(sessions), options_(options), profile_(profile), budget_(budget), progress_(std::move(progress)) {
   options_.outdated_level = -1;  // a step of the calibration is to be found, not forgotten
   options_.watched_effects = 1;  // segments that do not follow their IMU samples stay: it may be the effect
   options_.segments = profile == "host" ? 64 : options_.segments;
@@ -109,17 +54,43 @@ Evidence::Evidence(const std::vector<Recording>& sessions, const CoreOptions& op
                                 std::min(options_.segment_s, seconds_of(sessions) / kSegments));
 }
 
+/// What a fit depends on: the terms, which of them are estimated and from where on, and the noise.
+std::vector<double> Evidence::question(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated,
+                                       const std::vector<double>& start) const {
+  std::vector<double> out = {options_.pixel_sigma, options_.track_walk, options_.noise.gyro_noise_density,
+                             options_.noise.accel_noise_density};
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    const CoreTerm& t = terms[i].term;
+    for (int n : {terms[i].bit, t.kind, t.a, t.b, t.c, estimated[i] ? 1 : 0}) out.push_back(n);
+    if (estimated[i]) out.push_back(start[i]);
+  }
+  return out;
+}
+
+bool Evidence::remembers(const std::vector<double>& asked) {
+  const auto found =
+      std::find_if(made_.begin(), made_.end(), [&asked](const auto& fit) { return fit->asked == asked; });
+  if (found == made_.end()) return false;
+  std::rotate(made_.begin(), found, found + 1);
+  return true;
+}
+
 Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated,
                       const std::vector<double>& start) {
+  const std::vector<double> asked = question(terms, estimated, start);
+  if (remembers(asked)) return now().problem;
   ReplayOptions replay_options;
   replay_options.core = options_;
   replay_options.profile = profile_;
   replay_options.progress = progress_;
-  replay_options.keep_core = &core_;
-  taken_.clear();
-  asked_.clear();
+  const int before = made_.empty() ? 0 : now().inflations;
+  if (made_.size() == kRemembered) made_.pop_back();
+  made_.push_front(std::make_unique<MadeFit>());
+  now().inflations = std::max(0, before - 1);  // an effect more: smaller noise may do
+  replay_options.keep_core = &now().core;
+  std::vector<int> place(terms.size());
   for (std::size_t i = 0; i < terms.size(); ++i) {
-    (estimated[i] ? taken_ : asked_).push_back(terms[i]);
+    (estimated[i] ? now().taken : now().candidates).push_back(terms[i]);
     if (!estimated[i]) continue;
     if (terms[i].bit >= 0) {
       replay_options.core.effects |= 1u << terms[i].bit;
@@ -128,29 +99,35 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
     }
     replay_options.core.term_values.push_back(start[i]);
   }
-  const CoreOptions stated = replay_options.core;
-  for (inflations_ = std::max(0, inflations_ - 1);; ++inflations_) {  // an effect more: smaller noise may do
-    replay_options.core = inflated(stated, inflations_);
-    if (try_fit(replay_options) || inflations_ + 1 == kMostInflations) break;
+  inflate_until_taken(replay_options);
+  int next_taken = 0, next_asked = static_cast<int>(now().taken.size());
+  for (std::size_t i = 0; i < terms.size(); ++i) place[i] = estimated[i] ? next_taken++ : next_asked++;
+  now().place = place;
+  now().problem = gather(now().candidates, true);
+  reorder(place, &now().problem);
+  now().asked = asked;  // now it is whole
+  return now().problem;
+}
+
+void Evidence::inflate_until_taken(ReplayOptions options) {
+  const CoreOptions stated = options.core;
+  for (;; ++now().inflations) {
+    options.core = inflated(stated, now().inflations);
+    if (try_fit(options) || now().inflations + 1 == kMostInflations || !budget_->allows()) return;
   }
-  Problem mixed = gather(asked_, true);
-  place_.resize(terms.size());
-  int next_taken = 0, next_asked = static_cast<int>(taken_.size());
-  for (std::size_t i = 0; i < terms.size(); ++i) place_[i] = estimated[i] ? next_taken++ : next_asked++;
-  reorder(place_, &mixed);
-  return mixed;
 }
 
 /// True if the fit was taken, with nearly all of the segments.
 bool Evidence::try_fit(const ReplayOptions& options) {
-  result_ = replay(sessions_, options);
-  const double dropped = count_of(result_.counters, "segments_unsettled");
-  return result_.result.status != "failed" &&
-         dropped <= kDroppedShare * (dropped + static_cast<double>(result_.kept.size()));
+  now().result = replay(sessions_, options);
+  budget_->take(now().core->work());
+  const double dropped = count_of(now().result.counters, "segments_unsettled");
+  return now().result.result.status != "failed" &&
+         dropped <= kDroppedShare * (dropped + static_cast<double>(now().result.kept.size()));
 }
 
 std::vector<CoreKept> Evidence::segments() const {
-  std::vector<CoreKept> out = result_.kept;
+  std::vector<CoreKept> out = now().result.kept;
   std::sort(out.begin(), out.end(), [](const CoreKept& a, const CoreKept& b) {
     return std::pair(a.segment.session, a.segment.start_ns) < std::pair(b.segment.session, b.segment.start_ns);
   });
@@ -160,7 +137,7 @@ std::vector<CoreKept> Evidence::segments() const {
 Rows Evidence::rows_of(const std::vector<std::uint32_t>& serials, const std::vector<TermInfo>& candidates) {
   std::vector<CoreTerm> terms;
   for (const TermInfo& t : candidates) terms.push_back(t.term);
-  const CoreRows core = core_->linearise(serials, terms);
+  const CoreRows core = now().core->linearise(serials, terms);
   Rows out{unpacked(core), core.dof};
   count_from_zero(&out);
   out.R = triangle_of(out.R);
@@ -169,9 +146,9 @@ Rows Evidence::rows_of(const std::vector<std::uint32_t>& serials, const std::vec
 
 /// Of columns [theta | taken | candidates].
 void Evidence::count_from_zero(Rows* rows) const {
-  VectorXd at = VectorXd::Zero(rows->columns() - n_theta_);
-  at.head(static_cast<Eigen::Index>(taken_.size())) = taken_values_;
-  count_terms_from_zero(n_theta_, at, rows);
+  VectorXd at = VectorXd::Zero(rows->columns() - now().n_theta);
+  at.head(static_cast<Eigen::Index>(now().taken.size())) = now().taken_values;
+  count_terms_from_zero(now().n_theta, at, rows);
 }
 
 double Evidence::seconds_after_start(std::int64_t t_ns) const {
@@ -183,21 +160,21 @@ Rows Evidence::joined(const std::vector<std::size_t>& places) {
   std::vector<std::uint32_t> serials;
   for (std::size_t i : places) serials.push_back(kept[i].segment.serial);
   if (serials.empty()) return {};
-  Rows out = rows_of(serials, asked_);
-  reorder(place_, &out, n_theta_);
+  Rows out = rows_of(serials, now().candidates);
+  reorder(now().place, &out, now().n_theta);
   return out;
 }
 
 SensorPieces Evidence::sensors() {
   std::vector<CoreTerm> terms;
-  for (const TermInfo& t : asked_) terms.push_back(t.term);
+  for (const TermInfo& t : now().candidates) terms.push_back(t.term);
   SensorPieces out;
   for (const CoreKept& k : segments()) {
-    const CoreSensorRows core = core_->sensor_rows(k.segment.serial, terms);
+    const CoreSensorRows core = now().core->sensor_rows(k.segment.serial, terms);
     for (std::size_t s = 0; s < out.of.size(); ++s) {
       Rows rows{core.root[s], core.shared.row(static_cast<int>(s)).sum()};
       count_from_zero(&rows);
-      reorder(place_, &rows, n_theta_);
+      reorder(now().place, &rows, now().n_theta);
       out.of[s].push_back(
           {rows, seconds_after_start(k.segment.start_ns), seconds_after_start(k.segment.end_ns), false});
     }
@@ -209,13 +186,13 @@ SensorPieces Evidence::sensors() {
 /// Columns [theta | taken | candidates].
 Problem Evidence::gather(const std::vector<TermInfo>& candidates, bool in_parts) {
   Problem out;
-  const std::vector<CoreParameter>& parameters = result_.result.parameters;
-  out.n_theta = n_theta_ = static_cast<int>(parameters.size() - taken_.size());
-  taken_values_ = VectorXd(static_cast<Eigen::Index>(taken_.size()));
-  for (std::size_t i = 0; i < taken_.size(); ++i)
-    taken_values_(static_cast<Eigen::Index>(i)) = parameters[n_theta_ + i].value;
-  out.prior = prior_of(result_.result, n_theta_);
-  out.noise = std::pow(options_.pixel_sigma / result_.model.pixel_sigma, 2);
+  const std::vector<CoreParameter>& parameters = now().result.result.parameters;
+  out.n_theta = now().n_theta = static_cast<int>(parameters.size() - now().taken.size());
+  now().taken_values = VectorXd(static_cast<Eigen::Index>(now().taken.size()));
+  for (std::size_t i = 0; i < now().taken.size(); ++i)
+    now().taken_values(static_cast<Eigen::Index>(i)) = parameters[now().n_theta + i].value;
+  out.prior = prior_of(now().result.result, now().n_theta);
+  out.noise = std::pow(options_.pixel_sigma / now().result.model.pixel_sigma, 2);
   std::vector<std::uint32_t> all, half[2];
   const std::vector<CoreKept> kept = segments();
   for (std::size_t i = 0; i < kept.size(); ++i) {
@@ -226,7 +203,7 @@ Problem Evidence::gather(const std::vector<TermInfo>& candidates, bool in_parts)
     out.pieces.push_back({rows_of({s.serial}, candidates), seconds_after_start(s.start_ns),
                           seconds_after_start(s.end_ns), is_held_out(i)});
   }
-  if (in_parts) out.blocks = blocks_of(result_.calibration);
+  if (in_parts) out.blocks = blocks_of(now().result.calibration);
   if (half[1].empty()) return out;
   out.all = rows_of(all, candidates);
   if (!in_parts) return out;

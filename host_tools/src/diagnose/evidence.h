@@ -1,8 +1,10 @@
 // From recordings to rows: replays with chosen effects estimated, and linearises at that fit.
 #pragma once
 
+#include <deque>
 #include <functional>
 
+#include "diagnose/budget.h"
 #include "diagnose/model_terms.h"
 #include "diagnose/sensor_gap.h"
 #include "replay/replay.h"
@@ -10,19 +12,32 @@
 namespace host::diagnosis {
 
 /// One fit, with everything that was linearised at it.
+struct MadeFit {
+  std::vector<double> asked;  ///< what it depends on (Evidence::question)
+  std::unique_ptr<Core> core;
+  ReplayResult result;
+  std::vector<TermInfo> taken, candidates;
+  std::vector<int> place;  ///< of each of the caller's terms among [taken | candidates]
+  Eigen::VectorXd taken_values;
+  int n_theta = 0;
+  int inflations = 0;  ///< of the noise, that it needed
+  Problem problem;
+};
+
+/// The last fit, and a few before it, which are not made again.
 class Evidence {
  public:
   Evidence(const std::vector<Recording>& sessions, const CoreOptions& options, const std::string& profile,
-           std::function<void(double)> progress);
+           Budget* budget, std::function<void(double)> progress);
 
   /// Replays with these terms estimated, from these values on, and linearises with the others as candidates. Columns
   /// are theta, then `terms` in their order.
   Problem fit(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated, const std::vector<double>& start);
-  const ReplayResult& result() const { return result_; }
+  const ReplayResult& result() const { return made_.front()->result; }
   /// The same fit's rows with other candidates; columns are theta, the terms that were estimated, `candidates`. Halves
   /// and pieces only `in_parts`: many candidates are asked about without.
   Problem at_last_fit(const std::vector<TermInfo>& candidates, bool in_parts);
-  const std::vector<TermInfo>& taken() const { return taken_; }
+  const std::vector<TermInfo>& taken() const { return made_.front()->taken; }
   /// Rows of the last fit for segments at these places in the order of time, over the same columns, joined where one
   /// follows the other.
   Rows joined(const std::vector<std::size_t>& places);
@@ -33,6 +48,12 @@ class Evidence {
   CoreOptions& options() { return options_; }
 
  private:
+  MadeFit& now() { return *made_.front(); }
+  const MadeFit& now() const { return *made_.front(); }
+  std::vector<double> question(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated,
+                               const std::vector<double>& start) const;
+  bool remembers(const std::vector<double>& asked);
+  void inflate_until_taken(ReplayOptions options);
   bool try_fit(const ReplayOptions& options);
   Problem gather(const std::vector<TermInfo>& candidates, bool in_parts);
   Rows rows_of(const std::vector<std::uint32_t>& serials, const std::vector<TermInfo>& candidates);
@@ -42,14 +63,9 @@ class Evidence {
   const std::vector<Recording>& sessions_;
   CoreOptions options_;
   std::string profile_;
+  Budget* budget_;
   std::function<void(double)> progress_;
-  std::unique_ptr<Core> core_;
-  ReplayResult result_;
-  std::vector<TermInfo> taken_, asked_;
-  std::vector<int> place_;  ///< of each of the caller's terms among [taken | asked]
-  Eigen::VectorXd taken_values_;
-  int n_theta_ = 0;
-  int inflations_ = 0;  ///< that the last fit needed
+  std::deque<std::unique_ptr<MadeFit>> made_;  ///< the last one first
 };
 
 }  // namespace host::diagnosis

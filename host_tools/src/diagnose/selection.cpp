@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/rivals.h"
 #include "diagnose/shift.h"
 #include "formatted.h"
 
@@ -48,6 +49,14 @@ class Search {
   /// Could be chosen now. The columns of a step that was dropped are no longer in the rows.
   bool open_to(int c) const { return out_.alone[c].seen > 0 && !is_chosen(c) && c < given_; }
 
+  std::vector<int> open() const {
+    std::vector<int> out;
+    for (int c = 0; c < static_cast<int>(candidates_.size()); ++c) {
+      if (open_to(c)) out.push_back(c);
+    }
+    return out;
+  }
+
   /// log10 p over the share of the level: what hypotheses of different shares are compared by.
   double weighed(int c, const EffectTest& test) const { return test.log10_p - std::log10(candidates_[c].share); }
   bool significant(int c, const EffectTest& test) const {
@@ -57,12 +66,10 @@ class Search {
   /// Candidates that are significant with the chosen ones free, the most significant first.
   std::vector<std::pair<double, int>> calls() {
     std::vector<std::pair<double, int>> order;
-    for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      const int c = static_cast<int>(i);
-      if (!open_to(c)) continue;
-      EffectTest test = test_effect(out_.problem, candidates_[i], groups_but(-1));
+    for (int c : open()) {
+      EffectTest test = test_effect(out_.problem, candidates_[c], groups_but(-1));
       if (!significant(c, test)) continue;  // F asks for more
-      test = judge_effect(out_.problem, candidates_[i], groups_but(-1));
+      test = judge_effect(out_.problem, candidates_[c], groups_but(-1));
       if (significant(c, test)) {
         order.emplace_back(weighed(c, test), c);
       } else {
@@ -75,25 +82,42 @@ class Search {
 
   /// Accepts the most significant candidate that both halves tell of.
   bool step_forward() {
-    if (options_.fits && !options_.fits->allows()) return false;
+    if (options_.work && !options_.work->allows()) return false;
     const std::vector<std::pair<double, int>> order = calls();
-    const std::size_t before = chosen_.size();
-    offer_shift(order);
-    if (chosen_.size() > before) return true;
+    if (offer_shift(order)) return true;
+    const int first = dominant_of(out_.problem, candidates_, groups_but(-1), open());
+    if (first >= 0 && !dropped_before(first) && try_out(first)) return true;
     for (const auto& [p, c] : order) {
-      const HalvesTest halves = test_halves(out_.problem, candidates_[c], groups_but(-1));
-      if (halves.log10_p_disagree < decision::kLog10Disagree) {
-        why_[c] = formatted("the halves of the recording disagree about it (p = 1e%.0f)", halves.log10_p_disagree);
-      } else if (!helps(halves, test_effect(out_.problem, candidates_[c], groups_but(-1)))) {
-        why_[c] = "its value from one half of the recording does not help the other";
-      } else if (dropped_before(c)) {
+      if (c == refused_at_its_fit_ || !holds(c)) continue;
+      if (dropped_before(c)) {
         why_[c] = "not needed beside the others";
       } else {
+        refused_at_its_fit_ = -1;
         chosen_.push_back(c);
         fit_again();
         return true;
       }
     }
+    return false;
+  }
+
+  /// Do both halves tell of it, beside the other chosen ones? Says why not.
+  bool holds(int c) {
+    const std::string why = halves_refuse(out_.problem, candidates_[c], groups_but(c));
+    if (!why.empty()) why_[c] = why;
+    return why.empty();
+  }
+
+  /// Fits with it. It stays if it passes there, where its value is the one at which rows are linearised.
+  bool try_out(int c) {
+    if (c == refused_at_its_fit_) return false;
+    chosen_.push_back(c);
+    fit_again();
+    if (significant(c, tested(c, groups_but(c))) && holds(c)) return true;
+    if (why_[c].empty()) why_[c] = "its value is not the same throughout the recording";
+    chosen_.pop_back();
+    fit_again();
+    refused_at_its_fit_ = c;
     return false;
   }
 
@@ -108,27 +132,25 @@ class Search {
   }
 
   /// A step that says more than every effect becomes one candidate more.
-  void offer_shift(const std::vector<std::pair<double, int>>& others) {
-    if (out_.shifted || shift_refused_) return;
+  bool offer_shift(const std::vector<std::pair<double, int>>& others) {
+    if (out_.shifted || shift_refused_) return false;
     const std::optional<Shift> step = best_shift(out_.problem, groups_but(-1));
-    if (!step) return;
+    if (!step) return false;
     const double share = share_of(*step);
-    if (!called(step->test.log10_p, share)) return;
-    if (!others.empty() && others.front().first <= step->test.log10_p - std::log10(share)) return;
+    if (!called(step->test.log10_p, share)) return false;
+    if (!others.empty() && others.front().first <= step->test.log10_p - std::log10(share)) return false;
     if (is_little(step->test)) {
       shift_refused_ = step_was_little_ = true;
-      return;
+      return false;
     }
     const Problem without = out_.problem;
     out_.problem = with_shift(without, *step);
     const Candidate candidate = shift_candidate(out_.problem, *step);
     const Scatter scatter = scatter_over_time(out_.problem, candidate, groups_but(-1));
-    const HalvesTest halves = test_halves(out_.problem, candidate, groups_but(-1));
-    if (!called(log10_p_of(*step, scatter), share) || halves.log10_p_disagree < decision::kLog10Disagree ||
-        !helps(halves, step->test)) {
+    if (!called(log10_p_of(*step, scatter), share) || !halves_refuse(out_.problem, candidate, groups_but(-1)).empty()) {
       out_.problem = without;
       shift_refused_ = true;
-      return;
+      return false;
     }
     out_.shifted = true;
     out_.shift = *step;
@@ -136,6 +158,7 @@ class Search {
     why_.emplace_back();
     out_.alone.push_back(step->test);
     chosen_.push_back(static_cast<int>(candidates_.size()) - 1);
+    return true;
   }
 
   bool is_little(const EffectTest& step) const {
@@ -146,9 +169,6 @@ class Search {
     return step.statistic < decision::kStepOfOthers * others;
   }
 
-  static bool helps(const HalvesTest& halves, const EffectTest& test) {
-    return halves.gain > decision::kHelps * test.statistic;
-  }
   bool dropped_before(int c) const { return std::count(dropped_.begin(), dropped_.end(), c) > 0; }
 
   /// The same test that it was taken by. A step has its own (offer_shift).
@@ -204,24 +224,9 @@ class Search {
     return chosen_.empty() ? "not significant" : "explained by " + candidates_[chosen_.front()].name;
   }
 
-  /// With the other accepted ones free: B alone explains as much as A, and A adds nothing to B.
   void find_rivals(const Accepted& a) {
-    const std::vector<TermGroup> others = groups_but(a.candidate);
-    const EffectTest as_it_is = test_effect(out_.problem, candidates_[a.candidate], others);
-    for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      const int b = static_cast<int>(i);
-      if (!open_to(b)) continue;
-      const EffectTest instead = test_effect(out_.problem, candidates_[i], others);
-      std::vector<TermGroup> with_b = others;
-      with_b.push_back(candidates_[i].columns);
-      const EffectTest beside = test_effect(out_.problem, candidates_[a.candidate], with_b);
-      // Two log likelihoods apart per degree of freedom is what chance gives between models that fit equally well.
-      const double apart = as_it_is.statistic - instead.statistic - 2 * (as_it_is.seen - instead.seen);
-      if (significant(b, instead) && candidates_[i].name != "unlisted" &&
-          beside.log10_p > decision::kLog10AddsNothing && apart < decision::kFitsAlike) {
-        out_.pairs.push_back({a.candidate, b});
-      }
-    }
+    for (int b : rivals_of(out_.problem, candidates_, a.candidate, groups_but(a.candidate), open()))
+      out_.pairs.push_back({a.candidate, b});
   }
 
   std::vector<Candidate> candidates_;
@@ -230,6 +235,7 @@ class Search {
   const Refit& refit_;
   std::vector<std::string> why_;
   std::vector<int> chosen_, dropped_;
+  int refused_at_its_fit_ = -1;  ///< beside those that are chosen now
   bool shift_refused_ = false, step_was_little_ = false;
   Selection out_;
 };

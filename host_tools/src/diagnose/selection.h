@@ -81,6 +81,8 @@ struct HalvesTest {
   double gain = 0;
 };
 HalvesTest test_halves(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
+/// Why the halves speak against it, in words; empty where both tell of the same value.
+std::string halves_refuse(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
 
 /// Where each piece has a value of its own, how much better is the fit?
 struct Scatter {
@@ -100,7 +102,7 @@ double dispersion(const Problem& problem, const std::vector<TermGroup>& free);
 
 struct SelectionOptions {
   std::vector<int> known = {};  ///< candidates that are in the model from the start and stay
-  Budget* fits = nullptr;       ///< of fits; null: as many as it takes
+  Budget* work = nullptr;       ///< null: as much as it takes
 };
 
 struct Accepted {

@@ -230,6 +230,8 @@ class Core {
   /// Data faults and other counters, by name.
   virtual std::vector<std::pair<std::string, std::uint32_t>> counters() const = 0;
   virtual CoreMemory memory() const = 0;
+  /// Slices of background work since it was made, each bounded (segcal_progress_t.slices).
+  virtual std::uint32_t work() const = 0;
   /// Before anything is pushed: goes on, in a new session, where the device that
   /// saved into this flash ended. Throws InputError without a file's name if that
   /// device's configuration or capacities were others, or if nothing whole is stored.

@@ -182,6 +182,12 @@ class ProfileCore final : public Core {
   void save(FlashImage* flash) override { save_device(device_, flash); }
   std::uint64_t result_hash() const override { return segcal_result_hash(device_); }
 
+  std::uint32_t work() const override {
+    segcal_progress_t progress;
+    segcal_progress(device_, &progress);
+    return progress.slices;
+  }
+
   CoreMemory memory() const override {
     CoreMemory m;
     segcal_memory(&m.state_bytes, &m.segment_bytes, &m.workspace_bytes);

@@ -1,0 +1,40 @@
+#include "diagnose/rivals.h"
+
+#include <algorithm>
+
+namespace host::diagnosis {
+
+int dominant_of(const Problem& problem, const std::vector<Candidate>& candidates, const std::vector<TermGroup>& free,
+                const std::vector<int>& open) {
+  int best = -1;
+  double most = 0, next = 0;
+  for (int c : open) {
+    const EffectTest test = test_effect(problem, candidates[c], free);
+    if (test.seen == 0 || !called(test.log10_p, candidates[c].share)) continue;
+    next = std::max(next, std::min(most, test.statistic));
+    if (test.statistic <= most) continue;
+    most = test.statistic;
+    best = c;
+  }
+  return most > decision::kDominates * next ? best : -1;
+}
+
+std::vector<int> rivals_of(const Problem& problem, const std::vector<Candidate>& candidates, int accepted,
+                           const std::vector<TermGroup>& others, const std::vector<int>& open) {
+  std::vector<int> out;
+  const EffectTest as_it_is = test_effect(problem, candidates[accepted], others);
+  for (int b : open) {
+    if (candidates[b].name == "unlisted") continue;
+    const EffectTest instead = test_effect(problem, candidates[b], others);
+    if (instead.seen == 0 || !called(instead.log10_p, candidates[b].share)) continue;
+    std::vector<TermGroup> with_b = others;
+    with_b.push_back(candidates[b].columns);
+    const EffectTest beside = test_effect(problem, candidates[accepted], with_b);
+    // Two log likelihoods apart per degree of freedom is what chance gives between models that fit equally well.
+    const double apart = as_it_is.statistic - instead.statistic - 2 * (as_it_is.seen - instead.seen);
+    if (beside.log10_p > decision::kLog10AddsNothing && apart < decision::kFitsAlike) out.push_back(b);
+  }
+  return out;
+}
+
+}  // namespace host::diagnosis

@@ -1,0 +1,18 @@
+// Effects beside each other: which one says most by far, and which ones a motion does not tell apart.
+#pragma once
+
+#include "diagnose/selection.h"
+
+namespace host::diagnosis {
+
+/// Of the candidates `open`, the one that says several times as much as each other one, whether or not its value is the
+/// same throughout; -1: none. With the columns of `free` free.
+int dominant_of(const Problem& problem, const std::vector<Candidate>& candidates, const std::vector<TermGroup>& free,
+                const std::vector<int>& open);
+
+/// Of the candidates `open`, those that alone explain as much as `accepted`, and beside which that adds nothing; with
+/// the columns of `others` free.
+std::vector<int> rivals_of(const Problem& problem, const std::vector<Candidate>& candidates, int accepted,
+                           const std::vector<TermGroup>& others, const std::vector<int>& open);
+
+}  // namespace host::diagnosis
