@@ -85,18 +85,19 @@ void test_rounding_is_no_reason_to_damp() {
 void test_no_step_is_asked_for_ever() {
   const CalibratorOptions options;
   const float step[1] = {1}, sigma[1] = {1};
-  for (const float damped : {3000.0f, 3000.02f}) {
-    StepPolicy<float> policy;
+  StepPolicy<float> policy;
+  policy.begin(3000);
+  TEST_ASSERT_FALSE(policy.judge(3001, 0.03f, step, 1, sigma, options));
+  TEST_ASSERT_TRUE(policy.judge(3000.02f, 1e-3f, step, 1, sigma, options));
+  // A damped step that is kept leads elsewhere, and landmarks may gain there what the linear system does not tell: a
+  // whole step from there is asked again.
+  for (const float kept : {2900.0f, 3000.0f}) {
     policy.begin(3000);
     TEST_ASSERT_FALSE(policy.judge(3001, 0.03f, step, 1, sigma, options));
-    TEST_ASSERT_TRUE(policy.judge(damped, 1e-3f, step, 1, sigma, options));
-    // What gained something in between is another place: a whole step from there is asked again.
-    policy.begin(3000);
-    TEST_ASSERT_FALSE(policy.judge(3001, 0.03f, step, 1, sigma, options));
-    TEST_ASSERT_FALSE(policy.judge(2999, 0.02f, step, 1, sigma, options));
+    TEST_ASSERT_FALSE(policy.judge(kept, 1e-3f, step, 1, sigma, options));
+    TEST_ASSERT_TRUE(policy.kept() && policy.damping() == 0);
+    TEST_ASSERT_FALSE(policy.judge(kept + 1, 0.03f, step, 1, sigma, options));
     TEST_ASSERT_TRUE(policy.damping() > 0);
-    TEST_ASSERT_FALSE(policy.judge(damped - 1, 1e-3f, step, 1, sigma, options));
-    TEST_ASSERT_TRUE(policy.damping() == 0);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "diagnose/diagnose.h"
 #include "simulate/effect_names.h"
 #include "simulate/simulate.h"
+#include "simulate/spoil.h"
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}
@@ -95,6 +96,35 @@ void test_what_is_missing_is_no_drift() {
   TEST_ASSERT_EQUAL_INT(0, d.tracks.points);
 }
 
+/// A step in the middle closes half of the gap of what drifts, and is not held against its scatter: the name is the
+/// effect's all the same. The accelerometer's bias moves by 1 m/s^2, far from where the fit without it is linearised.
+void test_what_follows_temperature() {
+  expect_only(diagnosed("nav", 90010070,
+                        "camera_temperature=0.000719036,0.00122826,0.00062959,-9.63656e-05,0.00055774,-0.0001497"),
+              "camera_temperature", 0.000719036, 0);
+  if (!long_run()) return;
+  const Diagnosis d = diagnosed("nav", 80010067, "accel_temperature=-0.0157255,0.0415302,0.0816575");
+  expect_only(d, "accel_temperature", -0.0157255, 0);
+}
+
+/// The image moves by 4 px in the middle: a step is taken, an effect is tried beside it and refused. What follows is of
+/// the fit without that effect.
+void test_an_effect_that_is_tried_leaves_nothing() {
+  host::SimulationOptions options;
+  options.scenario = "arvr";
+  options.seconds = 60;
+  options.seed = 32;
+  host::SimulationResult session = host::simulate(options);
+  host::sim::spoil::move_pixels(session.recording, 4, 0);
+  host::DiagnoseOptions diagnose;
+  diagnose.core.calibration = session.nominal;
+  diagnose.core.noise = session.recording.imu.noise;
+  diagnose.accept_faults = true;
+  const Diagnosis d = host::diagnose({session.recording}, diagnose);
+  TEST_ASSERT_EQUAL_STRING_MESSAGE("unexplained", d.verdict.c_str(), d.sentence.c_str());
+  TEST_ASSERT_TRUE(d.effects.empty());
+}
+
 }  // namespace
 
 int main() {
@@ -104,5 +134,7 @@ int main() {
   RUN_TEST(test_rolling_shutter);
   RUN_TEST(test_tracks_that_drift);
   RUN_TEST(test_what_is_missing_is_no_drift);
+  RUN_TEST(test_what_follows_temperature);
+  RUN_TEST(test_an_effect_that_is_tried_leaves_nothing);
   return UNITY_END();
 }

@@ -1,5 +1,6 @@
 // Which effect a search fits first, what it tries where rows are linearised far from its value, and when it ends.
 #include <algorithm>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -64,7 +65,7 @@ void test_what_says_most_is_tried_at_its_own_fit() {
         far.candidates, {}, [&](const std::vector<int>& accepted) { return accepted.empty() ? first : second; });
     TEST_ASSERT_TRUE_MESSAGE(names(s) == std::vector<std::string>{"offset"}, std::to_string(2100 + seed).c_str());
     const Selection never = select_effects(far.candidates, {}, [&](const std::vector<int>&) { return first; });
-    for (const std::string& name : names(never)) TEST_ASSERT_TRUE(name != "offset");
+    TEST_ASSERT_TRUE(names(never).empty() || names(never).front() != "offset");
   }
 }
 
@@ -88,11 +89,33 @@ void test_refused_alone_and_taken_beside_another() {
   TEST_ASSERT_GREATER_OR_EQUAL_INT(19, right);  // the halves of a right effect disagree in one of a thousand
 }
 
-/// One fit may exceed the budget; then nothing more is taken, and it is said.
+/// A drift of theta with time looks like a step in its middle, which is not held against its scatter, while an effect
+/// whose rows are that drift is: its value scatters by a third from segment to segment. The effect has the name.
+void test_an_effect_before_the_step_that_looks_like_it() {
+  int right = 0;
+  for (int seed = 0; seed < 20; ++seed) {
+    LinearRecording recording = catalogue();
+    test::Random random(2400 + seed);
+    int segment = 0;
+    recording.shape = [&](Eigen::MatrixXd* J) { J->col(6) = (segment++ - 5.5) / 3.5 * J->col(0) + 0.2 * J->col(6); };
+    recording.truth(0) = 0.6;
+    recording.outside = [&random](int, const Eigen::MatrixXd& J, Eigen::VectorXd* r) {
+      *r += 0.2 * random.normal() * J.col(6);
+    };
+    const Problem problem = problem_of(recording, &random);
+    const Selection s =
+        select_effects(recording.candidates, {}, [&problem](const std::vector<int>&) { return problem; });
+    right += names(s).size() >= 1 && names(s).front() == "offset";
+  }
+  std::printf("effect before step: %d of 20\n", right);
+  TEST_ASSERT_GREATER_OR_EQUAL_INT(19, right);
+}
+
+/// One fit may exceed the budget; then nothing more is taken, and it is said where something was left to take.
 void test_a_search_ends_with_its_budget() {
   LinearRecording recording = catalogue();
   recording.truth.setConstant(0.4);
-  for (const int fits : {1, 2, 9}) {
+  for (const int fits : {1, 2, 4, 9}) {
     test::Random random(2300);
     const Problem problem = problem_of(recording, &random);
     Budget budget(10 * fits - 5);
@@ -134,7 +157,6 @@ void test_a_fit_is_remembered() {
   TEST_ASSERT_EQUAL_INT(1, static_cast<int>(evidence.taken().size()));
   TEST_ASSERT_EQUAL_INT(0, static_cast<int>(cost(none)));
   TEST_ASSERT_EQUAL_INT(0, static_cast<int>(evidence.taken().size()));
-  TEST_ASSERT_TRUE(evidence.fit(all.terms, none, start).all.R == R);
   // Its core as well: rows with other candidates are asked there.
   TEST_ASSERT_TRUE(evidence.at_last_fit(all.terms, false).all.R == R);
   evidence.options().pixel_sigma *= 1.5;
@@ -149,6 +171,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_the_dominant_one);
   RUN_TEST(test_what_says_most_is_tried_at_its_own_fit);
   RUN_TEST(test_refused_alone_and_taken_beside_another);
+  RUN_TEST(test_an_effect_before_the_step_that_looks_like_it);
   RUN_TEST(test_a_search_ends_with_its_budget);
   RUN_TEST(test_a_fit_is_remembered);
   return UNITY_END();

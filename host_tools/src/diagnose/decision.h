@@ -109,9 +109,9 @@ constexpr double kOwnSquares = 2.0 / 3;
 // ---- Time
 
 /// Work of one diagnosis in slices of the core: rounds of noise, effects and terms draw on it together.
-/// 3 million take 25 to 40 s of the minute that a diagnosis may take: the fit that exceeds them may have 2 million, and
+/// 5 million take 30 to 45 s of the minute that a diagnosis may take: the fit that exceeds them may have 2 million, and
 /// rows are linearised besides. A recording that lacks nothing or one effect needs 0.4 to 2 million.
-constexpr int kSlices = 3000000;
+constexpr int kSlices = 5000000;
 /// Rounds of terms beyond the catalogue, and how many terms of one are asked in parts.
 constexpr int kTermRounds = 3, kTermsAsked = 8;
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "diagnose/answer.h"
@@ -106,14 +107,12 @@ class Diagnoser {
   void find_effects() {
     out_.fit_before = evidence_.result();
     search();
-    if (work_left_.allows() && tracks_drift()) {
+    if (tracks_drift()) {
       fit_plain();
       out_.fit_before = evidence_.result();
       search();
     }
-    for (int round = 0;
-         round < decision::kNoiseRounds && work_left_.allows() && !lens_has_no_name() && pixel_noise_is_above();
-         ++round) {
+    for (int round = 0; round < decision::kNoiseRounds && !lens_has_no_name() && pixel_noise_is_above(); ++round) {
       fit_plain();
       search();
       noisy_pixels_ = true;
@@ -130,10 +129,17 @@ class Diagnoser {
     options.known = model_.known;
     options.work = &work_left_;
     Problem last = plain_;
-    const Refit refit = [this, &last](const std::vector<int>& accepted) {
-      if (accepted.empty()) return plain_;
-      model_.begin_at(last, accepted);
+    std::map<std::vector<int>, std::vector<double>> starts;  // the same again is remembered (Evidence)
+    const Refit refit = [this, &last, &starts](const std::vector<int>& accepted) {
+      const auto before = starts.find(accepted);
+      if (before != starts.end()) {
+        model_.start = before->second;
+      } else if (!accepted.empty()) {
+        model_.begin_at(last, accepted);
+      }
+      starts[accepted] = model_.start;
       last = fit(model_.columns_of(accepted));
+      if (accepted.empty()) plain_ = last;
       return last;
     };
     selection_ = select_effects(model_.candidates, options, refit);
@@ -145,7 +151,7 @@ class Diagnoser {
   /// From now on, if they do, points are weighed by the white noise and the walk that their tracks show.
   bool tracks_drift() {
     const TrackNoise& found = evidence_.result().track_noise;
-    if (!each_track_drifts(evidence_.result(), pixels_)) return false;
+    if (!each_track_drifts(evidence_.result(), pixels_) || !work_left_.allows()) return false;
     evidence_.options().pixel_sigma = found.white_px;
     evidence_.options().track_walk = found.walk_px_per_sqrt_s;
     out_.tracks = found;
@@ -158,6 +164,7 @@ class Diagnoser {
     const double so_far = evidence_.options().pixel_sigma / options_.core.pixel_sigma,
                  above = out_.pixels.factor / so_far - 1;
     if (above <= std::max(decision::kNoiseAbove, decision::kNoiseSigmas * out_.pixels.sigma / so_far)) return false;
+    if (!work_left_.allows()) return false;
     evidence_.options().pixel_sigma = out_.pixels.factor * options_.core.pixel_sigma;
     return true;
   }

@@ -21,7 +21,7 @@ constexpr int kMostInflations = 3;
 /// at 1 and n - 1 degrees of freedom: for p = 1e-4 an effect of one parameter needs 1.9
 /// times the statistic that chi-square would ask for with 15 segments, 50 times with four.
 constexpr double kSegments = 15, kShortestSegment = 2;
-/// Fits that are kept: a search that drops what it has taken comes back to one of the last.
+/// Fits that are kept: a search that drops an effect comes back to the fit before it.
 constexpr std::size_t kRemembered = 4;
 /// Segments dropped of all that tell something; with more the fit is made with larger noise.
 constexpr double kDroppedShare = 0.25;
@@ -83,7 +83,8 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
   replay_options.core = options_;
   replay_options.profile = profile_;
   replay_options.progress = progress_;
-  const int before = made_.empty() ? 0 : now().inflations;
+  const bool first = made_.empty();
+  const int before = first ? 0 : now().inflations;
   if (made_.size() == kRemembered) made_.pop_back();
   made_.push_front(std::make_unique<MadeFit>());
   now().inflations = std::max(0, before - 1);  // an effect more: smaller noise may do
@@ -99,7 +100,7 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
     }
     replay_options.core.term_values.push_back(start[i]);
   }
-  inflate_until_taken(replay_options);
+  inflate_until_taken(replay_options, first ? kMostInflations - 1 : before);
   int next_taken = 0, next_asked = static_cast<int>(now().taken.size());
   for (std::size_t i = 0; i < terms.size(); ++i) place[i] = estimated[i] ? next_taken++ : next_asked++;
   now().place = place;
@@ -109,11 +110,13 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
   return now().problem;
 }
 
-void Evidence::inflate_until_taken(ReplayOptions options) {
+/// To `enough` inflations whatever it costs: one that fails for want of them would say that nothing fits.
+void Evidence::inflate_until_taken(ReplayOptions options, int enough) {
   const CoreOptions stated = options.core;
   for (;; ++now().inflations) {
     options.core = inflated(stated, now().inflations);
-    if (try_fit(options) || now().inflations + 1 == kMostInflations || !budget_->allows()) return;
+    if (try_fit(options) || now().inflations + 1 == kMostInflations) return;
+    if (now().inflations >= enough && !budget_->allows()) return;
   }
 }
 

@@ -53,7 +53,7 @@ class Evidence {
   std::vector<double> question(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated,
                                const std::vector<double>& start) const;
   bool remembers(const std::vector<double>& asked);
-  void inflate_until_taken(ReplayOptions options);
+  void inflate_until_taken(ReplayOptions options, int enough);
   bool try_fit(const ReplayOptions& options);
   Problem gather(const std::vector<TermInfo>& candidates, bool in_parts);
   Rows rows_of(const std::vector<std::uint32_t>& serials, const std::vector<TermInfo>& candidates);

@@ -1,6 +1,9 @@
 #include "diagnose/rivals.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "diagnose/shift.h"
 
 namespace host::diagnosis {
 
@@ -17,6 +20,17 @@ int dominant_of(const Problem& problem, const std::vector<Candidate>& candidates
     best = c;
   }
   return most > decision::kDominates * next ? best : -1;
+}
+
+bool says_more_than(const Shift& step, const std::vector<std::pair<double, int>>& effects, const Problem& problem,
+                    const std::vector<Candidate>& candidates, const std::vector<TermGroup>& free) {
+  const double of_step = step.test.log10_p - std::log10(share_of(step));
+  return std::any_of(effects.begin(), effects.end(), [&](const std::pair<double, int>& effect) {
+    if (effect.first <= of_step) return true;
+    const Candidate& c = candidates[effect.second];
+    return test_effect(problem, c, free).log10_p - std::log10(c.share) <= of_step &&
+           halves_refuse(problem, c, free).empty();
+  });
 }
 
 std::vector<int> rivals_of(const Problem& problem, const std::vector<Candidate>& candidates, int accepted,

@@ -10,6 +10,12 @@ namespace host::diagnosis {
 int dominant_of(const Problem& problem, const std::vector<Candidate>& candidates, const std::vector<TermGroup>& free,
                 const std::vector<int>& open);
 
+/// Is an effect more significant than a step? Or as significant, if its scatter counts as little as the step's and both
+/// halves tell of it: an effect is not less one for being held against it. `effects`: log10 p by F over the share of
+/// the level, and the candidate's place; those of effects that are called.
+bool says_more_than(const Shift& step, const std::vector<std::pair<double, int>>& effects, const Problem& problem,
+                    const std::vector<Candidate>& candidates, const std::vector<TermGroup>& free);
+
 /// Of the candidates `open`, those that alone explain as much as `accepted`, and beside which that adds nothing; with
 /// the columns of `others` free.
 std::vector<int> rivals_of(const Problem& problem, const std::vector<Candidate>& candidates, int accepted,

@@ -82,23 +82,28 @@ class Search {
 
   /// Accepts the most significant candidate that both halves tell of.
   bool step_forward() {
-    if (options_.work && !options_.work->allows()) return false;
     const std::vector<std::pair<double, int>> order = calls();
     if (offer_shift(order)) return true;
     const int first = dominant_of(out_.problem, candidates_, groups_but(-1), open());
-    if (first >= 0 && !dropped_before(first) && try_out(first)) return true;
+    if (first >= 0 && !dropped_before(first)) {
+      const bool passes = significant(first, tested(first, groups_but(-1))) && holds(first);
+      if (passes ? take(first) : try_out(first)) return true;
+    }
     for (const auto& [p, c] : order) {
       if (c == refused_at_its_fit_ || !holds(c)) continue;
-      if (dropped_before(c)) {
-        why_[c] = "not needed beside the others";
-      } else {
-        refused_at_its_fit_ = -1;
-        chosen_.push_back(c);
-        fit_again();
-        return true;
-      }
+      if (!dropped_before(c)) return take(c);
+      why_[c] = "not needed beside the others";
     }
     return false;
+  }
+
+  /// False if no time is left for the fit.
+  bool take(int c) {
+    if (options_.work && !options_.work->allows()) return false;
+    refused_at_its_fit_ = -1;
+    chosen_.push_back(c);
+    fit_again();
+    return true;
   }
 
   /// Do both halves tell of it, beside the other chosen ones? Says why not.
@@ -110,11 +115,10 @@ class Search {
 
   /// Fits with it. It stays if it passes there, where its value is the one at which rows are linearised.
   bool try_out(int c) {
-    if (c == refused_at_its_fit_) return false;
-    chosen_.push_back(c);
-    fit_again();
-    if (significant(c, tested(c, groups_but(c))) && holds(c)) return true;
-    if (why_[c].empty()) why_[c] = "its value is not the same throughout the recording";
+    if (!take(c)) return false;
+    const bool is_called = significant(c, tested(c, groups_but(c)));
+    if (is_called && holds(c)) return true;
+    if (!is_called) why_[c] = "with it in the fit, its value is not the same throughout the recording";
     chosen_.pop_back();
     fit_again();
     refused_at_its_fit_ = c;
@@ -135,10 +139,8 @@ class Search {
   bool offer_shift(const std::vector<std::pair<double, int>>& others) {
     if (out_.shifted || shift_refused_) return false;
     const std::optional<Shift> step = best_shift(out_.problem, groups_but(-1));
-    if (!step) return false;
-    const double share = share_of(*step);
-    if (!called(step->test.log10_p, share)) return false;
-    if (!others.empty() && others.front().first <= step->test.log10_p - std::log10(share)) return false;
+    if (!step || !called(step->test.log10_p, share_of(*step))) return false;
+    if (says_more_than(*step, others, out_.problem, candidates_, groups_but(-1))) return false;
     if (is_little(step->test)) {
       shift_refused_ = step_was_little_ = true;
       return false;
@@ -146,8 +148,7 @@ class Search {
     const Problem without = out_.problem;
     out_.problem = with_shift(without, *step);
     const Candidate candidate = shift_candidate(out_.problem, *step);
-    const Scatter scatter = scatter_over_time(out_.problem, candidate, groups_but(-1));
-    if (!called(log10_p_of(*step, scatter), share) || !halves_refuse(out_.problem, candidate, groups_but(-1)).empty()) {
+    if (!step_holds(out_.problem, candidate, *step, groups_but(-1))) {
       out_.problem = without;
       shift_refused_ = true;
       return false;
@@ -181,9 +182,9 @@ class Search {
   void step_back() {
     for (std::size_t i = 0; i + 1 < chosen_.size();) {
       const int c = chosen_[i];
-      const bool known = std::count(options_.known.begin(), options_.known.end(), c) > 0;
       const EffectTest beside = tested(c, groups_but(c));
-      if (known || (significant(c, beside) && !(c >= given_ && is_little(beside)))) {
+      if (std::count(options_.known.begin(), options_.known.end(), c) > 0 ||
+          (significant(c, beside) && !(c >= given_ && is_little(beside)))) {
         ++i;
         continue;
       }
@@ -202,7 +203,10 @@ class Search {
   void finish() {
     out_.candidates = candidates_;
     for (int c : chosen_) out_.accepted.push_back({c, tested(c, groups_but(c))});
-    for (const Accepted& a : out_.accepted) find_rivals(a);
+    for (const Accepted& a : out_.accepted) {
+      for (int b : rivals_of(out_.problem, candidates_, a.candidate, groups_but(a.candidate), open()))
+        out_.pairs.push_back({a.candidate, b});
+    }
     if (const std::optional<Shift> step = step_was_little_ ? best_shift(out_.problem, groups_but(-1)) : std::nullopt) {
       if (called(step->test.log10_p, share_of(*step)))
         out_.leftover.take(step->test.chi2, "calibration_shift of " + step->block.name);
@@ -219,14 +223,9 @@ class Search {
     for (const Pair& pair : out_.pairs) {
       if (pair.other == c) return "this motion does not tell it from " + candidates_[pair.accepted].name;
     }
-    const bool open = open_to(c) && significant(c, test_effect(out_.problem, candidates_[c], groups_but(-1)));
-    if (!why_[c].empty() && (open || dropped_before(c))) return why_[c];
+    const bool left = open_to(c) && significant(c, test_effect(out_.problem, candidates_[c], groups_but(-1)));
+    if (!why_[c].empty() && (left || dropped_before(c))) return why_[c];
     return chosen_.empty() ? "not significant" : "explained by " + candidates_[chosen_.front()].name;
-  }
-
-  void find_rivals(const Accepted& a) {
-    for (int b : rivals_of(out_.problem, candidates_, a.candidate, groups_but(a.candidate), open()))
-      out_.pairs.push_back({a.candidate, b});
   }
 
   std::vector<Candidate> candidates_;

@@ -146,9 +146,12 @@ Problem with_shift(const Problem& problem, const Shift& shift) {
 
 double share_of(const Shift& shift) { return decision::kStepsShare / std::max(1, shift.trials); }
 
-double log10_p_of(const Shift& shift, const Scatter& scatter) {
+bool step_holds(const Problem& with, const Candidate& candidate, const Shift& shift,
+                const std::vector<TermGroup>& free) {
+  const Scatter scatter = scatter_over_time(with, candidate, free);
   const bool by_chance = log10_upper_tail(scatter.factor * scatter.dof, scatter.dof) > decision::kLog10Scatters;
-  return by_chance ? shift.test.log10_p : scatter.log10_p(shift.test.statistic, shift.test.seen);
+  const double log10_p = by_chance ? shift.test.log10_p : scatter.log10_p(shift.test.statistic, shift.test.seen);
+  return called(log10_p, share_of(shift)) && halves_refuse(with, candidate, free).empty();
 }
 
 Candidate shift_candidate(const Problem& shifted, const Shift& shift) {

@@ -22,8 +22,9 @@ Problem with_shift(const Problem& problem, const Shift& shift);
 /// Of the recording's error level: what steps have of it, over the trials.
 double share_of(const Shift& shift);
 
-/// log10 p of a step, not corrected for the trials: by F where it scatters.
-double log10_p_of(const Shift& shift, const Scatter& scatter);
+/// Is a step called, by F where it scatters, and do both halves tell of it? `with`: its columns are in the rows.
+bool step_holds(const Problem& with, const Candidate& candidate, const Shift& shift,
+                const std::vector<TermGroup>& free);
 
 /// What those columns are called and how large a step may be.
 Candidate shift_candidate(const Problem& shifted, const Shift& shift);

@@ -33,16 +33,16 @@ class StepPolicy {
     // Where a damped one should gain less than rounding, the cost says nothing: the next is a whole one again.
     const bool lost = !whole && fall < rounding;
     kept_ = trial <= cost_ + rounding;
-    // Neither a whole step from here gains anything nor a damped one: both would be asked in turn for ever.
-    const bool stuck = lost && refused_;
     if (!kept_) {
+      // Neither a whole step from here nor a damped one: both would be asked in turn for ever.
+      if (lost && refused_) return true;
       refused_ = refused_ || whole;
       damping_ = lost ? S(0) : whole ? S(0.01) : damping_ * S(4);
       // A step that should gain less than this, and gains nothing,
       // has met the rounding: damping it cannot help.
-      return stuck || (whole && fall < S(options.converged)) || damping_ > S(1e4);
+      return (whole && fall < S(options.converged)) || damping_ > S(1e4);
     }
-    if (cost_ - trial > rounding) refused_ = false;
+    refused_ = false;
     flat_ = cost_ - trial <= S(1e-3) * cost_;
     cost_ = trial;
     // An undamped step that should gain less than this is turned back by rounding.
@@ -52,7 +52,7 @@ class StepPolicy {
       damping_ = damping_ < S(0.008) ? S(0) : damping_ * S(0.2);
     }
     if (lost) damping_ = S(0);
-    return stuck || (whole && flat_ && fall < S(options.settled));
+    return whole && flat_ && fall < S(options.settled);
   }
   bool kept() const { return kept_; }
   /// `left`: what an undamped step from where the last kept one led should gain.
@@ -79,7 +79,7 @@ class StepPolicy {
   S damping_, cost_;
   S last_step_[kMaxTheta];  ///< in the prior's sigmas
   bool flat_ = false, kept_ = false;
-  bool refused_ = false;  ///< a whole step was, since something was gained
+  bool refused_ = false;  ///< a whole step was, from where the last kept one led
 };
 
 }  // namespace SEGCAL_NS
