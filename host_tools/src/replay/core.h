@@ -230,16 +230,14 @@ class Core {
   /// Data faults and other counters, by name.
   virtual std::vector<std::pair<std::string, std::uint32_t>> counters() const = 0;
   virtual CoreMemory memory() const = 0;
-  /// Slices of background work since it was made, each bounded (segcal_progress_t.slices).
-  virtual std::uint32_t work() const = 0;
+  virtual std::uint32_t work() const = 0;  ///< slices since it was made, each bounded (segcal_progress_t.slices)
   /// Before anything is pushed: goes on, in a new session, where the device that
   /// saved into this flash ended. Throws InputError without a file's name if that
   /// device's configuration or capacities were others, or if nothing whole is stored.
   virtual void restore(FlashImage* flash) = 0;
   /// After flush() or calibrate(): what outlives power. An empty image is made as large as this profile needs.
   virtual void save(FlashImage* flash) = 0;
-  /// Over all bits of what was found (segcal_result_hash).
-  virtual std::uint64_t result_hash() const = 0;
+  virtual std::uint64_t result_hash() const = 0;  ///< over all bits of what was found (segcal_result_hash)
 };
 
 /// `profile`: mcu, mobile, host or mobile_double. Throws InputError
