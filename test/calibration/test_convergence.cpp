@@ -99,6 +99,13 @@ void test_no_step_is_asked_for_ever() {
     TEST_ASSERT_FALSE(policy.judge(kept + 1, 0.03f, step, 1, sigma, options));
     TEST_ASSERT_TRUE(policy.damping() > 0);
   }
+  // It was from another place that a whole step was refused.
+  policy.begin(3000);
+  TEST_ASSERT_FALSE(policy.judge(3001, 0.03f, step, 1, sigma, options));
+  TEST_ASSERT_FALSE(policy.judge(2990, 0.02f, step, 1, sigma, options));
+  TEST_ASSERT_TRUE(policy.damping() > 0);
+  TEST_ASSERT_FALSE(policy.judge(2990.1f, 1e-3f, step, 1, sigma, options));
+  TEST_ASSERT_TRUE(policy.damping() == 0);
 }
 
 /// As if the first steps had been taken the wrong way: two hundredths of the path with the other sign, and landmarks at
