@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "../support/random.h"
@@ -62,6 +64,14 @@ inline host::diagnosis::Problem problem_of(const LinearRecording& recording, Ran
   out.all = sum_of(all);
   out.train = sum_of(half[0]);
   out.held_out = sum_of(half[1]);
+  return out;
+}
+
+/// Of what was accepted, in the order of letters.
+inline std::vector<std::string> names(const host::diagnosis::Selection& s) {
+  std::vector<std::string> out;
+  for (const host::diagnosis::Accepted& a : s.accepted) out.push_back(s.candidates[a.candidate].name);
+  std::sort(out.begin(), out.end());
   return out;
 }
 

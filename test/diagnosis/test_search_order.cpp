@@ -13,6 +13,7 @@
 
 using namespace host::diagnosis;
 using test::LinearRecording;
+using test::names;
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}
@@ -25,12 +26,6 @@ LinearRecording catalogue() {
   r.add("shutter", 1, 1);
   r.add("lag", 1, 1);
   return r;
-}
-
-std::vector<std::string> names(const Selection& s) {
-  std::vector<std::string> out;
-  for (const Accepted& a : s.accepted) out.push_back(s.candidates[a.candidate].name);
-  return out;
 }
 
 /// Statistics of 0.6^2 and 0.25^2 times 1440 rows over the dispersion: 5.8 times apart, and with 0.45, 1.8 times.
@@ -84,7 +79,7 @@ void test_refused_alone_and_taken_beside_another() {
     const Selection s = select_effects(both.candidates, {}, [&](const std::vector<int>& accepted) {
       return std::count(accepted.begin(), accepted.end(), 1) > 0 ? beside : alone;
     });
-    right += names(s) == std::vector<std::string>{"shutter", "offset"};
+    right += names(s) == std::vector<std::string>{"offset", "shutter"};
   }
   TEST_ASSERT_GREATER_OR_EQUAL_INT(19, right);  // the halves of a right effect disagree in one of a thousand
 }
@@ -105,7 +100,7 @@ void test_an_effect_before_the_step_that_looks_like_it() {
     const Problem problem = problem_of(recording, &random);
     const Selection s =
         select_effects(recording.candidates, {}, [&problem](const std::vector<int>&) { return problem; });
-    right += names(s).size() >= 1 && names(s).front() == "offset";
+    right += !s.accepted.empty() && s.accepted.front().candidate == 0;
   }
   std::printf("effect before step: %d of 20\n", right);
   TEST_ASSERT_GREATER_OR_EQUAL_INT(19, right);

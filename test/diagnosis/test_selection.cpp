@@ -11,6 +11,7 @@
 
 using namespace host::diagnosis;
 using test::LinearRecording;
+using test::names;
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}
@@ -31,13 +32,6 @@ Selection selected(const LinearRecording& recording, int seed) {
   test::Random random(seed);
   const Problem problem = problem_of(recording, &random);
   return select_effects(recording.candidates, {}, [&problem](const std::vector<int>&) { return problem; });
-}
-
-std::vector<std::string> names(const Selection& s) {
-  std::vector<std::string> out;
-  for (const Accepted& a : s.accepted) out.push_back(s.candidates[a.candidate].name);
-  std::sort(out.begin(), out.end());
-  return out;
 }
 
 /// Value of a group of m parameters that gives a statistic of s: each row tells 1 about each parameter.

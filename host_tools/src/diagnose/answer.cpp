@@ -200,7 +200,7 @@ namespace {
 
 void say_cut_short(Diagnosis* d) {
   if (!d->cut_short) return;
-  d->sentence += ". The search has used up its time (fits of this recording settle slowly): more may be there";
+  d->sentence += ". The search ended before it was done, to bound its time: more may be there";
 }
 
 void conclude_fits(Diagnosis* d) {

@@ -108,11 +108,13 @@ class Diagnoser {
     out_.fit_before = evidence_.result();
     search();
     if (tracks_drift()) {
+      model_.forget_additions();
       fit_plain();
       out_.fit_before = evidence_.result();
       search();
     }
     for (int round = 0; round < decision::kNoiseRounds && !lens_has_no_name() && pixel_noise_is_above(); ++round) {
+      model_.forget_additions();
       fit_plain();
       search();
       noisy_pixels_ = true;
@@ -124,7 +126,6 @@ class Diagnoser {
   }
 
   void search() {
-    model_.forget_additions();
     SelectionOptions options;
     options.known = model_.known;
     options.work = &work_left_;

@@ -80,7 +80,7 @@ class Search {
     return order;
   }
 
-  /// Accepts the most significant candidate that both halves tell of.
+  /// Accepts a step, the effect that says most by far, or the most significant one that both halves tell of.
   bool step_forward() {
     const std::vector<std::pair<double, int>> order = calls();
     if (offer_shift(order)) return true;

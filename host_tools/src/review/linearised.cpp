@@ -4,25 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/fit_rows.h"
 #include "diagnose/gyro_path.h"
 
 namespace host::review {
 namespace {
 
+using diagnosis::unpacked;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-MatrixXd unpacked(const CoreRows& rows) {
-  const int n = rows.n_theta + rows.n_candidates + 1;
-  MatrixXd R = MatrixXd::Zero(n, n);
-  std::size_t at = 0;
-  for (int i = 0; i < n; ++i) {
-    for (int c = i; c < n; ++c) R(i, c) = rows.triangle[at++];
-  }
-  return R;
-}
 
 bool begins_rotation(const CoreParameter& p) {
   const std::string& n = p.name;
