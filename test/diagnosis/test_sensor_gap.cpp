@@ -110,6 +110,16 @@ void test_nothing_there_is_nothing_open() {
   }
 }
 
+/// Squares of a sensor that are not what the segment's rows say: no gap of a sensor is told.
+void test_sensors_that_do_not_add_up() {
+  SensorRecording r = recording_of(1, 0, kSensors, {1, 1, 1});
+  TEST_ASSERT_TRUE(measured(r).of[0].dof > 0);
+  r.pieces.of[1][5].rows.R *= 1.8;  // of 300 rows 40: 0.3 of the squares too many
+  for (const SensorGap& gap : measured(r).of) TEST_ASSERT_EQUAL_DOUBLE(0, gap.dof);
+  r.pieces.of[1][5].rows.R(3, 2) = std::nan("");
+  for (const SensorGap& gap : measured(r).of) TEST_ASSERT_EQUAL_DOUBLE(0, gap.dof);
+}
+
 /// A device three sigmas from its data sheet, whose last sensor tells as much about it as the prior does: a prior that
 /// pulls would leave 3^2 / 4 of chi2 in each of the directions, one sigma of the gap in all.
 void test_data_sheet_opens_nothing() {
@@ -259,6 +269,7 @@ int main() {
   UNITY_BEGIN();
   RUN_TEST(test_nothing_there_is_nothing_open);
   RUN_TEST(test_data_sheet_opens_nothing);
+  RUN_TEST(test_sensors_that_do_not_add_up);
   RUN_TEST(test_the_sensor_that_sees_it);
   RUN_TEST(test_degrees_of_freedom_add_up);
   RUN_TEST(test_rows_are_the_core_s);

@@ -134,11 +134,33 @@ void test_against_dense() {
   }
 }
 
+/// What a camera has left of a column that it does not know is rounding: a diagonal just below zero, beside entries
+/// that are no smaller. The column is zero, and the others are what they are without it.
+void test_rounding_is_no_direction() {
+  MatrixXd square(3, 3), known(2, 2);
+  square << 4, 1e-12, 1,  //
+      1e-12, -1e-17, -3e-12, 1, -3e-12, 9;
+  known << 4, 1, 1, 9;
+  for (double diagonal : {-1e-17, 0.0, 1e-17}) {
+    square(1, 1) = diagonal;
+    const MatrixXd R = host::SEGCAL_NS::root_of_squares(square, square, Eigen::Vector3d(10, 10, 10));
+    const MatrixXd again = R.transpose() * R;
+    const Id id = Id().add("diagonal", diagonal);
+    test::check_near(id, "the column's length", 0, R.col(1).norm(), 0);
+    for (int r : {0, 2}) {
+      for (int c : {0, 2}) {
+        test::check_near(id.add("row", r).add("column", c), "square", known(r / 2, c / 2), again(r, c), 1e-12);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   test::select_cases(argc, argv);
   UNITY_BEGIN();
   RUN_TEST(test_against_dense);
+  RUN_TEST(test_rounding_is_no_direction);
   return UNITY_END();
 }

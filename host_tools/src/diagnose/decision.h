@@ -28,6 +28,10 @@ constexpr int kMostEffects = 5;
 constexpr double kSeen = 3;
 /// Prior sigma of a value in plausible sizes, where a value must be finite in directions that were not seen.
 constexpr double kWidePrior = 10;
+/// The squares of a segment's sensors, added up, over those of its rows, relative to the lengths of the columns:
+/// further apart than this, one of the two eliminations has lost a direction in rounding, and no gap is told for a
+/// sensor. Sound ones are 1e-4 to 6e-4 apart, 0.012 at most (float, in segments that hardly move).
+constexpr double kSensorsAddUp = 0.1;
 
 // ---- Is it the same throughout?
 

@@ -111,6 +111,20 @@ void add_fold(const Fold& fold, const SensorPieces& pieces, const Vector3d& vari
   sums->after += after - noise;
 }
 
+/// The sensors' squares are a second elimination of a segment (CoreSensorRows): do they add up to those of the first?
+bool add_up(const SensorPieces& sensors, const std::vector<Piece>& whole) {
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    const MatrixXd& R = whole[i].rows.R;
+    MatrixXd sum = MatrixXd::Zero(R.cols(), R.cols());
+    for (const std::vector<Piece>& of : sensors.of) sum += of[i].rows.R.transpose() * of[i].rows.R;
+    const MatrixXd apart = sum - R.transpose() * R;
+    const VectorXd length = R.colwise().squaredNorm().transpose().cwiseMax(sum.diagonal()).cwiseSqrt();
+    const MatrixXd most = decision::kSensorsAddUp * length * length.transpose();
+    if (!(apart.cwiseAbs().array() <= most.array()).all()) return false;  // nor where one is not finite
+  }
+  return true;
+}
+
 }  // namespace
 
 std::array<SensorGap, kSensors> gap_by_sensor(const Selection& selection, const std::vector<Fold>& folds,
@@ -125,6 +139,7 @@ std::array<SensorGap, kSensors> gap_by_sensor(const Selection& selection, const 
   for (const Fold& fold : folds) add_fold(fold, stepped, variance, &sums);
   const Vector3d dof = sums.shared.rowwise().sum(), expected = sums.shared * variance;
   std::array<SensorGap, kSensors> out;
+  if (!add_up(stepped, selection.problem.pieces)) return out;
   for (int s = 0; s < kSensors; ++s) {
     if (!(dof(s) > 0 && expected(s) > 0)) continue;
     const double measured = sums.shared.row(s).transpose().cwiseProduct(spread).norm() / expected(s);

@@ -15,12 +15,11 @@
 #pragma once
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <limits>
 
 #include "replay/core.h"
 #include "replay/profile/landmark_squares.h"
+#include "replay/profile/root_of_squares.h"
 
 namespace host {
 namespace SEGCAL_NS {
@@ -57,7 +56,7 @@ class SegmentRows {
     for (int k = kCamera; k <= kAccel; ++k) {
       sum += form_[k];
       if (!eliminate(k, sum, &now)) return nothing;
-      out.root[k] = root_of(now.squares - before.squares, now.squares);
+      out.root[k] = root_of_squares(now.squares - before.squares, now.squares, sum.diagonal().tail(wide));
       for (int t = kCamera; t < k; ++t) out.shared(k, t) = std::max(0.0, before.fitted(t) - now.fitted(t));
       out.shared(k, k) = measured_[k] - now.fitted(k);
       before = now;
@@ -208,15 +207,6 @@ class SegmentRows {
       held_(c, rhs) = held_(rhs, c) = -pull * weight;
       held_(rhs, rhs) += pull * pull * weight;
     }
-  }
-
-  /// R of `square` = R'R, which has no rank in what the sensor does not know: rounding makes that negative. `sum`: of
-  /// the sensors so far, whose diagonal tells how large each column is.
-  static MatrixXd root_of(const MatrixXd& square, const MatrixXd& sum) {
-    const Eigen::VectorXd length = sum.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> scaled(square.cwiseQuotient(length * length.transpose()));
-    return scaled.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * scaled.eigenvectors().transpose() *
-           length.asDiagonal();
   }
 
   const core::Segment<double>& segment_;
