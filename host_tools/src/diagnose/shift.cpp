@@ -77,7 +77,7 @@ double least_cost(const Problem& problem, const std::vector<const Rows*>& sets) 
 /// Does a piece beside the step fit neither side? Its share of the cost is compared with its degrees of freedom.
 void look_inside(const Problem& problem, const std::vector<TermGroup>& free, Shift* shift) {
   double worst = decision::kFitsNeither;
-  for (std::size_t j = 0; j < problem.pieces.size(); ++j) {
+  for (std::size_t j = 1; j + 1 < problem.pieces.size(); ++j) {  // with one on either side
     if (std::abs(middle(problem.pieces[j]) - shift->time_s) > problem.pieces[j].end_s - problem.pieces[j].start_s)
       continue;
     std::vector<Rows> wide;
@@ -101,14 +101,14 @@ void look_inside(const Problem& problem, const std::vector<TermGroup>& free, Shi
 
 }  // namespace
 
-std::optional<Shift> best_shift(const Problem& problem, const std::vector<TermGroup>& free) {
+std::optional<Shift> best_shift(const Problem& problem, const std::vector<TermGroup>& free, std::size_t beside) {
   const std::size_t n = problem.pieces.size();
   if (n < 4 || problem.blocks.empty()) return {};
   const Sums sums = running_sums(problem, free);
   std::optional<Shift> best;
   int trials = 0;
   for (const Block& block : problem.blocks) {
-    for (std::size_t k = 2; k + 2 <= n; ++k) {
+    for (std::size_t k = beside; k + beside <= n; ++k) {
       const EffectTest test = trial(problem, sums, k, block, free_columns(free), problem.noise);
       trials += test.seen > 0 ? 1 : 0;
       if (test.seen == 0 || (best && test.log10_p >= best->test.log10_p)) continue;

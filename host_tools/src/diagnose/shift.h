@@ -13,8 +13,8 @@
 
 namespace host::diagnosis {
 
-/// The most significant step with theta and the groups `free` free; none without two pieces on each side.
-std::optional<Shift> best_shift(const Problem& problem, const std::vector<TermGroup>& free);
+/// The most significant step with theta and the groups `free` free, at least `beside` pieces on each side of it.
+std::optional<Shift> best_shift(const Problem& problem, const std::vector<TermGroup>& free, std::size_t beside = 2);
 
 /// The problem with the step's columns behind the terms, made of its pieces: their links with each other are lost.
 Problem with_shift(const Problem& problem, const Shift& shift);

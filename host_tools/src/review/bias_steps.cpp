@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "diagnose/chi_square.h"
-#include "formatted.h"
 #include "reference/finish.h"
 #include "reference/solve.h"
 #include "replay/kept_segments.h"
@@ -12,6 +11,7 @@
 #include "review/suspected_moves.h"
 #include "review/walk_rows.h"
 #include "review/walk_screen.h"
+#include "review/when.h"
 
 namespace host::review {
 namespace {
@@ -45,8 +45,6 @@ std::vector<std::pair<int, int>> links_of(const reference::Problem& problem) {
   return out;
 }
 
-double seconds(std::int64_t from_ns, std::int64_t to_ns) { return 1e-9 * static_cast<double>(to_ns - from_ns); }
-
 /// Far enough from where its chain begins and ends?
 bool inside(const reference::Problem& problem, const std::pair<int, int>& link) {
   const auto state = [&problem](int i) -> const reference::State& {
@@ -55,8 +53,8 @@ bool inside(const reference::Problem& problem, const std::pair<int, int>& link) 
   const std::vector<int>& starts = problem.chain_starts;
   const auto next = std::upper_bound(starts.begin(), starts.end(), link.first);
   const int last = next == starts.end() ? static_cast<int>(problem.states.size()) - 1 : *next - 1;
-  return seconds(state(*(next - 1)).t_ns, state(link.first).t_ns) >= kFromEnds_s &&
-         seconds(state(link.second).t_ns, state(last).t_ns) >= kFromEnds_s;
+  return seconds_between(state(*(next - 1)).t_ns, state(link.first).t_ns) >= kFromEnds_s &&
+         seconds_between(state(link.second).t_ns, state(last).t_ns) >= kFromEnds_s;
 }
 
 void take_larger(const WalkRows& rows, std::size_t link, int axis, Found* out) {
@@ -80,17 +78,6 @@ Found largest(const reference::Problem& problem, const WalkRows& rows) {
     if (inside(problem, links[i])) take_larger(rows, i, out.axis, &out);
   }
   return out;
-}
-
-/// "at 31.2 s" of the recording that holds both stamps, or "between 24.0 and 28.2 s".
-std::string when(const std::vector<Recording>& sessions, std::int64_t from_ns, std::int64_t to_ns) {
-  std::int64_t zero_ns = 0;
-  for (const Recording& r : sessions) {
-    if (!r.imu.samples.empty() && r.imu.samples.front().t_ns <= from_ns)
-      zero_ns = std::max(zero_ns, r.imu.samples.front().t_ns);
-  }
-  const double from_s = seconds(zero_ns, from_ns), to_s = seconds(zero_ns, to_ns);
-  return to_s - from_s > 1 ? formatted("between %.1f and %.1f s", from_s, to_s) : formatted("at %.1f s", to_s);
 }
 
 /// By how much all values move, of theta's columns that do, and which released one most.

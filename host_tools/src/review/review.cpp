@@ -9,6 +9,7 @@
 #include "replay/counters.h"
 #include "replay/words.h"
 #include "review/bias_steps.h"
+#include "review/calibration_step.h"
 #include "review/followed.h"
 #include "review/linearised.h"
 #include "review/missing_effects.h"
@@ -96,6 +97,7 @@ class Review {
                               "calibration fits them: the device changed on the way (calibrate what was before and "
                               "after by themselves), or an effect is missing (segcal diagnose)",
                               std::sqrt(health_.segment_scatter)));
+    if (const std::string step = stepping_calibration(missing); !step.empty()) return refuse("insufficient", step);
     for (Suspect& suspect : health_.suspects) widen_by(suspect, &out_);
     refuse_unobserved(&out_);
   }
@@ -110,6 +112,14 @@ class Review {
     health_.suspects.insert(health_.suspects.begin() + static_cast<std::ptrdiff_t>(place), *step);
     const bool effect_refuses = second && refusing(missing);
     return !effect_refuses && step->bias_sigmas > kMostStepBias ? step->words : "";
+  }
+
+  /// Not asked where an effect explains more: a lens that is not of its model, a warm sensor look like steps.
+  std::string stepping_calibration(const std::vector<Suspect>& missing) {
+    const std::optional<Suspect> step = calibration_step(sessions_, core_, out_);
+    if (!step || (!missing.empty() && missing.front().statistic > step->statistic)) return "";
+    health_.suspects.insert(health_.suspects.begin() + static_cast<std::ptrdiff_t>(faults_), *step);
+    return step->bias_sigmas > kMostStepBias ? step->words : "";
   }
 
   /// The prior says where the truth may be; a step far beyond it was not made by noise.

@@ -15,6 +15,8 @@ namespace host::review {
 ///  samples with what the odometry
 ///    believed,
 ///  - the segments disagree with each other by more than five times what noise leaves,
+///  - a step of a part of theta, which the kept segments show, puts a released value two sigmas from the answer
+///  (calibration_step.h),
 ///  - fewer than half of the parameters are observed with the widened sigmas,
 ///  - one segment alone is kept: nothing says whether its residuals are independent,
 ///  - the newest segments contradict the others, and are too few to decide what is right (calibration/changes.h).

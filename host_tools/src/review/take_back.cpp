@@ -49,7 +49,7 @@ void keep_suspects(const ReplayResult& earlier, ReplayResult* now) {
     const auto same = [&s](const Suspect& other) { return other.name == s.name; };
     if (std::any_of(kept.begin(), kept.end(), same)) continue;
     s.in_sigmas = false;
-    if (s.name.rfind("bias_step.", 0) == 0) {
+    if (s.name.rfind("bias_step.", 0) == 0 || s.name.rfind("calibration_shift.", 0) == 0) {
       s.move = 0;
       s.moved.clear();
     }

@@ -74,6 +74,7 @@ class CalibrateJob {
   static int newest_epoch(DeviceParts<S>* d);
   void compare_next(DeviceParts<S>* d);
   void take_verdict(DeviceParts<S>* d);
+  void drop_convicted(DeviceParts<S>* d);
   [[gnu::cold]] void begin_agreement(DeviceParts<S>* d);
   void judge_change(DeviceParts<S>* d);
 
@@ -85,6 +86,7 @@ class CalibrateJob {
   std::int32_t n_ = 0, i_ = 0, epoch_ = 0, round_ = 0;
   bool dropped_ = false, dropped_any_ = false, changed_ = false, compares_epoch_ = false;
   Agreement<S> agreement_;
+  bool convicted_[kMaxSegments] = {}, convicted_epoch_[kEpochs > 0 ? kEpochs : 1] = {};  ///< by agreement_
   SegmentScatter<S> scatter_;
   ReprojectionFigures<S> reprojection_;
   double squares_ = 0;

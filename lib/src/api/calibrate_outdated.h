@@ -21,6 +21,7 @@ template <class S>
         take_verdict(d);
       }
       SEGCAL_PAUSE(inner_);
+      if (agreement_.confirmed()) drop_convicted(d);
       judge_change(d);
     }
   }
@@ -45,23 +46,38 @@ void CalibrateJob<S>::compare_next(DeviceParts<S>* d) {
   }
 }
 
-/// What is outdated goes. An epoch that agrees tells what its segments disagree by among themselves: one of several may
-/// convict the next older item, though it is one item.
+/// An epoch that agrees tells what its segments disagree by among themselves: one of several may convict the next older
+/// item, though it is one item.
 template <class S>
 void CalibrateJob<S>::take_verdict(DeviceParts<S>* d) {
-  const bool outdated = agreement_.outdated();
-  dropped_ = dropped_ || outdated;
-  dropped_any_ = dropped_any_ || outdated;
   if (compares_epoch_) {
     if constexpr (kEpochs > 0) {
       const Epoch<S>& e = d->epochs.epoch(epoch_);
       agreement_.know_spread(e.pulls.found, static_cast<int>(e.pulls.expected));
-      if (outdated) outdate_epoch(epoch_, d);
+      convicted_epoch_[epoch_] = agreement_.outdated();
     }
-  } else if (outdated) {
-    d->database().drop_outdated(segment_[i_]);
-    ++d->faults.segments_outdated;
+  } else {
+    convicted_[i_] = agreement_.outdated();
   }
+}
+
+/// What is outdated goes.
+template <class S>
+void CalibrateJob<S>::drop_convicted(DeviceParts<S>* d) {
+  for (int i = 0; i < n_; ++i) {
+    if (!convicted_[i]) continue;
+    d->database().drop_outdated(segment_[i]);
+    ++d->faults.segments_outdated;
+    dropped_ = true;
+  }
+  if constexpr (kEpochs > 0) {
+    for (int i = newest_epoch(d); i >= 0; --i) {
+      if (!convicted_epoch_[i]) continue;
+      outdate_epoch(i, d);
+      dropped_ = true;
+    }
+  }
+  dropped_any_ = dropped_any_ || dropped_;
 }
 
 template <class S>

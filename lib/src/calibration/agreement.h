@@ -13,6 +13,7 @@
 // to six per degree of freedom. So the measure is what the newer ones disagree among
 // themselves, at least 1, and the ratio of the two mean squares is F. One segment alone
 // convicts nobody, then, and nor do several that could not stand in for what they convict.
+// Two may agree by chance: the verdicts stand only if they are confirmed by all in the end.
 #pragma once
 
 #include "calibration/epochs.h"
@@ -51,12 +52,13 @@ class Agreement {
       if (agreed_ > 0) {
         begin_analysis(information, prior_->sigma, analysis_.get());
         SEGCAL_AWAIT(place_, analyse_step(information.n_theta, analysis_.get()));
-        compare(information);
+        compare(information, copy_of(newer()));
         outdated_ = contradicted() && know_enough();
         SEGCAL_PAUSE(place_);
       }
       if (outdated_) {
         contradict(information);
+        SEGCAL_PAUSE(place_);
       } else {
         agree(information);
       }
@@ -67,11 +69,21 @@ class Agreement {
   /// What the item that take_step() has judged is known to scatter by
   /// in itself: a sum of squares of unit variance, with `degrees`.
   void know_spread(S sum, int degrees) { (outdated_ ? spread_of_outdated_ : spread_).add(sum / noise_, degrees); }
+  /// After the last one: do outdated ones contradict newer ones by more than either contradict each other? A model that
+  /// lacks something makes segments disagree that no change lies between, and in few directions each (spread.h): newer
+  /// ones that happen to agree convict all others then.
+  bool confirmed() const {
+    if (outdated_items_ == 0) return false;
+    Spread<S> all = spread_;
+    all.add(spread_of_outdated_);
+    const S limit = all.uneven_limit(against_degrees_, level_, outdated_items_);
+    return limit > S(0) && against_ > limit * S(against_degrees_) * all.mean();
+  }
   /// After the last one: whether all that is outdated, together, contradicts all that agreed; by chance with
   /// probability p. Either may scatter more.
   [[gnu::cold]] bool changed(S p) {
     if (outdated_items_ == 0) return false;
-    PackedTriangle<S> T = copy_of_newer(), older = outdated_ones();
+    PackedTriangle<S> T = copy_of(newer()), older = outdated_ones();
     S* row = block();
     for (int i = 0; i < n_; ++i) {
       for (int c = 0; c <= n_; ++c) row[c] = c < i ? S(0) : older(i, c);
@@ -96,28 +108,43 @@ class Agreement {
     add(information, &T);
     ++agreed_;
   }
+  /// The newest of several may be the one in which the device changed, and then tells of neither theta: it convicts
+  /// itself, and says nothing about the older ones.
   void contradict(const SegmentInformation<S>& information) {
-    if constexpr (kEpochs > 0) {
-      PackedTriangle<S> T = outdated_ones();
-      if (outdated_items_++ == 0) T.clear();
-      add(information, &T);
+    against_ += statistic_;
+    against_degrees_ += degrees_;
+    PackedTriangle<S> T = outdated_ones();
+    if (outdated_items_ < 2) {
+      T.clear();
+    } else {
+      compare(information, with_prior(copy_of(T)));
+      spread_of_outdated_.add(statistic_, degrees_);
     }
+    add(information, &T);
+    ++outdated_items_;
   }
   PackedTriangle<S> newer() { return PackedTriangle<S>(scratch_, n_ + 1); }
   PackedTriangle<S> trial() { return PackedTriangle<S>(scratch_ + packed_size(n_ + 1), n_ + 1); }
   PackedTriangle<S> outdated_ones() { return PackedTriangle<S>(scratch_ + 2 * packed_size(n_ + 1), n_ + 1); }
   S* block() { return scratch_ + 3 * packed_size(n_ + 1); }
 
-  /// The prior alone, in units of its sigmas.
   void begin() {
     PackedTriangle<S> T = newer();
-    S offset[kMaxTheta];
-    difference(prior_->mean, *theta_, offset);
     T.clear();
+    with_prior(T);
+  }
+  /// Each prior once, in units of its sigmas.
+  PackedTriangle<S> with_prior(PackedTriangle<S> T) {
+    S offset[kMaxTheta], *row = block();
+    difference(prior_->mean, *theta_, offset);
     for (int i = 0; i < n_; ++i) {
-      T.row(i)[i] = S(1);
-      T.row(i)[n_] = -offset[i] / prior_->sigma[i];
+      for (int c = 0; c <= n_; ++c) row[c] = S(0);
+      row[i] = S(1);
+      row[n_] = -offset[i] / prior_->sigma[i];
+      fold_rows(T, row, 1, n_ + 1, i, n_ + 1);
     }
+    T.row(n_)[n_] = S(0);
+    return T;
   }
 
   bool know_enough() {
@@ -139,9 +166,9 @@ class Agreement {
   }
 
   /// Without what it left over.
-  PackedTriangle<S> copy_of_newer() {
+  PackedTriangle<S> copy_of(const PackedTriangle<S>& from) {
     PackedTriangle<S> T = trial();
-    for (int k = 0; k < packed_size(n_ + 1); ++k) scratch_[packed_size(n_ + 1) + k] = scratch_[k];
+    for (int k = 0; k < packed_size(n_ + 1); ++k) T.row(0)[k] = from.row(0)[k];
     T.row(n_)[n_] = S(0);
     return T;
   }
@@ -152,13 +179,13 @@ class Agreement {
     return limit > S(0) && statistic_ > limit * S(degrees_) * spread_.mean();
   }
 
-  void compare(const SegmentInformation<S>& information) {
+  /// `T`: a copy, which is used up.
+  void compare(const SegmentInformation<S>& information, PackedTriangle<S> T) {
     degrees_ = 0;
     statistic_ = S(0);
     while (degrees_ < n_ && analysis_->relative_sigma(degrees_) < ReleaseRules<S>{}.weak)
       shown_row(information, degrees_++);
     if (degrees_ == 0) return;
-    PackedTriangle<S> T = copy_of_newer();
     fold_rows(T, block(), degrees_, n_ + 1, 0, n_ + 1);
     statistic_ = T(n_, n_) * T(n_, n_) / noise_;
   }
@@ -180,7 +207,9 @@ class Agreement {
   Near<const Calibration<S>> theta_;
   int n_ = 0, agreed_ = 0, outdated_items_ = 0, degrees_ = 0;
   S level_ = S(0), noise_ = S(1), statistic_ = S(0);  // of the last comparison
-  Spread<S> spread_, spread_of_outdated_;             // of all that agreed; of each that did not, in itself
+  S against_ = S(0);                                  // of all that are outdated, each against the newer ones
+  int against_degrees_ = 0;
+  Spread<S> spread_, spread_of_outdated_;  // of all that agreed; of each that did not, in itself
   Near<InformationAnalysis<S>> analysis_;
   Near<S> scratch_;
   Place place_ = 0;

@@ -33,17 +33,17 @@ class Spread {
   S limit(int degrees, S p) const {
     return degrees > 0 && degrees_ > 0 ? f_upper_quantile(degrees, degrees_, p) : S(0);
   }
-  /// The same where few directions scatter.
-  S uneven_limit(int degrees, S p) const {
-    const int h = effective(degrees);
+  /// The same where few directions of each of `items` scatter.
+  S uneven_limit(int degrees, S p, int items = 1) const {
+    const int h = effective(degrees, kScattering * items);
     return h > 0 && degrees_ > 0 ? f_upper_quantile(h, degrees_ * h / degrees, p) : S(0);
   }
 
  private:
-  int effective(int r) const {
-    if (r <= kScattering) return r;
-    const S sum = mean() * S(r), loud = S(1) + (sum - S(r)) / S(kScattering);
-    return static_cast<int>(sum * sum / (S(kScattering) * loud * loud + S(r - kScattering)));
+  int effective(int r, int scattering) const {
+    if (r <= scattering) return r;
+    const S sum = mean() * S(r), loud = S(1) + (sum - S(r)) / S(scattering);
+    return static_cast<int>(sum * sum / (S(scattering) * loud * loud + S(r - scattering)));
   }
 
   S square_ = S(0);

@@ -1,0 +1,90 @@
+#include "review/calibration_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnose/fit_rows.h"
+#include "diagnose/shift.h"
+#include "review/linearised.h"
+#include "review/segment_scatter.h"
+#include "review/suspected_moves.h"
+#include "review/when.h"
+
+namespace host::review {
+namespace {
+
+using namespace diagnosis;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// log10 p of a false step, corrected for the number of trials.
+constexpr double kCalibrationStepLevel = -4;
+
+/// What the segments scatter by where the step is allowed for, its size no less free than theta is.
+Scatter scatter_beside(const Problem& with, const Candidate& step) {
+  Problem both = with;
+  const int first = with.n_theta;
+  both.n_theta += step.columns.count;
+  both.prior.mean.conservativeResizeLike(VectorXd::Zero(both.n_theta));
+  both.prior.sigma.conservativeResize(both.n_theta);
+  for (int i = 0; i < step.columns.count; ++i)
+    both.prior.sigma(first + i) = decision::kWidePrior * step.size[static_cast<std::size_t>(i)];
+  const SegmentScatter found =
+      scatter_of_segments(both, MatrixXd::Identity(both.n_theta, both.n_theta), dispersion(with, {step.columns}));
+  return {std::max(1.0, found.pooled), std::max(1, static_cast<int>(std::lround(found.pooled_dof)))};
+}
+
+/// Printed values after the step, less those that were released.
+VectorXd moved_by(const Problem& problem, const Problem& with, const Shift& shift, const Candidate& step,
+                  const std::vector<CoreParameter>& parameters) {
+  const int n = problem.n_theta;
+  const Solution without = solve(with_prior(with_groups(problem.all, n, {}), problem.prior));
+  const Solution free = solve(with_groups(with_prior(with.all, with.prior), n, {step.columns}));
+  VectorXd after = free.x.head(n);
+  after.segment(shift.block.columns.first, shift.block.columns.count) += free.x.tail(shift.block.columns.count);
+  return printed_by_columns(parameters) * (after - without.x);
+}
+
+/// "rotates by 0.7 deg", "changes by 3 %".
+std::string size_of(const std::string& block, double size) {
+  const std::string last = block.substr(block.find('.') + 1);
+  if (last == "r_CI" || last == "r_AI") return formatted("rotates by %.2g deg", size * 180 / M_PI);
+  if (last == "p_CI") return formatted("moves by %.2g mm", 1e3 * size);
+  if (last == "f" || last == "c") return formatted("moves by %.2g px", size);
+  return formatted("changes by %.2g", size);
+}
+
+}  // namespace
+
+std::optional<Suspect> calibration_step(const std::vector<Recording>& sessions, Core& core,
+                                        const ReplayResult& result) {
+  Problem problem = linearised(core, result, {});
+  problem.blocks = blocks_of(result.calibration);
+  const std::optional<Shift> shift = best_shift(problem, {}, 1);
+  if (!shift || shift->test.seen == 0) return {};
+  const Problem with = with_shift(problem, *shift);
+  const Candidate step = shift_candidate(with, *shift);
+  Suspect out;
+  out.statistic = shift->test.statistic;
+  out.log10_p = std::min(0.0, scatter_beside(with, step).log10_p(out.statistic, shift->test.seen) +
+                                  std::log10(static_cast<double>(shift->trials)));
+  if (out.log10_p > kCalibrationStepLevel) return {};
+  out.name = "calibration_shift." + shift->block.name;
+  const VectorXd moved = moved_by(problem, with, *shift, step, result.result.parameters);
+  out.moved.assign(moved.data(), moved.data() + moved.size());
+  find_largest(
+      result.result.parameters, moved, [](const CoreParameter&) { return true; }, &out);
+  const auto first = std::min_element(result.kept.begin(), result.kept.end(), [](const CoreKept& a, const CoreKept& b) {
+    return a.segment.start_ns < b.segment.start_ns;
+  });
+  const auto stamp = [&](double s) { return first->segment.start_ns + static_cast<std::int64_t>(1e9 * s); };
+  out.words = formatted(
+      "%s %s %s, and what came after it puts %s %.1f sigma from the answer: calibrate what was before and after it by "
+      "themselves",
+      shift->block.name.c_str(), size_of(shift->block.name, shift->test.value.norm()).c_str(),
+      when(sessions, stamp(shift->time_s - shift->uncertainty_s), stamp(shift->time_s + shift->uncertainty_s)).c_str(),
+      out.moves.c_str(), out.bias_sigmas);
+  return out;
+}
+
+}  // namespace host::review
