@@ -6,6 +6,7 @@
 #include "diagnose/fit_rows.h"
 #include "diagnose/shift.h"
 #include "review/linearised.h"
+#include "review/names.h"
 #include "review/segment_scatter.h"
 #include "review/suspected_moves.h"
 #include "review/when.h"
@@ -45,6 +46,23 @@ VectorXd moved_by(const Problem& problem, const Problem& with, const Shift& shif
   return printed_by_columns(parameters) * (after - without.x);
 }
 
+/// Beside the most significant step, one that falls short of it by no more than this says the same, and motion does not
+/// tell which it was: chi-square of one direction, 1 of 400.
+constexpr double kRival = 9;
+
+/// " (or gyro.m: this motion does not tell them apart)"; of each block the most significant step.
+std::string rivals_of(Problem problem, const Shift& best, double factor) {
+  std::vector<std::string> names;
+  for (const Block& block : std::vector<Block>(problem.blocks)) {
+    if (block.name == best.block.name) continue;
+    problem.blocks = {block};
+    const std::optional<Shift> other = best_shift(problem, {}, 1);
+    if (other && other->test.seen > 0 && other->test.statistic > best.test.statistic - kRival * factor)
+      names.push_back(block.name);
+  }
+  return names.empty() ? "" : " (or " + names_of(names) + " changes: this motion does not tell them apart)";
+}
+
 /// "rotates by 0.7 deg", "changes by 3 %".
 std::string size_of(const std::string& block, double size) {
   const std::string last = block.substr(block.find('.') + 1);
@@ -66,8 +84,9 @@ std::optional<Suspect> calibration_step(const std::vector<Recording>& sessions, 
   const Candidate step = shift_candidate(with, *shift);
   Suspect out;
   out.statistic = shift->test.statistic;
-  out.log10_p = std::min(0.0, scatter_beside(with, step).log10_p(out.statistic, shift->test.seen) +
-                                  std::log10(static_cast<double>(shift->trials)));
+  const Scatter scatter = scatter_beside(with, step);
+  out.log10_p =
+      std::min(0.0, scatter.log10_p(out.statistic, shift->test.seen) + std::log10(static_cast<double>(shift->trials)));
   if (out.log10_p > kCalibrationStepLevel) return {};
   out.name = "calibration_shift." + shift->block.name;
   const VectorXd moved = moved_by(problem, with, *shift, step, result.result.parameters);
@@ -79,11 +98,12 @@ std::optional<Suspect> calibration_step(const std::vector<Recording>& sessions, 
   });
   const auto stamp = [&](double s) { return first->segment.start_ns + static_cast<std::int64_t>(1e9 * s); };
   out.words = formatted(
-      "%s %s %s, and what came after it puts %s %.1f sigma from the answer: calibrate what was before and after it by "
+      "%s %s %s%s, and what came after it puts %s %.1f sigma from the answer: calibrate what was before and after it "
+      "by "
       "themselves",
       shift->block.name.c_str(), size_of(shift->block.name, shift->test.value.norm()).c_str(),
       when(sessions, stamp(shift->time_s - shift->uncertainty_s), stamp(shift->time_s + shift->uncertainty_s)).c_str(),
-      out.moves.c_str(), out.bias_sigmas);
+      rivals_of(problem, *shift, scatter.factor).c_str(), out.moves.c_str(), out.bias_sigmas);
   return out;
 }
 

@@ -91,13 +91,13 @@ class Review {
     if (!step.empty()) return refuse("failed", step);
     if (const Suspect* const effect = refusing(missing)) return refuse("failed", effect->words);
     if (!segments_followed(out_.segments)) return refuse("insufficient", followed_words(out_.segments));
+    if (const std::string step = stepping_calibration(missing); !step.empty()) return refuse("insufficient", step);
     if (health_.segment_scatter > kMostScatter)
       return refuse("insufficient",
                     formatted("the segments disagree with each other by %.1f times their noise, so that no one "
                               "calibration fits them: the device changed on the way (calibrate what was before and "
                               "after by themselves), or an effect is missing (segcal diagnose)",
                               std::sqrt(health_.segment_scatter)));
-    if (const std::string step = stepping_calibration(missing); !step.empty()) return refuse("insufficient", step);
     for (Suspect& suspect : health_.suspects) widen_by(suspect, &out_);
     refuse_unobserved(&out_);
   }
