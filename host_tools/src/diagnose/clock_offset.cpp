@@ -19,9 +19,14 @@ constexpr const char* effect_name = "time_offset";
 /// By the IMU's clock, up to what is left to estimate.
 struct AlignedSessions {
   std::vector<Recording> sessions;
-  double offset_s = 0;  ///< of the first session that has one, t_imu - t_cam; added to its camera stamps
-  double sigma_s = 0;
-  bool searched = false;  ///< rotation says so; else it was stated
+  double offset_s = 0;        ///< of the first session that has one, t_imu - t_cam; added to its camera stamps
+  double search_sigma_s = 0;  ///< as parts of the recording scatter
+  bool searched = false;      ///< rotation says so; else it was stated
+
+  double sigma_s() const { return std::hypot(search_sigma_s, clock_systematic_s); }
+  /// Parts that are further apart than rotation is wrong by anyway do not tell of one offset: a gyroscope that lags
+  /// behind quick turns only (hysteresis) looks like that.
+  bool tells_one() const { return search_sigma_s < clock_systematic_s; }
 };
 
 double stated(const CoreOptions& options) { return options.calibration.cameras.front().timeshift_cam_imu; }
@@ -30,8 +35,8 @@ double stated(const CoreOptions& options) { return options.calibration.cameras.f
 DiagnosedEffect effect_of(const AlignedSessions& aligned, const TermInfo& term) {
   DiagnosedEffect out;
   out.name = effect_name;
-  out.parameters.push_back({term.name, 0, aligned.sigma_s, term.unit});
-  out.statistic = std::pow(aligned.offset_s / aligned.sigma_s, 2);
+  out.parameters.push_back({term.name, 0, aligned.sigma_s(), term.unit});
+  out.statistic = std::pow(aligned.offset_s / aligned.sigma_s(), 2);
   out.dof = 1;
   out.log10_p = log10_upper_tail(out.statistic, out.dof);
   out.gap_closed = std::numeric_limits<double>::quiet_NaN();
@@ -41,6 +46,13 @@ DiagnosedEffect effect_of(const AlignedSessions& aligned, const TermInfo& term) 
 void name_offset(const AlignedSessions& aligned, Diagnosis* out) {
   const auto is_offset = [](const DiagnosedEffect& e) { return e.name == effect_name; };
   if (!aligned.searched || std::any_of(out->effects.begin(), out->effects.end(), is_offset)) return;
+  if (!aligned.tells_one()) {
+    out->rejected.push_back(
+        {effect_name,
+         formatted("rotation alone shows %.0f ms, and %.0f ms more or less in other parts of the recording",
+                   1e3 * aligned.offset_s, 1e3 * aligned.search_sigma_s)});
+    return;
+  }
   for (const TermInfo& t : core_catalogue(false).terms) {
     if (t.effect != effect_name) continue;
     out->effects.insert(out->effects.begin(), effect_of(aligned, t));
@@ -61,8 +73,7 @@ AlignedSessions by_rotation(const std::vector<Recording>& sessions, const CoreOp
     const ClockSearch found = search_clock(session, options.calibration.cameras.front(), stated(options));
     const bool differs = found.differs_from(stated(options));
     shift_frames(differs ? found.offset_s : stated(options), &session);
-    if (differs && !out.searched)
-      out = {std::move(out.sessions), found.offset_s, std::hypot(found.sigma_s, clock_systematic_s), true};
+    if (differs && !out.searched) out = {std::move(out.sessions), found.offset_s, found.sigma_s, true};
   }
   return out;
 }

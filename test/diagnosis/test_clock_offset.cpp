@@ -1,0 +1,71 @@
+// Clocks too far apart for any fit: when is an offset named by rotation alone?
+#include <unity.h>
+
+#include <algorithm>
+
+#include "../support/cases.h"
+#include "diagnose/clock_offset.h"
+#include "simulate/simulate.h"
+
+extern "C" void setUp() {}
+extern "C" void tearDown() {}
+
+namespace {
+
+using host::Diagnosis;
+using test::Id;
+
+/// A minute's walk whose camera is late by 80 ms on average, and by `apart_s` less in every other ten seconds than in
+/// the rest. Nothing is fitted: the odometry is lost with the stamps as they are, and all is well with those that
+/// rotation gives.
+Diagnosis diagnosed(double apart_s) {
+  host::SimulationOptions options;
+  options.scenario = "nav";
+  options.seconds = 60;
+  options.seed = 7;
+  const host::SimulationResult session = host::simulate(options);
+  std::vector<host::Recording> sessions{session.recording};
+  for (host::Frame& f : sessions[0].cameras[0].frames) {
+    const std::int64_t ten_s = (f.t_ns - sessions[0].imu.samples.front().t_ns) / 10'000'000'000;
+    f.t_ns -= static_cast<std::int64_t>(1e9 * (0.08 + (ten_s % 2 == 0 ? 0.5 : -0.5) * apart_s));
+  }
+  host::CoreOptions core;
+  core.calibration = session.nominal;
+  int runs = 0;
+  return host::diagnosis::with_clocks_aligned(sessions, core,
+                                              [&runs](const std::vector<host::Recording>&, const std::string& told) {
+                                                Diagnosis out;
+                                                out.judged = true;
+                                                if (runs++ == 0) out.lost = "odometry is lost";
+                                                TEST_ASSERT_EQUAL_STRING(runs == 1 ? "" : "time_offset", told.c_str());
+                                                return out;
+                                              });
+}
+
+/// To the 4 ms that rotation is wrong by in a walk, by parallax.
+void test_one_offset_is_named() {
+  const Diagnosis d = diagnosed(0);
+  TEST_ASSERT_EQUAL_UINT(1, d.effects.size());
+  TEST_ASSERT_EQUAL_STRING("time_offset", d.effects[0].name.c_str());
+  test::check_near(Id(), "offset, s", 0.08, d.effects[0].parameters.at(0).value, 0.004);
+  test::check_between(Id(), "sigma, s", 0.004, d.effects[0].parameters.at(0).sigma, 0.0057);
+}
+
+/// A gyroscope that lags behind some turns and not behind others was named as a clock.
+void test_several_offsets_are_none() {
+  const Diagnosis d = diagnosed(0.06);
+  TEST_ASSERT_EQUAL_UINT(0, d.effects.size());
+  TEST_ASSERT_EQUAL_UINT(1, std::count_if(d.rejected.begin(), d.rejected.end(), [](const auto& r) {
+                           return r.name == "time_offset" && r.why.find("rotation alone shows") == 0;
+                         }));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  test::select_cases(argc, argv);
+  UNITY_BEGIN();
+  RUN_TEST(test_one_offset_is_named);
+  RUN_TEST(test_several_offsets_are_none);
+  return UNITY_END();
+}
