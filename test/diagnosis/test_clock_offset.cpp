@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "../support/cases.h"
+#include "diagnose/answer.h"
 #include "diagnose/clock_offset.h"
 #include "simulate/simulate.h"
 
@@ -60,6 +61,38 @@ void test_several_offsets_are_none() {
                          }));
 }
 
+/// A device whose odometry never starts. `turned`: its gyroscope's axes stand otherwise than stated.
+Diagnosis not_started(const char* scenario, bool turned) {
+  host::SimulationOptions options;
+  options.scenario = scenario;
+  options.seconds = 30;
+  options.seed = 9;
+  host::SimulationResult session = host::simulate(options);
+  for (host::ImuSample& s : session.recording.imu.samples)
+    if (turned) s.gyro = {s.gyro[1], -s.gyro[0], s.gyro[2]};
+  host::CoreOptions core;
+  core.calibration = session.nominal;
+  return host::diagnosis::with_clocks_aligned({session.recording}, core,
+                                              [](const std::vector<host::Recording>&, const std::string&) {
+                                                Diagnosis out;
+                                                out.lost = "odometry diverges";
+                                                host::diagnosis::conclude(&out);
+                                                return out;
+                                              });
+}
+
+/// "Odometry diverges, look for the lens" sent whoever only turned the device in his hands after faults that it has
+/// not.
+void test_turning_in_place_is_no_wrong_model() {
+  const Diagnosis still = not_started("rotation", false), wrong = not_started("rotation", true);
+  TEST_ASSERT_FALSE(still.judged);
+  TEST_ASSERT_EQUAL_STRING("consistent", still.verdict.c_str());
+  TEST_ASSERT_TRUE_MESSAGE(still.sentence.find("the device turns in place") != std::string::npos,
+                           still.sentence.c_str());
+  TEST_ASSERT_TRUE(wrong.judged);
+  TEST_ASSERT_EQUAL_STRING("odometry diverges", wrong.sentence.c_str());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -67,5 +100,6 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_one_offset_is_named);
   RUN_TEST(test_several_offsets_are_none);
+  RUN_TEST(test_turning_in_place_is_no_wrong_model);
   return UNITY_END();
 }

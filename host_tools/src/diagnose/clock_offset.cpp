@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "clock/clock_search.h"
+#include "clock/never_started.h"
 #include "diagnose/answer.h"
 #include "diagnose/chi_square.h"
 #include "diagnose/model_terms.h"
@@ -22,6 +23,7 @@ struct AlignedSessions {
   double offset_s = 0;        ///< of the first session that has one, t_imu - t_cam; added to its camera stamps
   double search_sigma_s = 0;  ///< as parts of the recording scatter
   bool searched = false;      ///< rotation says so; else it was stated
+  ClockSearch clock;          ///< of the first session
 
   double sigma_s() const { return std::hypot(search_sigma_s, clock_systematic_s); }
   /// Parts that are further apart than rotation is wrong by anyway do not tell of one offset: a gyroscope that lags
@@ -61,19 +63,23 @@ void name_offset(const AlignedSessions& aligned, Diagnosis* out) {
 }
 
 AlignedSessions by_stated_offset(const std::vector<Recording>& sessions, const CoreOptions& options) {
-  AlignedSessions out{sessions, stated(options), 0, false};
+  AlignedSessions out{sessions, stated(options), 0, false, {}};
   for (Recording& session : out.sessions) shift_frames(stated(options), &session);
   return out;
 }
 
 /// Not searched: rotation shows no other offset than the stated one.
 AlignedSessions by_rotation(const std::vector<Recording>& sessions, const CoreOptions& options) {
-  AlignedSessions out{sessions, stated(options), 0, false};
+  AlignedSessions out{sessions, stated(options), 0, false, {}};
   for (Recording& session : out.sessions) {
     const ClockSearch found = search_clock(session, options.calibration.cameras.front(), stated(options));
+    if (&session == &out.sessions.front()) out.clock = found;
     const bool differs = found.differs_from(stated(options));
     shift_frames(differs ? found.offset_s : stated(options), &session);
-    if (differs && !out.searched) out = {std::move(out.sessions), found.offset_s, found.sigma_s, true};
+    if (!differs || out.searched) continue;
+    out.searched = true;
+    out.offset_s = found.offset_s;
+    out.search_sigma_s = found.sigma_s;
   }
   return out;
 }
@@ -98,6 +104,17 @@ void count_from_recording(const AlignedSessions& aligned, Diagnosis* out) {
   conclude(out);
 }
 
+/// Too still to judge, and no model that is wrong.
+void explain_no_start(const ClockSearch& clock, double stated_s, Diagnosis* out) {
+  const Health& health = out->fit_before.health;
+  const std::string words = never_started(health.frames_used, health.filter_restarts, clock, stated_s);
+  if (words.empty()) return;
+  out->lost.clear();
+  out->judged = false;
+  out->sentence = "too still to judge: " + words;
+  conclude(out);
+}
+
 }  // namespace
 
 Diagnosis with_clocks_aligned(const std::vector<Recording>& sessions, const CoreOptions& options,
@@ -109,6 +126,8 @@ Diagnosis with_clocks_aligned(const std::vector<Recording>& sessions, const Core
     if (moved.searched) {
       aligned = std::move(moved);
       out = run(aligned.sessions, effect_name);
+    } else {
+      explain_no_start(moved.clock, stated(options), &out);
     }
   }
   if (aligned.offset_s != 0) count_from_recording(aligned, &out);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clock/never_started.h"
 #include "diagnose/chi_square.h"
 #include "diagnose/fault.h"
 #include "formatted.h"
@@ -176,6 +177,8 @@ class Review {
                        static_cast<int>(observed), r.parameters.size(), room().c_str());
     }
     if (faults_ > 0) return what + ": " + health_.suspects.front().words;
+    const std::string still = never_started(health_.frames_used, health_.filter_restarts, clock, 0);
+    if (!still.empty()) return what + ": " + still;
     const std::string trouble = odometry_stayed(health_) ? "" : core_.trouble();
     // Clocks that could not be compared are no cause where another one is known.
     const bool compared = clock.correlation != 0;

@@ -57,8 +57,16 @@ class Agreement {
         SEGCAL_PAUSE(place_);
       }
       if (outdated_) {
+        against_ += statistic_;
+        against_degrees_ += degrees_;
+        if (outdated_items_ >= 2) {
+          with_prior(copy_of(outdated_ones()));
+          SEGCAL_PAUSE(place_);
+          compare(information, trial());
+          spread_of_outdated_.add(statistic_, degrees_);
+          SEGCAL_PAUSE(place_);
+        }
         contradict(information);
-        SEGCAL_PAUSE(place_);
       } else {
         agree(information);
       }
@@ -111,17 +119,9 @@ class Agreement {
   /// The newest of several may be the one in which the device changed, and then tells of neither theta: it convicts
   /// itself, and says nothing about the older ones.
   void contradict(const SegmentInformation<S>& information) {
-    against_ += statistic_;
-    against_degrees_ += degrees_;
     PackedTriangle<S> T = outdated_ones();
-    if (outdated_items_ < 2) {
-      T.clear();
-    } else {
-      compare(information, with_prior(copy_of(T)));
-      spread_of_outdated_.add(statistic_, degrees_);
-    }
+    if (outdated_items_++ < 2) T.clear();
     add(information, &T);
-    ++outdated_items_;
   }
   PackedTriangle<S> newer() { return PackedTriangle<S>(scratch_, n_ + 1); }
   PackedTriangle<S> trial() { return PackedTriangle<S>(scratch_ + packed_size(n_ + 1), n_ + 1); }
