@@ -60,7 +60,7 @@ class Agreement {
         against_ += statistic_;
         against_degrees_ += degrees_;
         if (outdated_items_ >= 2) {
-          with_prior(copy_of(outdated_ones()));
+          add_prior(copy_of(outdated_ones()));
           SEGCAL_PAUSE(place_);
           compare(information, trial());
           spread_of_outdated_.add(statistic_, degrees_);
@@ -118,6 +118,8 @@ class Agreement {
   }
   /// The newest of several may be the one in which the device changed, and then tells of neither theta: it convicts
   /// itself, and says nothing about the older ones.
+  /// The newest of several may be the one in which the device changed, which tells of neither theta: the second takes
+  /// its place in what the older ones are held against.
   void contradict(const SegmentInformation<S>& information) {
     PackedTriangle<S> T = outdated_ones();
     if (outdated_items_++ < 2) T.clear();
@@ -128,13 +130,19 @@ class Agreement {
   PackedTriangle<S> outdated_ones() { return PackedTriangle<S>(scratch_ + 2 * packed_size(n_ + 1), n_ + 1); }
   S* block() { return scratch_ + 3 * packed_size(n_ + 1); }
 
+  /// The prior alone, in units of its sigmas.
   void begin() {
     PackedTriangle<S> T = newer();
+    S offset[kMaxTheta];
+    difference(prior_->mean, *theta_, offset);
     T.clear();
-    with_prior(T);
+    for (int i = 0; i < n_; ++i) {
+      T.row(i)[i] = S(1);
+      T.row(i)[n_] = -offset[i] / prior_->sigma[i];
+    }
   }
-  /// Each prior once, in units of its sigmas.
-  PackedTriangle<S> with_prior(PackedTriangle<S> T) {
+  /// Into T, which leaves nothing over.
+  void add_prior(PackedTriangle<S> T) {
     S offset[kMaxTheta], *row = block();
     difference(prior_->mean, *theta_, offset);
     for (int i = 0; i < n_; ++i) {
@@ -144,7 +152,6 @@ class Agreement {
       fold_rows(T, row, 1, n_ + 1, i, n_ + 1);
     }
     T.row(n_)[n_] = S(0);
-    return T;
   }
 
   bool know_enough() {
