@@ -5,11 +5,12 @@
 #include <limits>
 
 #include "clock/clock_search.h"
-#include "clock/never_started.h"
 #include "diagnose/answer.h"
 #include "diagnose/chi_square.h"
+#include "diagnose/decision.h"
 #include "diagnose/model_terms.h"
 #include "formatted.h"
+#include "replay/never_started.h"
 #include "replay/replay_clocks.h"
 
 namespace host::diagnosis {
@@ -27,7 +28,7 @@ struct AlignedSessions {
 
   double sigma_s() const { return std::hypot(search_sigma_s, clock_systematic_s); }
   /// Parts that are further apart than rotation is wrong by anyway do not tell of one offset: a gyroscope that lags
-  /// behind quick turns only (hysteresis) looks like that.
+  /// behind quick turns only (hysteresis) looks like that. A fit that leaves nothing open speaks for it all the same.
   bool tells_one() const { return search_sigma_s < clock_systematic_s; }
 };
 
@@ -48,7 +49,8 @@ DiagnosedEffect effect_of(const AlignedSessions& aligned, const TermInfo& term) 
 void name_offset(const AlignedSessions& aligned, Diagnosis* out) {
   const auto is_offset = [](const DiagnosedEffect& e) { return e.name == effect_name; };
   if (!aligned.searched || std::any_of(out->effects.begin(), out->effects.end(), is_offset)) return;
-  if (!aligned.tells_one()) {
+  const bool open = out->open_excess > (1 - decision::kNamesFrom) * out->before.total;
+  if (open && !aligned.tells_one()) {
     out->rejected.push_back(
         {effect_name,
          formatted("rotation alone shows %.0f ms, and %.0f ms more or less in other parts of the recording",
@@ -105,9 +107,10 @@ void count_from_recording(const AlignedSessions& aligned, Diagnosis* out) {
 }
 
 /// Too still to judge, and no model that is wrong.
-void explain_no_start(const ClockSearch& clock, double stated_s, Diagnosis* out) {
-  const Health& health = out->fit_before.health;
-  const std::string words = never_started(health.frames_used, health.filter_restarts, clock, stated_s);
+void explain_no_start(const AlignedSessions& moved, Diagnosis* out) {
+  if (out->lost.empty()) return;
+  const std::string words =
+      never_started(out->fit_before.counters, moved.clock, moved.offset_s, moved.sessions.front().imu);
   if (words.empty()) return;
   out->lost.clear();
   out->judged = false;
@@ -123,12 +126,9 @@ Diagnosis with_clocks_aligned(const std::vector<Recording>& sessions, const Core
   Diagnosis out = run(aligned.sessions, "");
   if (!out.lost.empty()) {
     AlignedSessions moved = by_rotation(sessions, options);
-    if (moved.searched) {
-      aligned = std::move(moved);
-      out = run(aligned.sessions, effect_name);
-    } else {
-      explain_no_start(moved.clock, stated(options), &out);
-    }
+    if (moved.searched) out = run(moved.sessions, effect_name);
+    explain_no_start(moved, &out);
+    if (moved.searched) aligned = std::move(moved);
   }
   if (aligned.offset_s != 0) count_from_recording(aligned, &out);
   return out;

@@ -46,6 +46,18 @@ VectorXd moved_by(const Problem& problem, const Problem& with, const Shift& shif
   return printed_by_columns(parameters) * (after - without.x);
 }
 
+/// Between the middles of the segments on both sides.
+std::string step_when(const std::vector<Recording>& sessions, const ReplayResult& result,
+                      const std::vector<Piece>& pieces, const Shift& shift) {
+  const std::vector<const CoreKept*> kept = in_order(result);
+  std::size_t after = 0;
+  while (0.5 * (pieces[after].start_s + pieces[after].end_s) <= shift.time_s) ++after;
+  const std::size_t before = shift.straddling >= 0 ? static_cast<std::size_t>(shift.straddling) - 1 : after - 1;
+  const CoreSegment &a = kept[before]->segment, &b = kept[after]->segment;
+  if (a.session != b.session) return formatted("between session %u and %u", a.session + 1, b.session + 1);
+  return when(sessions, a.start_ns + (a.end_ns - a.start_ns) / 2, b.start_ns + (b.end_ns - b.start_ns) / 2);
+}
+
 /// Beside the most significant step, one that falls short of it by no more than this says the same, and motion does not
 /// tell which it was: chi-square of one direction, 1 of 400.
 constexpr double kRival = 9;
@@ -93,17 +105,13 @@ std::optional<Suspect> calibration_step(const std::vector<Recording>& sessions, 
   out.moved.assign(moved.data(), moved.data() + moved.size());
   find_largest(
       result.result.parameters, moved, [](const CoreParameter&) { return true; }, &out);
-  const auto first = std::min_element(result.kept.begin(), result.kept.end(), [](const CoreKept& a, const CoreKept& b) {
-    return a.segment.start_ns < b.segment.start_ns;
-  });
-  const auto stamp = [&](double s) { return first->segment.start_ns + static_cast<std::int64_t>(1e9 * s); };
   out.words = formatted(
       "%s %s %s%s, and what came after it puts %s %.1f sigma from the answer: calibrate what was before and after it "
       "by "
       "themselves",
       shift->block.name.c_str(), size_of(shift->block.name, shift->test.value.norm()).c_str(),
-      when(sessions, stamp(shift->time_s - shift->uncertainty_s), stamp(shift->time_s + shift->uncertainty_s)).c_str(),
-      rivals_of(problem, *shift, scatter.factor).c_str(), out.moves.c_str(), out.bias_sigmas);
+      step_when(sessions, result, problem.pieces, *shift).c_str(), rivals_of(problem, *shift, scatter.factor).c_str(),
+      out.moves.c_str(), out.bias_sigmas);
   return out;
 }
 

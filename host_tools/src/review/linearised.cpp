@@ -60,6 +60,15 @@ VectorXd step_from_start(const std::vector<CoreParameter>& p) {
   return out;
 }
 
+std::vector<const CoreKept*> in_order(const ReplayResult& result) {
+  std::vector<const CoreKept*> out;
+  for (const CoreKept& k : result.kept) out.push_back(&k);
+  std::sort(out.begin(), out.end(), [](const CoreKept* a, const CoreKept* b) {
+    return std::pair(a->segment.session, a->segment.start_ns) < std::pair(b->segment.session, b->segment.start_ns);
+  });
+  return out;
+}
+
 diagnosis::Problem linearised(Core& core, const ReplayResult& result,
                               const std::vector<diagnosis::TermInfo>& candidates) {
   const std::vector<CoreParameter>& parameters = result.result.parameters;
@@ -74,15 +83,14 @@ diagnosis::Problem linearised(Core& core, const ReplayResult& result,
   out.prior.mean = -step_from_start(parameters);
   out.prior.sigma = VectorXd(out.n_theta);
   for (int i = 0; i < out.n_theta; ++i) out.prior.sigma(i) = parameters[static_cast<std::size_t>(i)].prior_sigma;
-  std::vector<const CoreKept*> kept;
-  for (const CoreKept& k : result.kept) kept.push_back(&k);
-  std::sort(kept.begin(), kept.end(),
-            [](const CoreKept* a, const CoreKept* b) { return a->segment.start_ns < b->segment.start_ns; });
+  const std::vector<const CoreKept*> kept = in_order(result);
   if (kept.size() < 2) return out;
   std::vector<std::uint32_t> all, half[2];
-  const std::int64_t zero_ns = kept.front()->segment.start_ns;
+  std::int64_t zero_ns = kept.front()->segment.start_ns;
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const CoreSegment& s = kept[i]->segment;
+    if (i > 0 && s.session != kept[i - 1]->segment.session)
+      zero_ns += s.start_ns - kept[i - 1]->segment.end_ns;  // as if it went on
     const bool held_out = (i + 1) / 2 % 2 == 1;  // both halves see the whole time: 0, 3, 4, 7, 8, ... against the rest
     all.push_back(s.serial);
     half[held_out ? 1 : 0].push_back(s.serial);

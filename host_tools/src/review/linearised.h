@@ -7,9 +7,13 @@
 
 namespace host::review {
 
+/// The kept segments as they followed each other: the clock of a later session may begin anew.
+std::vector<const CoreKept*> in_order(const ReplayResult& result);
+
 /// Columns [theta with the terms that were estimated | candidates' terms]. Theta's columns count from the released
 /// values, rotations as small rotations from the left. The prior's mean is the start. No pieces, where fewer than two
-/// segments are kept. Throws InputError for candidates that the profile has no room for.
+/// segments are kept; pieces in order, on a time scale on which
+/// sessions follow each other without a gap. Throws InputError for candidates that the profile has no room for.
 diagnosis::Problem linearised(Core& core, const ReplayResult& result,
                               const std::vector<diagnosis::TermInfo>& candidates);
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "clock/never_started.h"
 #include "diagnose/chi_square.h"
 #include "diagnose/fault.h"
 #include "formatted.h"
 #include "replay/counters.h"
+#include "replay/never_started.h"
 #include "replay/words.h"
 #include "review/bias_steps.h"
 #include "review/calibration_step.h"
@@ -177,7 +177,8 @@ class Review {
                        static_cast<int>(observed), r.parameters.size(), room().c_str());
     }
     if (faults_ > 0) return what + ": " + health_.suspects.front().words;
-    const std::string still = never_started(health_.frames_used, health_.filter_restarts, clock, 0);
+    const double moved_s = out_.clocks.empty() ? 0 : clock.offset_s;
+    const std::string still = never_started(out_.counters, clock, moved_s, sessions_.front().imu);
     if (!still.empty()) return what + ": " + still;
     const std::string trouble = odometry_stayed(health_) ? "" : core_.trouble();
     // Clocks that could not be compared are no cause where another one is known.

@@ -21,8 +21,10 @@ template <class S>
         take_verdict(d);
       }
       SEGCAL_PAUSE(inner_);
-      if (agreement_.confirmed()) drop_convicted(d);
-      judge_change(d);
+      if (agreement_.confirmed()) {
+        drop_convicted(d);
+        judge_change(d);
+      }
     }
   }
   SEGCAL_SLICES_END(inner_);
@@ -78,6 +80,17 @@ void CalibrateJob<S>::drop_convicted(DeviceParts<S>* d) {
     }
   }
   dropped_any_ = dropped_any_ || dropped_;
+}
+
+/// Variance of whitened residuals as the segments show it each with a theta of its own; 1 where it is less than stated.
+template <class S>
+S noise_of(const SegmentInformation<S>* const* segment, int count) {
+  S chi2 = S(0), dof = S(0);
+  for (int i = 0; i < count; ++i) {
+    chi2 += segment[i]->rho2();
+    dof += S(segment[i]->dof - segment[i]->n_theta);
+  }
+  return dof > S(0) && chi2 > dof ? chi2 / dof : S(1);
 }
 
 template <class S>

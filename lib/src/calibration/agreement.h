@@ -26,7 +26,7 @@ namespace SEGCAL_NS {
 template <class S>
 class Agreement {
  public:
-  static constexpr int kScratch = 3 * packed_size(kMaxTheta + 1) + kMaxTheta * (kMaxTheta + 1);
+  static constexpr int kScratch = 4 * packed_size(kMaxTheta + 1) + kMaxTheta * (kMaxTheta + 1);
 
   Agreement() = default;
   /// All segments' information must be linearised at `theta`. `level`: probability
@@ -60,13 +60,15 @@ class Agreement {
         against_ += statistic_;
         against_degrees_ += degrees_;
         if (outdated_items_ >= 2) {
-          add_prior(copy_of(outdated_ones()));
+          add_prior(copy_of(last_outdated()));
           SEGCAL_PAUSE(place_);
           compare(information, trial());
-          spread_of_outdated_.add(statistic_, degrees_);
+          know_neighbours();
           SEGCAL_PAUSE(place_);
         }
         contradict(information);
+        SEGCAL_PAUSE(place_);
+        remember(information);
       } else {
         agree(information);
       }
@@ -84,6 +86,7 @@ class Agreement {
     if (outdated_items_ == 0) return false;
     Spread<S> all = spread_;
     all.add(spread_of_outdated_);
+    all.add(pending_, pending_degrees_);
     const S limit = all.uneven_limit(against_degrees_, level_, outdated_items_);
     return limit > S(0) && against_ > limit * S(against_degrees_) * all.mean();
   }
@@ -116,19 +119,36 @@ class Agreement {
     add(information, &T);
     ++agreed_;
   }
-  /// The newest of several may be the one in which the device changed, and then tells of neither theta: it convicts
-  /// itself, and says nothing about the older ones.
-  /// The newest of several may be the one in which the device changed, which tells of neither theta: the second takes
-  /// its place in what the older ones are held against.
+  /// The newest of several may be the one in which the device changed, which tells of neither theta: it gives its place
+  /// to the second.
   void contradict(const SegmentInformation<S>& information) {
     PackedTriangle<S> T = outdated_ones();
     if (outdated_items_++ < 2) T.clear();
     add(information, &T);
   }
+  void remember(const SegmentInformation<S>& information) {
+    PackedTriangle<S> T = last_outdated();
+    T.clear();
+    add(information, &T);
+  }
+  /// How far an outdated item is from the one before. Of two such comparisons the smaller counts: the device may have
+  /// changed more than once.
+  void know_neighbours() {
+    if (pending_degrees_ == 0) {
+      pending_ = statistic_;
+      pending_degrees_ = degrees_;
+      return;
+    }
+    const bool first = pending_ * S(degrees_) < statistic_ * S(pending_degrees_);
+    spread_of_outdated_.add(first ? pending_ : statistic_, first ? pending_degrees_ : degrees_);
+    pending_ = S(0);
+    pending_degrees_ = 0;
+  }
   PackedTriangle<S> newer() { return PackedTriangle<S>(scratch_, n_ + 1); }
   PackedTriangle<S> trial() { return PackedTriangle<S>(scratch_ + packed_size(n_ + 1), n_ + 1); }
   PackedTriangle<S> outdated_ones() { return PackedTriangle<S>(scratch_ + 2 * packed_size(n_ + 1), n_ + 1); }
-  S* block() { return scratch_ + 3 * packed_size(n_ + 1); }
+  PackedTriangle<S> last_outdated() { return PackedTriangle<S>(scratch_ + 3 * packed_size(n_ + 1), n_ + 1); }
+  S* block() { return scratch_ + 4 * packed_size(n_ + 1); }
 
   /// The prior alone, in units of its sigmas.
   void begin() {
@@ -215,23 +235,13 @@ class Agreement {
   int n_ = 0, agreed_ = 0, outdated_items_ = 0, degrees_ = 0;
   S level_ = S(0), noise_ = S(1), statistic_ = S(0);  // of the last comparison
   S against_ = S(0);                                  // of all that are outdated, each against the newer ones
-  int against_degrees_ = 0;
+  S pending_ = S(0);                                  // of two neighbours that are outdated
+  int against_degrees_ = 0, pending_degrees_ = 0;
   Spread<S> spread_, spread_of_outdated_;  // of all that agreed; of each that did not, in itself
   Near<InformationAnalysis<S>> analysis_;
   Near<S> scratch_;
   Place place_ = 0;
   bool outdated_ = false;
 };
-
-/// Variance of whitened residuals as the segments show it each with a theta of its own; 1 where it is less than stated.
-template <class S>
-S noise_of(const SegmentInformation<S>* const* segment, int count) {
-  S chi2 = S(0), dof = S(0);
-  for (int i = 0; i < count; ++i) {
-    chi2 += segment[i]->rho2();
-    dof += S(segment[i]->dof - segment[i]->n_theta);
-  }
-  return dof > S(0) && chi2 > dof ? chi2 / dof : S(1);
-}
 
 }  // namespace SEGCAL_NS
