@@ -46,6 +46,8 @@ def headline(result):
     status = STATUS_WORDS.get(result["status"], result["status"])
     parameters = result["parameters"]
     observed = sum(p.get("verdict") == "observed" for p in parameters)
+    if result["status"] == "insufficient" and parameters and 2 * observed >= len(parameters):
+        status = "Not calibrated"    # it is not for want of motion: the cause says why
     parts = [f"{status}: {observed} of {len(parameters)} parameters observed"]
     rms = (result.get("fit") or {}).get("reprojection_rms_px")
     if is_number(rms) and rms > 0:

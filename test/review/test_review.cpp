@@ -174,8 +174,8 @@ void test_a_camera_that_turned_is_named() {
                         {3, "20", ""},
                         {8, "20", "the gyroscope's bias steps"},
                         {1, "30", ""},
-                        {2, "30", "disagree with each other"},
-                        {5, "30", "disagree with each other"}}) {
+                        {2, "30", "cam0.r_CI rotates by"},
+                        {5, "30", "cam0.r_CI rotates by"}}) {
     const Id id = Id().add("seed", c.seed).add("at", c.at_s);
     if (!test::selected(id.text())) continue;
     host::SimulationOptions options;
