@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "clock/clock_search.h"
+#include "clock/line_delay_search.h"
 #include "diagnose/answer.h"
 #include "diagnose/chi_square.h"
 #include "diagnose/decision.h"
@@ -25,6 +26,7 @@ struct AlignedSessions {
   double search_sigma_s = 0;  ///< as parts of the recording scatter
   bool searched = false;      ///< rotation says so; else it was stated
   ClockSearch clock;          ///< of the first session
+  LineDelaySearch shutter;    ///< of the first session, with its stamps moved
 
   double sigma_s() const { return std::hypot(search_sigma_s, clock_systematic_s); }
   /// Parts that are further apart than rotation is wrong by anyway do not tell of one offset: a gyroscope that lags
@@ -65,14 +67,14 @@ void name_offset(const AlignedSessions& aligned, Diagnosis* out) {
 }
 
 AlignedSessions by_stated_offset(const std::vector<Recording>& sessions, const CoreOptions& options) {
-  AlignedSessions out{sessions, stated(options), 0, false, {}};
+  AlignedSessions out{sessions, stated(options), 0, false, {}, {}};
   for (Recording& session : out.sessions) shift_frames(stated(options), &session);
   return out;
 }
 
 /// Not searched: rotation shows no other offset than the stated one.
 AlignedSessions by_rotation(const std::vector<Recording>& sessions, const CoreOptions& options) {
-  AlignedSessions out{sessions, stated(options), 0, false, {}};
+  AlignedSessions out{sessions, stated(options), 0, false, {}, {}};
   for (Recording& session : out.sessions) {
     const ClockSearch found = search_clock(session, options.calibration.cameras.front(), stated(options));
     if (&session == &out.sessions.front()) out.clock = found;
@@ -83,6 +85,7 @@ AlignedSessions by_rotation(const std::vector<Recording>& sessions, const CoreOp
     out.offset_s = found.offset_s;
     out.search_sigma_s = found.sigma_s;
   }
+  out.shutter = search_line_delay(out.sessions.front(), options.calibration.cameras.front(), 0);
   return out;
 }
 
@@ -118,15 +121,26 @@ void explain_no_start(const AlignedSessions& moved, Diagnosis* out) {
   conclude(out);
 }
 
+Told told_by(const AlignedSessions& moved) {
+  Told told;
+  if (moved.searched) told.effects.emplace_back(effect_name);
+  if (moved.shutter.shows_rolling_shutter()) {
+    told.effects.emplace_back("rolling_shutter");
+    told.line_delay = moved.shutter.line_delay;
+  }
+  return told;
+}
+
 }  // namespace
 
 Diagnosis with_clocks_aligned(const std::vector<Recording>& sessions, const CoreOptions& options,
                               const RunAligned& run) {
   AlignedSessions aligned = by_stated_offset(sessions, options);
-  Diagnosis out = run(aligned.sessions, "");
+  Diagnosis out = run(aligned.sessions, {});
   if (!out.lost.empty()) {
     AlignedSessions moved = by_rotation(sessions, options);
-    if (moved.searched) out = run(moved.sessions, effect_name);
+    const Told told = told_by(moved);
+    if (!told.effects.empty()) out = run(moved.sessions, told);
     explain_no_start(moved, &out);
     if (moved.searched) aligned = std::move(moved);
   }

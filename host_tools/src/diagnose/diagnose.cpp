@@ -26,7 +26,7 @@ using namespace diagnosis;
 
 class Diagnoser {
  public:
-  Diagnoser(const std::vector<Recording>& sessions, const std::string& told, const DiagnoseOptions& options)
+  Diagnoser(const std::vector<Recording>& sessions, const Told& told, const DiagnoseOptions& options)
       : sessions_(sessions),
         told_(told),
         options_(options),
@@ -99,7 +99,7 @@ class Diagnoser {
   }
 
   /// Without effects.
-  void fit_plain() { plain_ = fit(model_.columns_of({})); }
+  void fit_plain() { plain_ = fit(model_.columns_of(model_.needed)); }
 
   /// Less noise than stated is no fault, as in the raw samples (imu_noise.h): it was stated on purpose, and corner
   /// tracks follow their own error for many images, which differences of neighbours do not show and a stated noise must
@@ -219,7 +219,7 @@ class Diagnoser {
   }
 
   const std::vector<Recording>& sessions_;
-  const std::string& told_;
+  const Told& told_;
   const DiagnoseOptions& options_;
   bool has_temperature_;
   SearchedModel model_;
@@ -239,10 +239,10 @@ class Diagnoser {
 
 Diagnosis diagnose(const std::vector<Recording>& sessions, const DiagnoseOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  Diagnosis out = with_clocks_aligned(sessions, options.core,
-                                      [&options](const std::vector<Recording>& aligned, const std::string& told) {
-                                        return Diagnoser(aligned, told, options).run();
-                                      });
+  Diagnosis out =
+      with_clocks_aligned(sessions, options.core, [&options](const std::vector<Recording>& aligned, const Told& told) {
+        return Diagnoser(aligned, told, options).run();
+      });
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return out;
 }

@@ -66,11 +66,11 @@ constexpr const char* kNotConfirmed =
     "with a quarter of the recording held out at a time, the rest mostly does not call for it";
 
 /// Terms without a name claim nothing; of an effect that was told before the fit refines the value only.
-std::vector<bool> confirmed_effects(const Selection& s, const std::vector<Fold>& folds, const std::string& told) {
+std::vector<bool> confirmed_effects(const Selection& s, const std::vector<Fold>& folds, const Told& told) {
   std::vector<bool> out;
   for (std::size_t i = 0; i < s.accepted.size(); ++i) {
     const std::string& name = s.candidates[s.accepted[i].candidate].name;
-    out.push_back(name == "unlisted" || name == told || folds_confirm(s, folds, i));
+    out.push_back(name == "unlisted" || told.has(name) || folds_confirm(s, folds, i));
   }
   return out;
 }

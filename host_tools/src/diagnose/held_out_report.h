@@ -4,14 +4,15 @@
 #include "diagnose/diagnose.h"
 #include "diagnose/evidence.h"
 #include "diagnose/sensor_gap.h"
+#include "diagnose/told.h"
 
 namespace host::diagnosis {
 
 struct HeldOut {
   const Selection& selection;
   const std::vector<TermInfo>& terms;
-  const std::string& told;  ///< an effect that needs no folds to be there (clock_offset.h); empty: none
-  JoinedRows joined;        ///< of the last fit
+  const Told& told;   ///< effects that need no folds to be there
+  JoinedRows joined;  ///< of the last fit
   SensorPieces sensors;
   std::array<Floor, kSensors> floors;  ///< of the sensors' noise; the first is the whole's, too
 };

@@ -12,14 +12,23 @@ namespace {
 
 using namespace SEGCAL_NS::clock_criteria;
 
-using Rays = std::unordered_map<std::uint32_t, Eigen::Vector3d>;
+struct Seen {
+  Eigen::Vector3d ray;
+  double line;
+};
+
+using Rays = std::unordered_map<std::uint32_t, Seen>;
+
+double line_of(const CameraCalibration& camera, const TrackPoint& point) {
+  return camera.reads_columns ? point.u - 0.5 * camera.width : point.v - 0.5 * camera.height;
+}
 
 Rays rays_of(const Frame& frame, const CameraCalibration& camera) {
   Rays out;
   for (const TrackPoint& point : frame.points) {
     if (!std::isfinite(point.u) || !std::isfinite(point.v)) continue;
     if (const auto x = undistort(camera, {point.u, point.v}))
-      out[point.track_id] = Eigen::Vector3d(x->x(), x->y(), 1).normalized();
+      out[point.track_id] = {Eigen::Vector3d(x->x(), x->y(), 1).normalized(), line_of(camera, point)};
   }
   return out;
 }
@@ -45,13 +54,16 @@ std::vector<FramePair> frame_pairs(const Recording& recording, const CameraCalib
     const double dt = static_cast<double>(frame.t_ns - before_ns) * 1e-9;
     if (!before.empty() && dt > 0 && dt < kShortest_s) continue;
     const Rays now = rays_of(frame, camera);
-    FramePair pair{
-        static_cast<double>(before_ns - zero_ns) * 1e-9, static_cast<double>(frame.t_ns - zero_ns) * 1e-9, {}, {}};
-    for (const auto& [id, ray] : now) {
+    FramePair pair;
+    pair.t1 = static_cast<double>(before_ns - zero_ns) * 1e-9;
+    pair.t2 = static_cast<double>(frame.t_ns - zero_ns) * 1e-9;
+    for (const auto& [id, seen] : now) {
       const auto match = before.find(id);
       if (match == before.end()) continue;
-      pair.rays1.push_back(match->second);
-      pair.rays2.push_back(ray);
+      pair.rays1.push_back(match->second.ray);
+      pair.lines1.push_back(match->second.line);
+      pair.rays2.push_back(seen.ray);
+      pair.lines2.push_back(seen.line);
     }
     if (dt >= kShortest_s && dt <= kLongest_s && pair.rays1.size() >= static_cast<std::size_t>(kLeastRays))
       out.push_back(std::move(pair));

@@ -13,6 +13,7 @@ namespace host {
 struct FramePair {
   double t1 = 0, t2 = 0;  ///< s since the first IMU sample, camera stamps as they are
   std::vector<Eigen::Vector3d> rays1, rays2;
+  std::vector<double> lines1, lines2;  ///< of each corner: rows from the middle one, or columns (`readout`)
 };
 
 /// Pairs of frames 40 to 250 ms apart with at least 12 common corners.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "diagnose/model_terms.h"
+#include "diagnose/told.h"
 
 namespace host::diagnosis {
 
@@ -13,10 +14,11 @@ struct SearchedModel {
   std::vector<TermInfo> terms;  ///< columns of the fits
   std::vector<double> start;    ///< of each term, where the next fit begins
   std::vector<Candidate> candidates;
-  std::vector<int> known;  ///< candidates that were given: in every model
+  std::vector<int> known;   ///< candidates that were given: in every model but the first
+  std::vector<int> needed;  ///< of these, what is in the first as well
 
-  /// Counts an effect of the catalogue as known; "" none.
-  void include(const std::string& effect);
+  /// Counts effects of the catalogue as known.
+  void include(const Told& told);
   /// Terms that a search has put behind the others.
   void forget_additions();
   /// The next fit begins at what the rows of the last one say

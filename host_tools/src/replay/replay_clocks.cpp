@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "clock/clock_search.h"
+#include "clock/line_delay_search.h"
 
 namespace host {
 
@@ -31,6 +32,16 @@ double align_clocks(ReplayArguments* a, EffectChoice* choice, std::vector<Record
   }
   if (choice->enabled("time_offset")) choice->set("time_offset.t_d", 0);
   return offset;
+}
+
+void start_line_delay(const ReplayArguments& a, const std::vector<Recording>& sessions, EffectChoice* choice) {
+  const Recording& session = sessions.front();
+  if (session.device || !choice->enabled("rolling_shutter") || choice->value("rolling_shutter.line_delay") != 0) return;
+  const LineDelaySearch found = search_line_delay(session, a.replay.core.calibration.cameras.front(), 0);
+  if (!found.shows_rolling_shutter()) return;
+  std::cerr << "segcal: " << session.root.string() << ": " << found.words << "; rolling_shutter is estimated from there"
+            << std::endl;
+  choice->set("rolling_shutter.line_delay", found.line_delay);
 }
 
 void count_offset_from_recording(double offset, ReplayResult* result) {

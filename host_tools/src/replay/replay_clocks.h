@@ -13,6 +13,9 @@ double stated_offset(const Calibration& calibration, const EffectChoice& choice)
 /// the images and the gyroscope say another one, by that, which is then estimated on.
 /// Returns the offset of the last session, from which the effect counts.
 double align_clocks(ReplayArguments* a, EffectChoice* choice, std::vector<Recording>* sessions);
+/// Where rolling_shutter is to be estimated and no value of it is known, it starts from what rotation says: shaken by
+/// hand, no filter starts without it. After align_clocks().
+void start_line_delay(const ReplayArguments& a, const std::vector<Recording>& sessions, EffectChoice* choice);
 /// The effect's value as people and files count it: from the stamps as they are in the recording.
 void count_offset_from_recording(double offset, ReplayResult* result);
 

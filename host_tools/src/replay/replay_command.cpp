@@ -138,6 +138,7 @@ int run(ReplayArguments a) {
   if (!a.model.empty()) choice = read_model(a.model);
   for (const std::string& name : a.effects) choice.enable(name);
   const double offset = align_clocks(&a, &choice, &sessions);
+  start_line_delay(a, sessions, &choice);
   choice.apply(&a.replay.core);
   a.replay.review = !sessions.front().device && a.replay.calibrate;
   if (a.keep_outdated) a.replay.core.outdated_level = -1;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clock/line_delay_search.h"
 #include "diagnose/chi_square.h"
 #include "diagnose/fault.h"
 #include "formatted.h"
@@ -176,7 +177,9 @@ class Review {
       what = formatted("the motion tells %d of %zu parameters, half are needed: move and turn about all axes%s",
                        static_cast<int>(observed), r.parameters.size(), room().c_str());
     }
-    if (faults_ > 0) return what + ": " + health_.suspects.front().words;
+    const std::string shutter = rolling_shutter();
+    if (faults_ > 0) return what + ": " + health_.suspects.front().words + (shutter.empty() ? "" : "; " + shutter);
+    if (!shutter.empty()) return what + ": " + shutter;
     const double moved_s = out_.clocks.empty() ? 0 : clock.offset_s;
     const std::string still = never_started(out_.counters, clock, moved_s, sessions_.front().imu);
     if (!still.empty()) return what + ": " + still;
@@ -189,6 +192,13 @@ class Review {
     for (const Note& note : health_.notes)
       if (note.name.find("_noise") != std::string::npos && note.factor > 1) return what + ": " + note.words;
     return what;
+  }
+
+  /// Empty where it is in the model, or rotation does not show one: a filter that does not know of it does not start.
+  std::string rolling_shutter() const {
+    if (sessions_.front().device || (options_.effects & SEGCAL_EFFECT_ROLLING_SHUTTER) != 0) return "";
+    const LineDelaySearch found = search_line_delay(sessions_.front(), options_.calibration.cameras.front(), 0);
+    return found.shows_rolling_shutter() ? found.words + ": --enable rolling_shutter" : "";
   }
 
   /// A database that was full left out segments that tell something too: a host has room for them. Not a device's log,

@@ -26,7 +26,8 @@
    SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) * SEGCAL_REAL_BYTES + 160u)
 #define SEGCAL_DATABASE_BYTES ((SEGCAL_MAX_SEGMENTS + 1u) * (SEGCAL_SEGMENT_BYTES + 1u) + 128u)
 
-/* The filter: a triangle over its columns, a block of rows, one inertial link, its poses, and the tracks it follows. */
+/* The filter: a triangle over its columns, a block of rows, one inertial link, its poses, the tracks it follows, and
+   the points of one image as they were at its stamp. */
 #define SEGCAL_FILTER_COLUMNS (24u + 6u * (SEGCAL_MAX_CLONES + 1u) + 14u * SEGCAL_MAX_CAMERAS)
 #define SEGCAL_FILTER_BLOCK (SEGCAL_LARGER(2u * SEGCAL_MAX_CLONES + 3u, 18u) * (SEGCAL_FILTER_COLUMNS + 10u))
 #define SEGCAL_FILTER_BYTES                                                                            \
@@ -36,7 +37,8 @@
                         24u * (SEGCAL_MAX_CLONES + 1u) + 200u * SEGCAL_MAX_CAMERAS + 100u) +           \
    16u * (SEGCAL_MAX_CLONES + 1u) +                                                                    \
    SEGCAL_MAX_CAMERAS * SEGCAL_MAX_TRACKS *                                                            \
-       ((SEGCAL_MAX_CLONES + 1u) * 2u * SEGCAL_REAL_BYTES + 8u + 2u * SEGCAL_REAL_BYTES) +             \
+       ((SEGCAL_MAX_CLONES + 1u) * 2u * SEGCAL_REAL_BYTES + 8u + 2u * SEGCAL_REAL_BYTES +              \
+        (SEGCAL_MAX_EFFECT_ESTIMATES > 0 ? 8u + 2u * SEGCAL_REAL_BYTES : 0u)) +                        \
    256u)
 
 /* Elimination of one segment: the reduced triangle; after each other in the same memory one landmark's rows, the chain

@@ -8,6 +8,7 @@
 // cent of accelerometer scale (0.1 m/s^2 of gravity, turning with the device) by wrong tilt, velocity and scale.
 #pragma once
 
+#include "vio/global_shutter.h"
 #include "vio/sensor_priors.h"
 #include "vio/standstill.h"
 #include "vio/start_motion.h"
@@ -113,6 +114,7 @@ class Vio {
   void make_room();
   bool healthy() const;
   void move_on(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuIntegral<S>& I, int place, int spent);
+  const TrackPoint<S>* at_stamp(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu);
 
   VioOptions<S> options_;
   Window<S> window_;
@@ -120,6 +122,7 @@ class Vio {
   StartScratch<S> start_;
   MotionStart<S> motion_;
   ResidualMonitor<S> monitor_;
+  TrackPoint<S> at_stamp_[kHasLineDelay ? kMaxVioTracks : 1];  ///< of the present frame, see global_shutter.h
   Origin<S> origin_;  ///< where the next start places the device: the last place known
   VioStatistics statistics_;
   std::int64_t time_, last_update_;  ///< of the newest pose; of the last feature
@@ -177,6 +180,21 @@ void Vio<S>::next_session() {
   forget();
 }
 
+/// The points as the filter takes them: as they are where all lines are exposed at once.
+template <class S>
+const TrackPoint<S>* Vio<S>::at_stamp(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
+  const Calibration<S>& theta = calibration();
+  const S line_delay = theta.effects.value_of(kLineDelayTerm);
+  if (!kHasLineDelay || line_delay == S(0) || n > kMaxVioTracks || !imu.covers(t_ns, t_ns)) return points;
+  const RateAbout<S> rate(imu, t_ns, theta.imu, running_ ? window_.now.b_g : Vec3<S>(Vec3<S>::Zero()));
+  for (int i = 0; i < n; ++i) {
+    at_stamp_[i] = points[i];
+    if (points[i].camera < 0 || points[i].camera >= theta.n_cameras || !is_finite(points[i].uv.sum())) continue;
+    turn_to_stamp(theta.camera[points[i].camera], line_delay, rate, &at_stamp_[i].uv);
+  }
+  return at_stamp_;
+}
+
 template <class S>
 VioStatus Vio<S>::push_frame(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
   if (imu.size() < 2 || imu.newest() < t_ns) return VioStatus::waiting;
@@ -191,6 +209,7 @@ VioStatus Vio<S>::push_frame(std::int64_t t_ns, const TrackPoint<S>* points, int
     return give_up();
   }
   if (gap) forget();
+  points = at_stamp(t_ns, points, n, imu);
   if (starting_) return wait_for_start(t_ns, points, n, imu);
   return running_ ? track(t_ns, points, n, imu) : collect(t_ns, points, n, imu);
 }
