@@ -75,6 +75,12 @@ void test_rolling_shutter() {
   }
 }
 
+/// 24 ms of read-out, shaken by hand: the filter loses itself until rotation tells the delay.
+void test_rolling_shutter_of_a_shaken_phone() {
+  expect_only(diagnosed("rich", 42, "rolling_shutter=5e-5", host::sim::drifting_tracks()), "rolling_shutter", 5e-5,
+              0.01);
+}
+
 /// Without the drift in the weights both are `unexplained`. The
 /// second also where image motion is read from points that drift.
 void test_tracks_that_drift() {
@@ -132,6 +138,7 @@ int main() {
   RUN_TEST(test_nothing_missing);
   RUN_TEST(test_time_offsets);
   RUN_TEST(test_rolling_shutter);
+  RUN_TEST(test_rolling_shutter_of_a_shaken_phone);
   RUN_TEST(test_tracks_that_drift);
   RUN_TEST(test_what_is_missing_is_no_drift);
   RUN_TEST(test_what_follows_temperature);

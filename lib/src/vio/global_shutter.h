@@ -30,7 +30,8 @@ struct RateAbout {
 
 /// Turns a point; it stays where it is if the lens has no direction for it.
 template <class S>
-void turn_to_stamp(const CameraCalibration<S>& camera, S line_delay, const RateAbout<S>& rate, Vec2<S>* uv) {
+[[gnu::cold, gnu::noinline]] void turn_to_stamp(const CameraCalibration<S>& camera, S line_delay,
+                                                const RateAbout<S>& rate, Vec2<S>* uv) {
   Vec3<S> h;
   Vec2<S> turned;
   if (!unproject(camera, *uv, &h)) return;

@@ -182,7 +182,8 @@ void Vio<S>::next_session() {
 
 /// The points as the filter takes them: as they are where all lines are exposed at once.
 template <class S>
-const TrackPoint<S>* Vio<S>::at_stamp(std::int64_t t_ns, const TrackPoint<S>* points, int n, const ImuHistory<S>& imu) {
+[[gnu::cold, gnu::noinline]] const TrackPoint<S>* Vio<S>::at_stamp(std::int64_t t_ns, const TrackPoint<S>* points,
+                                                                   int n, const ImuHistory<S>& imu) {
   const Calibration<S>& theta = calibration();
   const S line_delay = theta.effects.value_of(kLineDelayTerm);
   if (!kHasLineDelay || line_delay == S(0) || n > kMaxVioTracks || !imu.covers(t_ns, t_ns)) return points;
