@@ -19,7 +19,9 @@ constexpr double kLog10Level = -2.7;
 /// each instant is a hypothesis: a tenth over their number, less what a term of the dictionary has:
 /// it has no physics behind it, a hundredth over the number of terms. Rounds of noise look again, but
 /// a recording without any effect has none: a noise is asked for six of its sigmas (kNoiseSigmas).
-constexpr double kCatalogueShare = 0.9 / 12, kStepsShare = 0.09, kDictionaryShare = 0.01;
+/// Where a recording has exposures, exposure_offset is one entry more.
+constexpr double kCatalogueShare = 0.9 / 12, kShareWithExposures = 0.9 / 13, kStepsShare = 0.09,
+                 kDictionaryShare = 0.01;
 /// Effects in one model; more are no diagnosis.
 constexpr int kMostEffects = 5;
 
@@ -92,6 +94,13 @@ constexpr double kFitsNeither = 8, kLog10LookInside = -6;
 /// log10 p of the scatter of a step over its pieces from which on the step is judged against it. They are often few,
 /// and F of few degrees would cost most steps.
 constexpr double kLog10Scatters = -2;
+
+// ---- Stamps that follow the exposure
+
+/// What may be left of kappa at a fit whose stamps were moved by it, and how often it is made again for that: 0.02 of
+/// an exposure of 10 ms is a fifth of a millisecond, over which images are straight. One fit more was always enough.
+constexpr double kKappaSettles = 0.02;
+constexpr int kKappaRounds = 3;
 
 // ---- Noise
 
