@@ -2,11 +2,13 @@
 #include <unity.h>
 
 #include <cmath>
+#include <cstdio>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "diagnose/diagnose.h"
+#include "diagnose/evidence.h"
 #include "diagnose/exposure_offset.h"
 #include "replay/replay.h"
 #include "simulate/effect_names.h"
@@ -69,6 +71,32 @@ void test_joined_column_is_the_sum_of_segments() {
   const MatrixXd apart = joined.R.transpose() * joined.R - sum.R.transpose() * sum.R;
   TEST_ASSERT_EQUAL_INT(6, joined.columns());
   TEST_ASSERT_DOUBLE_WITHIN(1e-10, 0, apart.cwiseAbs().maxCoeff());  // double, numbers of 100
+}
+
+/// With means over segments alone, in which an exposure changes by up to a factor of four, and time_offset's column as
+/// it is 5 ms away: a tenth of kappa is left to the second fit at most, half as much in what was seen.
+void test_the_first_estimate_is_near() {
+  for (const double truth : {0.5, 0.1}) {
+    const std::vector<host::Recording> sessions{
+        session_of("rich", 1, truth > 0.3 ? "exposure_offset=0.5" : "exposure_offset=0.1").recording};
+    host::CoreOptions core;
+    core.calibration = session_of("rich", 1, "").nominal;
+    core.noise = sessions[0].imu.noise;
+    SearchedModel model(core, false, true);
+    Budget budget{decision::kSlices};
+    Evidence evidence(sessions, without_effects(core, false), "host", &budget, {});
+    const int kappa = static_cast<int>(model.candidates.size()) - 1;
+    model.begin_at(evidence.fit(model.terms, model.columns_of({}), model.start), {kappa});
+    std::printf("kappa %.2f: first estimate %.4f\n", truth, model.start.back());
+    TEST_ASSERT_DOUBLE_WITHIN(0.1 * truth, truth, model.start.back());
+  }
+}
+
+/// At a kappa of a tenth the second fit mattered: what was left of it passed for a term of the dictionary (arvr, 3).
+void test_a_small_kappa_has_its_name() {
+  const Diagnosis d = diagnosed(session_of("arvr", 3, "exposure_offset=0.1"));
+  TEST_ASSERT_EQUAL_STRING_MESSAGE("explained", d.verdict.c_str(), d.sentence.c_str());
+  TEST_ASSERT_EQUAL_STRING("exposure_offset", d.effects[0].name.c_str());
 }
 
 void expect_kappa(const Diagnosis& d, double truth) {
@@ -134,7 +162,12 @@ void test_moved_stamps_calibrate() {
   options.core.calibration = session.nominal;
   options.core.noise = session.recording.imu.noise;
   options.review = true;
-  TEST_ASSERT_TRUE(host::replay({session.recording}, options).result.status != "calibrated");
+  const host::ReplayResult as_it_is = host::replay({session.recording}, options);
+  TEST_ASSERT_TRUE(as_it_is.result.status != "calibrated");
+  TEST_ASSERT_FALSE(as_it_is.health.suspects.empty());
+  const host::Suspect& suspect = as_it_is.health.suspects.front();
+  TEST_ASSERT_EQUAL_STRING_MESSAGE("exposure_offset", suspect.name.c_str(), as_it_is.cause.c_str());
+  TEST_ASSERT_TRUE_MESSAGE(suspect.words.find("--stamp-exposure 0.") != std::string::npos, suspect.words.c_str());
   host::add_exposure_to_stamps(0.5, &session.recording);
   const host::ReplayResult moved = host::replay({session.recording}, options);
   TEST_ASSERT_EQUAL_STRING("calibrated", moved.result.status.c_str());
@@ -146,6 +179,8 @@ void test_moved_stamps_calibrate() {
 int main() {
   UNITY_BEGIN();
   RUN_TEST(test_joined_column_is_the_sum_of_segments);
+  RUN_TEST(test_the_first_estimate_is_near);
+  RUN_TEST(test_a_small_kappa_has_its_name);
   RUN_TEST(test_start_of_exposure_has_its_name);
   RUN_TEST(test_what_was_added_counts);
   RUN_TEST(test_nothing_is_named_without_it);

@@ -97,9 +97,10 @@ constexpr double kLog10Scatters = -2;
 
 // ---- Stamps that follow the exposure
 
-/// What may be left of kappa at a fit whose stamps were moved by it, and how often it is made again for that: 0.02 of
-/// an exposure of 10 ms is a fifth of a millisecond, over which images are straight. One fit more was always enough.
-constexpr double kKappaSettles = 0.02;
+/// Sigmas that kappa may still move by at a fit whose stamps were moved by it, and how often the fit is made again for
+/// that. Terms of the dictionary are asked about with stamps as they are: 1.5 sigma that were left, of which 2 % of a
+/// gap followed the change of the rate, cost a right name.
+constexpr double kKappaSettles = 0.3;
 constexpr int kKappaRounds = 3;
 
 // ---- Noise

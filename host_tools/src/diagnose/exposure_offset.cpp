@@ -46,6 +46,10 @@ int place_of(const SearchedModel& model) {
 
 }  // namespace
 
+TermInfo exposure_term() {
+  return {{host_only, 0, 0, 0}, exposure_effect, -1, std::string(exposure_effect) + ".kappa", "-", plausible_kappa};
+}
+
 ExposureColumn exposure_column(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated,
                                const std::vector<double>& start) {
   ExposureColumn out;
@@ -118,8 +122,7 @@ void add_exposure_offset(SearchedModel* model) {
   for (const Candidate& c : model->candidates)
     if (c.name == "time_offset") candidate.beside = {c.columns};
   model->candidates.push_back(candidate);
-  const std::string name = std::string(exposure_effect) + ".kappa";
-  model->terms.push_back({{host_only, 0, 0, 0}, exposure_effect, -1, name, "-", plausible_kappa});
+  model->terms.push_back(exposure_term());
   model->start.push_back(0);
 }
 
@@ -144,13 +147,17 @@ void count_kappa_from_recording(double added, Diagnosis* out) {
 
 Problem fit_about_kappa(SearchedModel* model, const std::vector<int>& accepted, const std::function<Problem()>& fit) {
   Problem out = fit();
-  const int candidate = place_of(*model);
-  if (std::count(accepted.begin(), accepted.end(), candidate) == 0) return out;
-  const int term = model->candidates[candidate].columns.first;
+  const int kappa = place_of(*model);
+  if (std::count(accepted.begin(), accepted.end(), kappa) == 0) return out;
+  const Candidate& candidate = model->candidates[kappa];
+  std::vector<TermGroup> others;
+  for (int c : accepted)
+    if (c != kappa) others.push_back(model->candidates[c].columns);
   for (int round = 0; round < decision::kKappaRounds; ++round) {
     const std::vector<double> before = model->start;
     model->begin_at(out, accepted);
-    if (std::abs(model->start[term] - before[term]) < decision::kKappaSettles) {
+    const double moved = model->start[candidate.columns.first] - before[candidate.columns.first];
+    if (std::abs(moved) < decision::kKappaSettles * test_effect(out, candidate, others).sigma(0)) {
       model->start = before;
       break;
     }

@@ -28,6 +28,8 @@ struct ExposureColumn {
   std::vector<double> exposure_s;  ///< of each kept segment, in the order of time
   std::vector<Rows> segments;      ///< their rows without it
 };
+/// kappa, which the core knows nothing of.
+TermInfo exposure_term();
 ExposureColumn exposure_column(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated,
                                const std::vector<double>& start);
 
