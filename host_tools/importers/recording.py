@@ -96,6 +96,7 @@ class CameraWriter:
         self.folder = folder
         (folder / "data").mkdir(parents=True)
         self.names = {}
+        self.exposures = {}
         self.dropped = 0
         self.size = None
 
@@ -116,10 +117,15 @@ class CameraWriter:
             raise InputError(f"expected images of one size, found {self.size[0]} x {self.size[1]} and, at {t_ns}, {size[0]} x {size[1]}")
         self.size = size
         self.names[t_ns] = name
+        if image.exposure_ns > 0:
+            self.exposures[t_ns] = image.exposure_ns
 
     def finish(self):
         rows = "".join(f"{t_ns},{self.names[t_ns]}\n" for t_ns in sorted(self.names))
         (self.folder / "data.csv").write_text("#timestamp [ns],filename\n" + rows)
+        if self.exposures:
+            rows = "".join(f"{t_ns},{self.exposures[t_ns]}\n" for t_ns in sorted(self.exposures))
+            (self.folder / "exposure.csv").write_text("#timestamp [ns],exposure [ns]\n" + rows)
 
 
 def camchain_text(cameras):

@@ -66,6 +66,7 @@ class Image:
     pixels: np.ndarray | None = None
     encoded: bytes | None = None
     suffix: str = ".png"
+    exposure_ns: int = 0  # 0: nobody says
 
 
 @dataclass

@@ -62,6 +62,7 @@ struct TrackPoint {
 struct Frame {
   std::int64_t t_ns = 0;  ///< stamp, camera clock, ns
   std::vector<TrackPoint> points;
+  double exposure_s = 0;  ///< for how long the first camera exposed its image of this stamp; 0: nobody says
 };
 
 /// One image on disk.
@@ -111,16 +112,17 @@ struct Recording {
 
 /// Reads REC/mav0. `n_cameras` cameras must exist. Frames come from tracks.csv; where it is missing, `frames` stays
 /// empty (the caller decides whether that is an error: `segcal replay` says to run `segcal track` first).
-/// The IMU comes from imu0/data.csv or, where that is missing, from gyro.csv and accel.csv (stamps/imu_streams.h).
-/// `smooth`: stamps of IMU and tracks are those of callbacks and are smoothed (stamps/smooth_stamps.h).
-/// `replacing`: the command that reads it to replace its own files in it (files/manifest.h); `track` reads no tracks.
-/// Throws InputError: files that do not belong together, missing or empty file, wrong column count, non-number, no
-/// overlap of IMU and camera in time.
+/// Exposure times come from cam0/exposure.csv, if it is there (exposure_file.h), by the stamps as they are in the
+/// files. The IMU comes from imu0/data.csv or, where that is missing, from gyro.csv and accel.csv
+/// (stamps/imu_streams.h). `smooth`: stamps of IMU and tracks are those of callbacks and are smoothed
+/// (stamps/smooth_stamps.h). `replacing`: the command that reads it to replace its own files in it (files/manifest.h);
+/// `track` reads no tracks. Throws InputError: files that do not belong together, missing or empty file, wrong column
+/// count, non-number, no overlap of IMU and camera in time.
 Recording read_recording(const std::filesystem::path& root, int n_cameras, bool smooth = false,
                          std::string_view replacing = {});
 
-/// Writes imu0/{data.csv,sensor.yaml}, camN/{data.csv-less,
-/// tracks.csv}, state_groundtruth_estimate0/data.csv (if truth).
+/// Writes imu0/{data.csv,sensor.yaml}, camN/{data.csv-less, tracks.csv}, cam0/exposure.csv (if
+/// frames have exposures), state_groundtruth_estimate0/data.csv (if truth).
 void write_recording(const Recording& recording);
 
 /// Writes camN/tracks.csv of one camera (used by `segcal track` as well). Pixels with four decimals, far below any

@@ -7,6 +7,7 @@
 #include <unordered_set>
 
 #include "csv.h"
+#include "exposure_file.h"
 #include "files/manifest.h"
 #include "imu_data_file.h"
 #include "imu_noise_file.h"
@@ -172,6 +173,7 @@ Recording read_recording(const fs::path& root, int n_cameras, bool smooth, std::
   recording.imu = read_imu(root, smooth, &recording.notes);
   for (int i = 0; i < n_cameras; ++i)
     recording.cameras.push_back(read_camera(root / "mav0" / ("cam" + std::to_string(i)), replacing == "track"));
+  read_exposures(root / "mav0" / "cam0" / "exposure.csv", &recording);
   set_strays_aside(&recording);
   check_temperature(&recording.imu, true);
   if (smooth) smooth_frames(&recording.cameras, &recording.notes);

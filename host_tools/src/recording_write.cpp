@@ -1,4 +1,5 @@
 // Writing a recording folder: each file whole or not at all.
+#include "exposure_file.h"
 #include "file_output.h"
 #include "recording.h"
 
@@ -81,6 +82,7 @@ void write_recording(const Recording& recording) {
   for (std::size_t i = 0; i < recording.cameras.size(); ++i)
     write_tracks(mav0 / ("cam" + std::to_string(i)) / "tracks.csv", recording.cameras[i].frames,
                  recording.device.has_value());
+  if (!recording.cameras.empty()) write_exposures(mav0 / "cam0" / "exposure.csv", recording.cameras.front().frames);
   if (!recording.truth.empty())
     write_file(mav0 / "state_groundtruth_estimate0" / "data.csv", truth_text(recording.truth));
 }

@@ -100,6 +100,16 @@ class Folders(Case):
         (root / "dso/camchain.yaml").write_text(yaml.safe_dump({"cam0": {**camera, "readout": "left"}}))
         self.refused("dso/camchain.yaml: expected readout rows or columns", root, "--out", self.folder / "none")
 
+    def test_exposures(self):
+        root = self.folder / "room"
+        stamps, _, _ = self.put(root)
+        file = root / "mav0/cam0/exposure.csv"
+        file.write_text(f"#timestamp [ns],exposure [ns]\n{stamps[9]},3999744\n")
+        self.converted(root, "--focal", 100, "--mount", "phone-back")
+        self.assertEqual((self.rec / "mav0/cam0/exposure.csv").read_text(), file.read_text())
+        file.write_text(f"#timestamp [ns],exposure [ns]\n{stamps[9]},soon\n")
+        self.refused("mav0/cam0/exposure.csv:2: expected an exposure", root, "--focal", 100, "--mount", "phone-back", "--out", self.folder / "none")
+
     def test_a_missing_image(self):
         root = self.folder / "room"
         self.put(root)

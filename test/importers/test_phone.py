@@ -56,6 +56,25 @@ class Tables(Case):
         (folder / "400.png").unlink()
         self.refused("frames.csv:4: expected an image that exists", self.log, "--out", self.folder / "again")
 
+    def test_exposures_of_a_table(self):
+        """By a heading with a unit, as phones write it; without one they are left out, with a word."""
+        self.put("time,x,y,z", "time,x,y,z")
+        stamps = [int(t) for t in self.stamps[0:2000:200]]
+        for k in range(len(stamps)):
+            Image.fromarray(np.full((8, 12), k, np.uint8)).save(self.log / f"{k}.png")
+        exposures = self.folder / "rec/mav0/cam0/exposure.csv"
+        for heading, text, ns in (("Exposure time [nanosec]", "9999000", 9999000), ("exposure [ms]", "3.25", 3250000), ("exposure_us", "125", 125000)):
+            with self.subTest(heading):
+                (self.log / "frames.csv").write_text(f"timestamp [ns],filename,{heading}\n" + "".join(f"{t},{k}.png,{text}\n" for k, t in enumerate(stamps)))
+                self.converted(self.log, "--focal", 100, "--mount", "phone-back")
+                self.assertEqual(exposures.read_text(), "#timestamp [ns],exposure [ns]\n" + "".join(f"{t},{ns}\n" for t in stamps))
+                shutil.rmtree(self.rec)
+        (self.log / "frames.csv").write_text("timestamp [ns],filename,exposure\n" + "".join(f"{t},{k}.png,5\n" for k, t in enumerate(stamps)))
+        self.assertIn("the exposure's unit is not in its heading", self.converted(self.log, "--focal", 100, "--mount", "phone-back").stderr)
+        self.assertFalse(exposures.exists())
+        (self.log / "frames.csv").write_text("timestamp [ns],filename,exposure [s]\n" + "".join(f"{t},{k}.png,{k}\n" for k, t in enumerate(stamps)))
+        self.refused("frames.csv:4: expected an exposure of 0 (not known) to 1 s, found 2", self.log, "--focal", 100, "--mount", "phone-back", "--out", self.folder / "again")
+
     def test_headings_order_and_units(self):
         """Sensor Logger's order z, y, x; degrees and g by their headings; seconds with nine decimals stay exact."""
         seconds = [f"{t // 10**9}.{t % 10**9:09d}" for t in self.stamps.tolist()]

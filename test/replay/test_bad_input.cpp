@@ -32,6 +32,7 @@ struct Case {
 
 const char* const kImu = "mav0/imu0/data.csv";
 const char* const kTracks = "mav0/cam0/tracks.csv";
+const char* const kExposures = "mav0/cam0/exposure.csv";
 const char* const kCalibration = "camchain-imucam.yaml";
 
 /// Replaces line `number` (from 1) of a file.
@@ -76,6 +77,13 @@ std::vector<Case> file_cases() {
        "mav0/cam0/tracks.csv:5: expected"},
       {"track_id", [](const fs::path& rec) { put_line(rec / kTracks, 5, "1,-2,3,4"); },
        "mav0/cam0/tracks.csv:5: expected"},
+      {"exposure_number",
+       [](const fs::path& rec) { write_text(rec / kExposures, "#timestamp [ns],exposure [ns]\n1,2\n3,x\n"); },
+       "mav0/cam0/exposure.csv:3: expected"},
+      {"exposure_columns", [](const fs::path& rec) { write_text(rec / kExposures, "1,2,3\n"); },
+       "mav0/cam0/exposure.csv:1: expected"},
+      {"exposure_size", [](const fs::path& rec) { write_text(rec / kExposures, "1,-2\n"); },
+       "mav0/cam0/exposure.csv:1: expected an exposure of 0 (not known) to 1e9 ns, found -2"},
       {"no_overlap",
        [](const fs::path& rec) { write_text(rec / kTracks, "#timestamp [ns],track_id [],u [px],v [px]\n1,2,3,4\n"); },
        "expected stamps that overlap"},
@@ -146,6 +154,12 @@ std::vector<Case> usage_cases() {
       {"zero_segments", nothing, "--segments", "replay REC --out OUT --segments 0"},
       {"cameras", nothing, "cam1", "replay REC --out OUT --cameras 2"},
       {"calibration_file", nothing, "none.yaml", "replay REC --out OUT --calib none.yaml"},
+      {"no_exposures", nothing, "exposure.csv: expected the exposure of most images",
+       "replay REC --out OUT --stamp-exposure 0.5"},
+      {"no_exposures to diagnose", nothing, "exposure.csv: expected the exposure of most images",
+       "diagnose REC --out OUT --stamp-exposure 0.5"},
+      {"stamp_exposure", nothing, "--stamp-exposure", "replay REC --out OUT --stamp-exposure 1.5"},
+      {"exposure_offset", nothing, "expected -1 to 1", "simulate --out OUT --effect exposure_offset=2"},
       {"scenario", nothing, "--scenario", "simulate --out OUT --scenario rest"},
       {"seconds", nothing, "--seconds", "simulate --out OUT --seconds x"},
       {"fault", nothing, "unknown fault 'rain'", "simulate --out OUT --fault rain"},

@@ -54,13 +54,21 @@ class Source:
         temperature = values[:, 6] if values.shape[1] == IMU_COLUMNS else None
         return Imu(name, t_ns, t_ns, values[:, :3], values[:, 3:6], temperature, "rad/s", "m/s^2")
 
+    def exposures(self, name):
+        """{stamp: ns}; empty without exposure.csv, which TUM-VI's folders have."""
+        file = self.mav0 / name / "exposure.csv"
+        if not file.is_file():
+            return {}
+        return {stamp: tables.exposure_of(text, "ns", f"{file}:{number}") for number, (stamp, text) in rows(file, 2)}
+
     def frames(self, name):
         file = self.mav0 / name / "data.csv"
+        exposures = self.exposures(name)
         for number, (stamp, image) in rows(file, 2):
             path = file.parent / "data" / image
             if not path.is_file():
                 raise InputError(f"{file}:{number}: expected an image that exists, found {image}")
-            yield Image(int(stamp), int(stamp), None, path.read_bytes(), path.suffix.lower())
+            yield Image(int(stamp), int(stamp), None, path.read_bytes(), path.suffix.lower(), exposures.get(stamp, 0))
 
     def chain(self, name):
         """The entry of a camera in Kalibr's layout, if the folder has one."""

@@ -56,6 +56,7 @@ class Source:
         self.where = str(paths[0])
         self.root = paths[0] if paths[0].is_dir() else paths[0].parent
         self.sensors = {}  # name -> function that reads it, and its kind
+        self.notes = []
         self.images = {}  # name -> (file, layout)
         self.read = functools.cache(lambda name: self.sensors[name][1]())
         for path in paths:
@@ -75,6 +76,8 @@ class Source:
             self.sensors[name] = (kind, lambda: read_table(file, layout))
         elif layout.file_name is not None:
             self.images[name] = (file, layout)
+            if layout.exposure is not None and not layout.exposure_unit:
+                self.notes.append(f"{name}: the exposure's unit is not in its heading, such as exposure [ns]: exposures are left out")
 
     def find_json(self, file):
         sensors = {}
@@ -110,7 +113,8 @@ class Source:
             image = next((f for f in (file.parent / "data" / fields[layout.file_name], file.parent / fields[layout.file_name]) if f.is_file()), None)
             if image is None or image.suffix.lower() not in IMAGE:
                 raise InputError(f"{file}:{number}: expected an image that exists, found {fields[layout.file_name]}")
-            yield Image(int(t_ns), int(t_ns), None, image.read_bytes(), image.suffix.lower())
+            exposure_ns = tables.exposure_of(fields[layout.exposure], layout.exposure_unit, f"{file}:{number}") if layout.exposure_unit else 0
+            yield Image(int(t_ns), int(t_ns), None, image.read_bytes(), image.suffix.lower(), exposure_ns)
 
     def calib(self, name):
         return None

@@ -12,11 +12,14 @@ from streams import InputError
 
 NOTED = set()
 NS_OF = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000}
-UNIT_WORDS = {"nanoseconds": "ns", "microseconds": "us", "milliseconds": "ms", "seconds": "s", "sec": "s", "µs": "us"}
+UNIT_WORDS = {"nanoseconds": "ns", "microseconds": "us", "milliseconds": "ms", "seconds": "s", "sec": "s", "µs": "us",
+              "nanosec": "ns", "microsec": "us", "millisec": "ms", "nsec": "ns", "usec": "us", "msec": "ms"}
 GYRO = re.compile(r"gyr|angular|rotation_?rate|omega|^[wg]_?(rs_s_)?[xyz]\b|^rot")
 ACCEL = re.compile(r"acc|^a_?(rs_s_)?[xyz]\b")
 OTHER = re.compile(r"linear|user|gravity|magn|orient|attitude|quat|baro|light|compass|without")  # and no raw accelerometer
 TIME = re.compile(r"^(sensor_?|event_?|hardware_?)?(time_?stamps?|time|t|seconds_elapsed|elapsed(_?time)?)(_?(ns|us|ms|s|seconds|nanoseconds|milliseconds))?$")
+EXPOSURE = re.compile(r"^exposure(_?(time|duration))?(_(ns|us|ms|s|sec|seconds|nanosec|nanoseconds|microseconds|milliseconds))?$")
+LONGEST_EXPOSURE_NS = 1_000_000_000  # of a camera that moves: more is another unit
 FILE_NAME = re.compile(r"^(file_?name|file|image|image_?name|path|frame_?file)$")
 
 
@@ -126,8 +129,19 @@ def time_column(columns):
 
 
 def time_unit(column):
-    match = re.search(r"_(ns|us|ms|s|nanoseconds|milliseconds|seconds)$", column.name)
+    match = re.search(r"_(ns|us|ms|s|sec|nanosec|nanoseconds|microseconds|milliseconds|seconds)$", column.name)
     return column.unit or (UNIT_WORDS.get(match.group(1), match.group(1)) if match else "s" if column.name == "seconds_elapsed" else "")
+
+
+def exposure_of(text, unit, where):
+    """ns; 0 where it is not known."""
+    try:
+        ns = int(round(Decimal(text) * NS_OF[unit]))
+    except (InvalidOperation, ValueError, OverflowError):
+        ns = -1
+    if not 0 <= ns <= LONGEST_EXPOSURE_NS:
+        raise InputError(f"{where}: expected an exposure of 0 (not known) to 1 s, found {text}")
+    return ns
 
 
 @dataclass
@@ -140,6 +154,8 @@ class Layout:
     axes: dict
     file_name: int | None
     columns: int
+    exposure: int | None = None
+    exposure_unit: str = ""  # empty: the heading does not say
 
 
 def layout_of(file, head):
@@ -159,7 +175,9 @@ def layout_of(file, head):
     axes = axes_of(columns, kind)
     if not axes and not names:
         return None
-    return Layout(1, at, time_unit(columns[at]), axes, names[0] if names else None, len(columns))
+    exposure = next((i for i, column in enumerate(columns) if EXPOSURE.match(column.name)), None)
+    return Layout(1, at, time_unit(columns[at]), axes, names[0] if names else None, len(columns), exposure,
+                  time_unit(columns[exposure]) if exposure is not None else "")
 
 
 def rows_of(file, layout):

@@ -79,6 +79,7 @@ void add_convert_command(CLI::App& app, int& exit_code) {
 
 Samples and pixels keep all bits in both directions: a device has them in single precision, and the folder's texts read back to the
 same. A folder cannot hold everything; lost are the device's further configuration, frames without a corner, result hashes.
+A log has no exposures (cam0/exposure.csv): they stay with the folder.
 
 A truncated log is read up to its end. A log with damage in the middle is refused, because a hole in the data gives a result
 that differs from the device's; with --salvage the rest is converted.)");

@@ -7,6 +7,7 @@
 #include "diagnose/catalogue.h"
 #include "diagnose/chi_square.h"
 #include "diagnose/decision.h"
+#include "diagnose/exposure_offset.h"
 #include "formatted.h"
 #include "sensors/effect_terms.h"
 
@@ -66,6 +67,7 @@ std::string sentence_of(const DiagnosedEffect& e) {
   const DiagnosedParameter& p = e.parameters[i];
   const std::string value = in_words(p.value, p.sigma, p.unit);
   if (e.name == "time_offset") return "camera and gyroscope disagree by " + value + ": " + e.name;
+  if (e.name == exposure_effect) return kappa_in_words(p.value, p.sigma, 0);
   const std::string most = e.parameters.size() > 1 ? "most in " + p.name.substr(p.name.find('.') + 1) + ", " : "";
   return looks_like(e.name) + ", " + most + value + ": " + e.name;
 }
@@ -149,7 +151,7 @@ DiagnosedEffect named(const Candidate& candidate, const Accepted& accepted, cons
     out.parameters.push_back({t.name, accepted.test.value(i), accepted.test.sigma(i), t.unit});
   }
   const TermInfo& first = terms[candidate.columns.first];
-  out.words = first.bit >= 0 ? sentence_of(out) : "unlisted effect: " + in_words(first.term);
+  out.words = !first.effect.empty() ? sentence_of(out) : "unlisted effect: " + in_words(first.term);
   return out;
 }
 

@@ -7,6 +7,6 @@
 namespace host::diagnosis {
 
 /// Scores of all candidates; those that were rejected, and those that nothing can be said of with what that needs.
-void report_candidates(const Selection& selection, bool has_temperature, Diagnosis* out);
+void report_candidates(const Selection& selection, bool has_temperature, bool has_exposures, Diagnosis* out);
 
 }  // namespace host::diagnosis

@@ -30,6 +30,8 @@ constexpr Words kWords[] = {
     {"accel_axis_offset", "the accelerometer's axes sit at different places", "quick turns about each axis"},
     {"camera_temperature", "the camera's rotation, focal length and principal point follow the temperature",
      "a log with temperature, over several degrees, with turns about each axis and tracks out to the corners"},
+    {"exposure_offset", "an image's stamp follows its exposure, as one that is not of the exposure's middle",
+     "exposures (mav0/cam0/exposure.csv) that change by several ms, with turns that change within a second"},
     {"calibration_shift", "the calibration is another one from a moment on",
      "lively motion before and after the shock"},
 };
@@ -47,6 +49,10 @@ struct Apart {
 
 constexpr Apart kApart[] = {
     {"time_offset", "gyro_lag", "accelerations without turns: the accelerometer is not late with the gyroscope"},
+    {"exposure_offset", "time_offset", "the same turns in bright light and in dim light"},
+    {"exposure_offset", "gyro_lag", "the same turns in bright light and in dim light"},
+    {"exposure_offset", "calibration_shift",
+     "bright and dim light by turns: exposures that change once look like a step"},
     {"time_offset", "rolling_shutter", "quick turns with tracks at the top and at the bottom of the image"},
     {"rolling_shutter", "gyro_lag",
      "turns that begin and end quickly, with tracks at the top and at the bottom of the image"},

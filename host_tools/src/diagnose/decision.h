@@ -19,7 +19,9 @@ constexpr double kLog10Level = -2.7;
 /// each instant is a hypothesis: a tenth over their number, less what a term of the dictionary has:
 /// it has no physics behind it, a hundredth over the number of terms. Rounds of noise look again, but
 /// a recording without any effect has none: a noise is asked for six of its sigmas (kNoiseSigmas).
-constexpr double kCatalogueShare = 0.9 / 12, kStepsShare = 0.09, kDictionaryShare = 0.01;
+/// Where a recording has exposures, exposure_offset is one entry more.
+constexpr double kCatalogueShare = 0.9 / 12, kShareWithExposures = 0.9 / 13, kStepsShare = 0.09,
+                 kDictionaryShare = 0.01;
 /// Effects in one model; more are no diagnosis.
 constexpr int kMostEffects = 5;
 
@@ -92,6 +94,14 @@ constexpr double kFitsNeither = 8, kLog10LookInside = -6;
 /// log10 p of the scatter of a step over its pieces from which on the step is judged against it. They are often few,
 /// and F of few degrees would cost most steps.
 constexpr double kLog10Scatters = -2;
+
+// ---- Stamps that follow the exposure
+
+/// Sigmas that kappa may still move by at a fit whose stamps were moved by it, and how often the fit is made again for
+/// that. Terms of the dictionary are asked about with stamps as they are: 1.5 sigma that were left, of which 2 % of a
+/// gap followed the change of the rate, cost a right name.
+constexpr double kKappaSettles = 0.3;
+constexpr int kKappaRounds = 3;
 
 // ---- Noise
 

@@ -18,6 +18,7 @@
 #include "diagnose/noise_effects.h"
 #include "diagnose/searched_model.h"
 #include "diagnose/structure_report.h"
+#include "stamps/exposures.h"
 
 namespace host {
 namespace {
@@ -32,8 +33,9 @@ class Diagnoser {
         options_(options),
         has_temperature_(
             std::all_of(sessions.begin(), sessions.end(), [](const Recording& r) { return r.imu.has_temperature; })),
-        model_(options.core, has_temperature_),
-        evidence_(sessions, with_temperature(options.core, has_temperature_), options.profile, &work_left_,
+        has_exposures_(std::all_of(sessions.begin(), sessions.end(), has_exposures)),
+        model_(options.core, has_temperature_, has_exposures_),
+        evidence_(sessions, without_effects(options.core, has_temperature_), options.profile, &work_left_,
                   [this](double fraction) { report(fraction); }) {
     model_.include(told);  // known to some ms, which bend all that is tested beside it
   }
@@ -54,15 +56,6 @@ class Diagnoser {
   }
 
  private:
-  /// Effects are this class' business.
-  static CoreOptions with_temperature(CoreOptions core, bool has) {
-    core.has_temperature = has;
-    core.effects = 0;
-    core.terms.clear();
-    core.term_values.clear();
-    return core;
-  }
-
   void report(double fraction) {
     if (options_.progress) options_.progress(step_, fraction);
   }
@@ -122,7 +115,7 @@ class Diagnoser {
     find_pixel_factor();
     if (!selection_.accepted.empty() || noisy_pixels_) out_.fit_after = evidence_.result();
     out_.cut_short = work_left_.used_up();
-    report_candidates(selection_, has_temperature_, &out_);
+    report_candidates(selection_, has_temperature_, has_exposures_, &out_);
   }
 
   void search() {
@@ -138,8 +131,8 @@ class Diagnoser {
       } else if (!accepted.empty()) {
         model_.begin_at(last, accepted);
       }
+      last = fit_about_kappa(&model_, accepted, [&] { return fit(model_.columns_of(accepted)); });
       starts[accepted] = model_.start;
-      last = fit(model_.columns_of(accepted));
       if (accepted.empty()) plain_ = last;
       return last;
     };
@@ -221,7 +214,7 @@ class Diagnoser {
   const std::vector<Recording>& sessions_;
   const Told& told_;
   const DiagnoseOptions& options_;
-  bool has_temperature_;
+  bool has_temperature_, has_exposures_;
   SearchedModel model_;
   Budget work_left_{decision::kSlices};
   Evidence evidence_;
@@ -243,6 +236,7 @@ Diagnosis diagnose(const std::vector<Recording>& sessions, const DiagnoseOptions
       with_clocks_aligned(sessions, options.core, [&options](const std::vector<Recording>& aligned, const Told& told) {
         return Diagnoser(aligned, told, options).run();
       });
+  if (options.stamp_exposure != 0) count_kappa_from_recording(options.stamp_exposure, &out);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return out;
 }

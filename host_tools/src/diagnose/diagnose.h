@@ -18,6 +18,7 @@ struct DiagnoseOptions {
   std::string profile = "host";  ///< keeps up to 64 segments: four minutes; of longer recordings the most informative
   bool accept_faults = false;    ///< fits even where the data are bad
   bool dictionary = true;        ///< look beyond the catalogue where a gap stays open
+  double stamp_exposure = 0;  ///< so many times the exposure was added to the stamps already: kappa counts from there
   std::function<void(const std::string& step, double fraction)> progress;  ///< may be empty
 };
 

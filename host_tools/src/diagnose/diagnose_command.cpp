@@ -5,9 +5,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 
 #include "commands.h"
 #include "diagnose/diagnose.h"
+#include "diagnose/exposure_offset.h"
 #include "files/output_run.h"
 #include "formatted.h"
 #include "imu_temperature.h"
@@ -23,6 +25,7 @@ struct DiagnoseArguments {
   std::string calibration, model, out;
   int cameras = 1;
   bool json = false, smooth_stamps = false;
+  std::optional<double> stamp_exposure;
   DiagnoseOptions diagnose;
 };
 
@@ -77,21 +80,31 @@ void print_table(const Diagnosis& d) {
   std::printf("%s: %s\n", d.judged ? d.verdict.c_str() : "cannot tell", d.sentence.c_str());
 }
 
+/// Of stamps and exposures, found or stated; 0: none.
+double kappa_of(const DiagnoseArguments& a, const Diagnosis& d) {
+  for (const ModelTerm& t : d.model)
+    if (t.effect == diagnosis::exposure_effect) return t.parameter.value;
+  return a.stamp_exposure.value_or(0);
+}
+
 /// What to do with the answer: the commands that use it.
 void print_next(const DiagnoseArguments& a, const Diagnosis& d) {
   if (!d.judged || d.model.empty()) return;
-  const std::string model = (std::filesystem::path(a.out) / "model.yaml").string();
+  const double kappa = kappa_of(a, d);
+  const bool more = d.model.size() > 1 || d.model.front().effect != diagnosis::exposure_effect;
+  const std::string model = more ? " --model " + (std::filesystem::path(a.out) / "model.yaml").string() : "";
   std::string replay = "segcal replay";
   for (const std::string& r : a.recordings) replay += " " + r;
   if (!a.calibration.empty()) replay += " --calib " + a.calibration;
   if (a.smooth_stamps) replay += " --smooth-stamps";
+  if (kappa != 0) replay += formatted(" --stamp-exposure %.3g", kappa);
   if (a.cameras != 1) replay += " --cameras " + std::to_string(a.cameras);
   if (d.tracks.points > 0)
     replay += formatted(" --pixel-sigma %.3g --track-walk %.3g", d.tracks.white_px, d.tracks.walk_px_per_sqrt_s);
-  std::printf("\nnext: %s --model %s --out %s   calibrates with what was found\n", replay.c_str(), model.c_str(),
+  std::printf("\nnext: %s%s --out %s   calibrates with what was found\n", replay.c_str(), model.c_str(),
               (std::filesystem::path(a.out) / "replay").string().c_str());
-  std::printf("      segcal simulate --out twin --model %s   a device with the same departure from the model\n",
-              model.c_str());
+  std::printf("      segcal simulate --out twin%s%s   a device with the same departure from the model\n", model.c_str(),
+              kappa != 0 ? formatted(" --effect exposure_offset=%.3g", kappa).c_str() : "");
   std::printf("      segcal report %s   draws where the model and the measurements disagreed\n", a.out.c_str());
 }
 
@@ -108,7 +121,8 @@ void expect_temperature(const EffectChoice& model, const std::vector<Recording>&
 
 int run(DiagnoseArguments a) {
   expect_output_folder(a.out, "diagnose");
-  const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras, a.smooth_stamps);
+  const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras, a.smooth_stamps, a.stamp_exposure);
+  a.diagnose.stamp_exposure = a.stamp_exposure.value_or(0);
   a.diagnose.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
   a.diagnose.core.noise = sessions.front().imu.noise;
   if (!a.model.empty()) {
@@ -157,6 +171,11 @@ void add_diagnose_command(CLI::App& app, int& exit_code) {
       ->check(CLI::PositiveNumber);
   sub->add_flag("--smooth-stamps", a->smooth_stamps,
                 "for stamps taken in callbacks: smooth them first, as segcal replay does");
+  sub->add_option("--stamp-exposure", a->stamp_exposure,
+                  "K times the exposure is added to each image's stamp first, as segcal replay does; what is found "
+                  "counts from the recording's own stamps")
+      ->type_name("K")
+      ->check(CLI::Range(-1.0, 1.0));
   sub->add_flag("--accept-faults", a->diagnose.accept_faults,
                 "continue when the samples themselves are faulty (bad_data); the faults are still reported");
   sub->add_flag("--json", a->json, "print diagnosis.json on standard output");

@@ -103,6 +103,12 @@ EffectTest test_effect(const Problem& problem, const Candidate& candidate, const
   return out;
 }
 
+EffectTest test_alone(const Problem& problem, const Candidate& candidate) {
+  EffectTest out = test_effect(problem, candidate, {});
+  if (!candidate.beside.empty() && test_effect(problem, candidate, candidate.beside).seen == 0) out.seen = 0;
+  return out;
+}
+
 double Scatter::log10_p(double statistic, int seen) const {
   return dof > 0 ? log10_upper_tail_of_ratio(statistic / (factor * std::max(1, seen)), seen, dof)
                  : log10_upper_tail(statistic, seen);

@@ -5,6 +5,7 @@
 
 #include "diagnose/fit_rows.h"
 #include "replay/counters.h"
+#include "stamps/exposures.h"
 
 namespace host::diagnosis {
 namespace {
@@ -89,8 +90,9 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
   made_.push_front(std::make_unique<MadeFit>());
   now().inflations = std::max(0, before - 1);  // an effect more: smaller noise may do
   replay_options.keep_core = &now().core;
-  std::vector<int> place(terms.size());
+  now().exposure = exposure_column(terms, estimated, start);
   for (std::size_t i = 0; i < terms.size(); ++i) {
+    if (static_cast<int>(i) == now().exposure.at) continue;
     (estimated[i] ? now().taken : now().candidates).push_back(terms[i]);
     if (!estimated[i]) continue;
     if (terms[i].bit >= 0) {
@@ -102,10 +104,13 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
   }
   inflate_until_taken(replay_options, first ? kMostInflations - 1 : before);
   int next_taken = 0, next_asked = static_cast<int>(now().taken.size());
-  for (std::size_t i = 0; i < terms.size(); ++i) place[i] = estimated[i] ? next_taken++ : next_asked++;
-  now().place = place;
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    if (static_cast<int>(i) != now().exposure.at) now().place.push_back(estimated[i] ? next_taken++ : next_asked++);
+  }
   now().problem = gather(now().candidates, true);
-  reorder(place, &now().problem);
+  reorder(now().place, &now().problem);
+  if (now().exposure.at >= 0)
+    add_exposure_column(mean_exposures(segments(), stamped(now().exposure.kappa)), &now().exposure, &now().problem);
   now().asked = asked;  // now it is whole
   return now().problem;
 }
@@ -122,11 +127,21 @@ void Evidence::inflate_until_taken(ReplayOptions options, int enough) {
 
 /// True if the fit was taken, with nearly all of the segments.
 bool Evidence::try_fit(const ReplayOptions& options) {
-  now().result = replay(sessions_, options);
+  now().result = replay(stamped(now().exposure.kappa), options);
   budget_->take(now().core->work());
   const double dropped = count_of(now().result.counters, "segments_unsettled");
   return now().result.result.status != "failed" &&
          dropped <= kDroppedShare * (dropped + static_cast<double>(now().result.kept.size()));
+}
+
+const std::vector<Recording>& Evidence::stamped(double kappa) {
+  if (kappa == 0) return sessions_;
+  if (moved_.empty() || kappa != kappa_) {
+    moved_ = sessions_;
+    for (Recording& r : moved_) move_by_exposure(kappa, &r);
+    kappa_ = kappa;
+  }
+  return moved_;
 }
 
 std::vector<CoreKept> Evidence::segments() const {
@@ -165,19 +180,22 @@ Rows Evidence::joined(const std::vector<std::size_t>& places) {
   if (serials.empty()) return {};
   Rows out = rows_of(serials, now().candidates);
   reorder(now().place, &out, now().n_theta);
-  return out;
+  const ExposureColumn& exposure = now().exposure;
+  return exposure.at < 0 ? out : with_exposure(out, now().n_theta, exposure, places);
 }
 
 SensorPieces Evidence::sensors() {
   std::vector<CoreTerm> terms;
   for (const TermInfo& t : now().candidates) terms.push_back(t.term);
   SensorPieces out;
+  const ExposureColumn& exposure = now().exposure;
   for (const CoreKept& k : segments()) {
     const CoreSensorRows core = now().core->sensor_rows(k.segment.serial, terms);
     for (std::size_t s = 0; s < out.of.size(); ++s) {
       Rows rows{core.root[s], core.shared.row(static_cast<int>(s)).sum()};
       count_from_zero(&rows);
       reorder(now().place, &rows, now().n_theta);
+      if (exposure.at >= 0) rows = with_exposure(rows, now().n_theta, exposure, exposure.exposure_s[out.shared.size()]);
       out.of[s].push_back(
           {rows, seconds_after_start(k.segment.start_ns), seconds_after_start(k.segment.end_ns), false});
     }

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "diagnose/budget.h"
-#include "diagnose/model_terms.h"
+#include "diagnose/exposure_offset.h"
 #include "diagnose/sensor_gap.h"
 #include "replay/replay.h"
 
@@ -17,7 +17,8 @@ struct MadeFit {
   std::unique_ptr<Core> core;
   ReplayResult result;
   std::vector<TermInfo> taken, candidates;
-  std::vector<int> place;  ///< of each of the caller's terms among [taken | candidates]
+  std::vector<int> place;  ///< of each of the caller's terms that the core has among [taken | candidates]
+  ExposureColumn exposure;
   Eigen::VectorXd taken_values;
   int n_theta = 0;
   int inflations = 0;  ///< of the noise, that it needed
@@ -55,12 +56,15 @@ class Evidence {
   bool remembers(const std::vector<double>& asked);
   void inflate_until_taken(ReplayOptions options, int enough);
   bool try_fit(const ReplayOptions& options);
+  const std::vector<Recording>& stamped(double kappa);
   Problem gather(const std::vector<TermInfo>& candidates, bool in_parts);
   Rows rows_of(const std::vector<std::uint32_t>& serials, const std::vector<TermInfo>& candidates);
   void count_from_zero(Rows* rows) const;
   double seconds_after_start(std::int64_t t_ns) const;
 
   const std::vector<Recording>& sessions_;
+  std::vector<Recording> moved_;  ///< with kappa_ times the exposure added to the stamps
+  double kappa_ = 0;
   CoreOptions options_;
   std::string profile_;
   Budget* budget_;

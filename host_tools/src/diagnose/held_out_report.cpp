@@ -8,6 +8,7 @@
 
 #include "diagnose/answer.h"
 #include "diagnose/catalogue.h"
+#include "diagnose/exposure_offset.h"
 
 namespace host::diagnosis {
 namespace {
@@ -30,7 +31,7 @@ enum class Family { lens, timing, gyro, accel, none };
 /// What an effect is about. A gyroscope that is late looks like a camera that is early: time_offset counts with both.
 std::set<Family> families_of(const std::string& effect, const CoreTerm& term) {
   if (effect == "time_offset") return {Family::timing, Family::gyro};
-  if (effect == "rolling_shutter") return {Family::timing};
+  if (effect == "rolling_shutter" || effect == exposure_effect) return {Family::timing};
   if (effect == "gyro_lag") return {Family::gyro};
   if (effect == "accel_axis_offset") return {Family::accel};
   if (effect == "calibration_shift") return {Family::none};

@@ -11,7 +11,8 @@ using Eigen::VectorXd;
 /// The core hands out float: below this share of a column's length its direction is rounding.
 constexpr double kCollinear = 3e-5;
 
-/// R^-1 for an upper triangle; rows and columns with a pivot of next to nothing are zero.
+}  // namespace
+
 MatrixXd inverse_of_triangle(const MatrixXd& R) {
   const int n = static_cast<int>(R.cols());
   MatrixXd inverse = MatrixXd::Zero(n, n);
@@ -25,8 +26,6 @@ MatrixXd inverse_of_triangle(const MatrixXd& R) {
   }
   return inverse;
 }
-
-}  // namespace
 
 MatrixXd triangle_of(const MatrixXd& rows) {
   const int n = static_cast<int>(rows.cols());

@@ -27,6 +27,9 @@ struct Rows {
 /// Triangle of rows of any number.
 Eigen::MatrixXd triangle_of(const Eigen::MatrixXd& rows);
 
+/// R^-1 of an upper triangle; rows and columns with a pivot of next to nothing are zero.
+Eigen::MatrixXd inverse_of_triangle(const Eigen::MatrixXd& R);
+
 /// The sum of sets over the same columns.
 Rows sum_of(const std::vector<const Rows*>& sets);
 

@@ -2,16 +2,26 @@
 
 #include <algorithm>
 
+#include "diagnose/exposure_offset.h"
 #include "sensors/effect_terms.h"
 
 namespace host::diagnosis {
 
-SearchedModel::SearchedModel(const CoreOptions& given, bool has_temperature) {
+CoreOptions without_effects(CoreOptions core, bool has_temperature) {
+  core.has_temperature = has_temperature;
+  core.effects = 0;
+  core.terms.clear();
+  core.term_values.clear();
+  return core;
+}
+
+SearchedModel::SearchedModel(const CoreOptions& given, bool has_temperature, bool has_exposures) {
   Catalogue catalogue = core_catalogue(has_temperature);
   terms = std::move(catalogue.terms);
   candidates = std::move(catalogue.candidates);
   start.assign(terms.size(), 0);
   begin_with(given);
+  if (has_exposures) add_exposure_offset(this);
   given_terms_ = terms.size();
 }
 

@@ -6,10 +6,13 @@
 
 namespace host::diagnosis {
 
+/// Effects and terms are the search's business; `has_temperature`: all recordings have one.
+CoreOptions without_effects(CoreOptions core, bool has_temperature);
+
 struct SearchedModel {
   /// The catalogue's terms, and the effects and terms of `given`: those
   /// are estimated in every fit but the first, from their values.
-  SearchedModel(const CoreOptions& given, bool has_temperature);
+  SearchedModel(const CoreOptions& given, bool has_temperature, bool has_exposures);
 
   std::vector<TermInfo> terms;  ///< columns of the fits
   std::vector<double> start;    ///< of each term, where the next fit begins

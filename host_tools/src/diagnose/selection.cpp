@@ -32,7 +32,7 @@ class Search {
   /// Effects that would not have shown are out from the start.
   void judge_alone() {
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      out_.alone.push_back(test_effect(out_.problem, candidates_[i], {}));
+      out_.alone.push_back(test_alone(out_.problem, candidates_[i]));
       if (out_.alone.back().seen == 0) out_.cannot_tell.push_back(static_cast<int>(i));
     }
   }

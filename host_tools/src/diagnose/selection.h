@@ -29,6 +29,7 @@ struct Candidate {
   TermGroup columns;
   std::vector<double> size;                  ///< plausible magnitude of each parameter
   double share = decision::kCatalogueShare;  ///< of the recording's error level
+  std::vector<TermGroup> beside = {};        ///< what it must show beside, to be told from it
 };
 
 /// Is p, of one look, below what a hypothesis of this share has of the recording's error level?
@@ -72,6 +73,9 @@ struct EffectTest {
   double largest_gain = 0;       ///< plausible size over sigma in the direction seen best
 };
 EffectTest test_effect(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
+
+/// By itself; nothing is seen where it would not show beside what it has to be told from.
+EffectTest test_alone(const Problem& problem, const Candidate& candidate);
 
 /// Do the halves agree, and does what one says help the other?
 struct HalvesTest {

@@ -22,8 +22,9 @@ struct HiddenScenario {
 constexpr HiddenScenario hidden_scenarios[] = {{"rich", 1}, {"arvr", 4}, {"nav", 6}};
 
 const HiddenSize& size_of(const std::string& name) {
-  for (const HiddenSize& s : hidden_sizes())
-    if (name == s.name) return s;
+  for (const auto* sizes : {&hidden_sizes(), &later_hidden_sizes()})
+    for (const HiddenSize& s : *sizes)
+      if (name == s.name) return s;
   throw InputError("hidden: no size for '" + name + "'");
 }
 
@@ -201,6 +202,10 @@ std::vector<Cell> hidden_cases(const StudyOptions& options) {
     if (i % 4 >= 2) effects.push_back(drawn("time_offset", 1, 1, draw.random()));
     draw.add(G::weak, i % 2 ? "rotation" : "still", effects);
   }
+  for (const HiddenScenario& scenario : hidden_scenarios)
+    for (const HiddenSize& s : later_hidden_sizes())
+      for (int i = 0; i < each; ++i)
+        draw.add_varied(G::one, scenario.name, i, {drawn(s.name, scenario.size, level(i, each), draw.random())});
   return spread(draw.cells());
 }
 

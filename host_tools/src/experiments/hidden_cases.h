@@ -22,6 +22,9 @@ struct HiddenSize {
 /// One table for all: sizes of effects of the catalogue that the score test or the variance test is to name.
 const std::vector<HiddenSize>& hidden_sizes();
 
+/// Kinds that came later: their cells are behind all others, which so keep their seeds.
+const std::vector<HiddenSize>& later_hidden_sizes();
+
 /// An effect that the catalogue has no entry for, from just visible in the excess of chi2 on.
 struct HiddenOutside {
   const char* name;

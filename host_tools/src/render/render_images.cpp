@@ -2,7 +2,9 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "../exposure_file.h"
 #include "../file_output.h"
+#include "../simulate/exposures.h"
 #include "renderer.h"
 
 namespace host::render {
@@ -40,15 +42,19 @@ void write_images(const SimulationResult& result, const SimulationOptions& optio
     Renderer renderer(room, result.truth.cameras[c], c, result.trajectory, options.effects, result.warm_up);
     Sensor sensor(images.sensor, options.seed + seed_step_per_camera * c);
     std::string list = "#timestamp [ns],filename\n";
+    std::vector<Frame> stamped;
     cv::Mat light;
     for (std::size_t k = 0; k < times.size(); ++k) {
-      renderer.render(times[k], sensor.exposure_s(), light);
+      const double exposure_s = sensor.exposure_s();
+      renderer.render(times[k] + sim::after_stamp(options.effects, exposure_s), exposure_s, light);
       const std::int64_t t_ns = result.recording.cameras[c].frames[k].t_ns;
+      stamped.push_back({t_ns, {}, exposure_s});
       const std::string name = std::to_string(t_ns) + ".png";
       write_image(folder / "data" / name, sensor.image_of(light, k > 0 ? times[k] - times[k - 1] : 0));
       list += std::to_string(t_ns) + "," + name + "\n";
       if (progress) progress(c * times.size() + k + 1, cameras * times.size());
     }
+    write_exposures(folder / "exposure.csv", stamped);
     write_file(folder / "data.csv", list);
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ struct ReplayArguments {
   int cameras = 1;
   bool json = false, no_calibration = false, keep_outdated = false, hash = false, smooth_stamps = false,
        keep_clock = false, estimate_track_noise = false;
-  bool states_corner_noise = false;  ///< in --config
+  std::optional<double> stamp_exposure;  ///< times the exposure, added to the stamps of images
+  bool states_corner_noise = false;      ///< in --config
   ReplayOptions replay;
   std::vector<CLI::Option*> of_device;  ///< what a device log says itself
   CLI::Option *profile = nullptr, *pixel_sigma = nullptr, *track_walk = nullptr;

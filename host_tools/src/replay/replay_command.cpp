@@ -53,7 +53,7 @@ std::vector<Recording> sessions_of(ReplayArguments* a) {
     a->cameras = static_cast<int>(front.calibration.cameras.size());
     a->replay.core.pixel_sigma = front.pixel_sigma;
   }
-  std::vector<Recording> sessions = read_sessions(a->recordings, a->cameras, a->smooth_stamps);
+  std::vector<Recording> sessions = read_sessions(a->recordings, a->cameras, a->smooth_stamps, a->stamp_exposure);
   if (log && a->calibration.empty()) {
     take_device(sessions, a);
   } else {
@@ -92,6 +92,7 @@ Provenance provenance_of(const ReplayArguments& a, const std::vector<Recording>&
   from.temperature_degC = temperature_range(sessions);
   from.configuration = configuration_json(a.replay);
   from.configuration["enable"] = a.effects;
+  if (a.stamp_exposure) from.configuration["stamp_exposure"] = *a.stamp_exposure;
   if (!a.config.empty()) from.configuration["config_sha256"] = sha256_of_text(read_file(a.config));
   if (!a.model.empty()) from.configuration["model_sha256"] = sha256_of_text(read_file(a.model));
   if (!a.calibration.empty()) from.configuration["calib_sha256"] = sha256_of_text(read_file(a.calibration));

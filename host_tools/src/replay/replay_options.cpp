@@ -86,6 +86,12 @@ void add_model_options(CLI::App* sub, ReplayArguments* a) {
   sub->add_flag(
       "--smooth-stamps", a->smooth_stamps,
       "for stamps taken in callbacks: replace each by a robust line through those of one second before and after it");
+  sub->add_option(
+         "--stamp-exposure", a->stamp_exposure,
+         "K times the exposure (cam0/exposure.csv) is added to each image's stamp: 0.5 where stamps are of the "
+         "exposure's start, -0.5 where they are of its end")
+      ->type_name("K")
+      ->check(CLI::Range(-1.0, 1.0));
   sub->add_flag(
       "--keep-clock", a->keep_clock,
       "do not search for the camera clock's offset: use the camera chain's timeshift_cam_imu, or the model's");

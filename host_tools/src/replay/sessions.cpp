@@ -4,6 +4,7 @@
 
 #include "device_log/device_log.h"
 #include "imu_temperature.h"
+#include "stamps/exposures.h"
 
 namespace host {
 namespace {
@@ -20,20 +21,26 @@ std::vector<Recording> sessions_of_log(const std::string& file, int n_cameras) {
 
 }  // namespace
 
-std::vector<Recording> read_sessions(const std::vector<std::string>& recordings, int n_cameras, bool smooth) {
+std::vector<Recording> read_sessions(const std::vector<std::string>& recordings, int n_cameras, bool smooth,
+                                     std::optional<double> stamp_exposure) {
   std::vector<Recording> sessions;
   for (const std::string& root : recordings) {
     if (is_device_log(root)) {
+      if (stamp_exposure)
+        throw InputError(root +
+                         ": expected a recording folder with mav0/cam0/exposure.csv for --stamp-exposure, found "
+                         "a device log, which holds no exposures; leave the option away");
       for (Recording& session : sessions_of_log(root, n_cameras)) sessions.push_back(std::move(session));
       continue;
     }
     sessions.push_back(read_recording(root, n_cameras, smooth));
-    for (const std::string& note : sessions.back().notes) std::cerr << "segcal: " << root << ": " << note << std::endl;
     for (std::size_t c = 0; c < sessions.back().cameras.size(); ++c) {
       if (!sessions.back().cameras[c].frames.empty()) continue;
       throw InputError(root + "/mav0/cam" + std::to_string(c) + "/tracks.csv: missing; run `segcal track " + root +
                        "` first to make it from the images");
     }
+    if (stamp_exposure) sessions.back().notes.push_back(add_exposure_to_stamps(*stamp_exposure, &sessions.back()));
+    for (const std::string& note : sessions.back().notes) std::cerr << "segcal: " << root << ": " << note << std::endl;
   }
   return sessions;
 }

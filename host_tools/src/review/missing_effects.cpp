@@ -5,6 +5,8 @@
 #include <cstdio>
 
 #include "diagnose/decision.h"
+#include "diagnose/exposure_offset.h"
+#include "review/kept_exposures.h"
 #include "review/linearised.h"
 #include "review/mean_warmth.h"
 #include "review/segment_scatter.h"
@@ -103,7 +105,7 @@ std::string number(const char* format, double value) {
 /// False if the data do not ask for the effect; true also where they do and contradict themselves.
 bool asks_for(const Problem& problem, const Catalogue& catalogue, const Candidate& c, std::size_t trials,
               const ReplayResult& result, std::vector<Suspect>* out) {
-  const EffectTest test = test_effect(problem, c, {});
+  const EffectTest test = test_alone(problem, c);
   if (test.seen == 0) return false;
   const auto log10_p_by = [&test, trials](const Scatter& scatter) {
     return scatter.log10_p(test.statistic, test.seen) + std::log10(static_cast<double>(trials));
@@ -124,25 +126,46 @@ bool asks_for(const Problem& problem, const Catalogue& catalogue, const Candidat
                      number("%.1g ", test.sigma(i)) + t.unit;
   }
   if (bends_lens(c.name)) suspect.words += "; the lens' own coefficients stand for something else beside it";
-  suspect.words +=
-      "); with it " + suspect.moves + " moves by " + number("%.1f", suspect.bias_sigmas) + " sigma: --enable " + c.name;
+  suspect.words += "); with it " + suspect.moves + " moves by " + number("%.1f", suspect.bias_sigmas) + " sigma: " +
+                   (c.name == exposure_effect ? number("--stamp-exposure %.2g", test.value(0)) : "--enable " + c.name);
   out->push_back(std::move(suspect));
   return true;
 }
 
+/// Beside nothing but time_offset, which has the column that exposures scale: for it there is room in any profile.
+void ask_for_exposures(Core& core, const ReplayResult& result, const std::vector<double>& exposure_s,
+                       std::size_t trials, std::vector<Suspect>* out) {
+  Catalogue asked;
+  for (const TermInfo& t : not_estimated(core_catalogue(false), result.result.parameters).terms)
+    if (t.effect == "time_offset") asked.terms.push_back(t);
+  Problem problem = linearised(core, result, asked.terms);
+  if (problem.held_out.empty()) return;
+  ExposureColumn column;
+  column.at = static_cast<int>(asked.terms.size());
+  for (std::size_t i = 0; i < result.result.parameters.size(); ++i)
+    if (result.result.parameters[i].name == "time_offset.t_d") column.of = static_cast<int>(i) - problem.n_theta;
+  add_exposure_column(exposure_s, &column, &problem);
+  asked.terms.push_back(exposure_term());
+  Candidate c{exposure_effect, {column.at, 1}, {asked.terms.back().size}};
+  if (column.at > 0) c.beside = {{0, column.at}};
+  asks_for(problem, asked, c, trials, result, out);
+}
+
 }  // namespace
 
-std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature,
-                                     std::vector<UnseenEffect>* unseen) {
+std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, const std::vector<Recording>& sessions,
+                                     bool has_temperature, std::vector<UnseenEffect>* unseen) {
   std::vector<Suspect> out;
   const Catalogue catalogue = not_estimated(core_catalogue(has_temperature), result.result.parameters);
+  const std::vector<double> exposure_s = kept_exposures(result, sessions);
+  const std::size_t trials = catalogue.candidates.size() + (exposure_s.empty() ? 0 : 1);
   const auto ask_all = [&](const Catalogue& part) {
     Problem problem = linearised(core, result, part.terms);
     if (problem.held_out.empty()) return;
     count_from_mean_warmth(result.result.parameters, part.terms, &problem);
     const double variance = dispersion(problem, {}) * std::max(1.0, pooled_scatter(problem));
     for (const Candidate& c : part.candidates) {
-      if (!asks_for(problem, part, c, catalogue.candidates.size(), result, &out))
+      if (!asks_for(problem, part, c, trials, result, &out))
         unseen->push_back(unseen_effect(problem, c, variance, result.result.parameters));
     }
   };
@@ -160,6 +183,7 @@ std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, boo
       }
     }
   }
+  if (!exposure_s.empty()) ask_for_exposures(core, result, exposure_s, trials, &out);
   std::sort(out.begin(), out.end(), [](const Suspect& a, const Suspect& b) { return a.statistic > b.statistic; });
   return out;
 }

@@ -14,8 +14,9 @@ namespace host::review {
 /// scatter of their own value over the segments, or against that moderated by the scatter of all values, which tells
 /// more where segments are few; halves of the recording agree and help each other.
 /// `unseen`: those that the data do not ask for.
-std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, bool has_temperature,
-                                     std::vector<UnseenEffect>* unseen);
+/// Where `sessions` have exposures, exposure_offset is asked about as well (diagnose/exposure_offset.h).
+std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, const std::vector<Recording>& sessions,
+                                     bool has_temperature, std::vector<UnseenEffect>* unseen);
 
 /// The one that moves a released value by most of its sigmas; null without any.
 const Suspect* most_moving(const std::vector<Suspect>& suspects);

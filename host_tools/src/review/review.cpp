@@ -82,7 +82,8 @@ class Review {
   }
 
   void judge_fit() {
-    const std::vector<Suspect> missing = missing_effects(core_, out_, options_.has_temperature, &health_.unseen);
+    const std::vector<Suspect> missing =
+        missing_effects(core_, out_, sessions_, options_.has_temperature, &health_.unseen);
     health_.suspects.insert(health_.suspects.end(), missing.begin(), missing.end());
     health_.notes = widen_sigmas(core_, &out_);
     if (out_.result.status != "calibrated") return;

@@ -68,6 +68,9 @@ class Effect {
   /// Several effects are applied one after another.
   virtual double exposure_time(const CameraCalibration&, double t_stamp, double /*line*/) const { return t_stamp; }
 
+  /// From the stamp of an image to the middle of its exposure, s; 0 where stamps are of the middle.
+  virtual double after_stamp(double /*exposure, s*/) const { return 0; }
+
   /// Moves an ideal pixel to where the real lens puts it. `t` in s since the first frame.
   virtual void on_pixel(const CameraCalibration&, double /*t*/, Eigen::Vector2d& /*pixel*/) const {}
 
@@ -83,8 +86,12 @@ class Effect {
   /// Acts on the simulated IMU samples: no use with real ones.
   virtual bool needs_simulated_imu() const { return false; }
   virtual bool needs_temperature() const { return false; }
+  virtual bool needs_exposures() const { return false; }
 };
 
 using Effects = std::vector<std::shared_ptr<const Effect>>;
+
+/// Of all effects.
+double after_stamp(const Effects& effects, double exposure_s);
 
 }  // namespace host::sim

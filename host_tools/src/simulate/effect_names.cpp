@@ -8,6 +8,7 @@
 #include "effects_outside.h"
 #include "effects_variance.h"
 #include "effects_wandering.h"
+#include "exposures.h"
 
 namespace host::sim {
 namespace {
@@ -134,6 +135,13 @@ Made make_camera_temperature(const Values& v) {
                                              Eigen::Vector2d(number(v[4]), number(v[5])));
 }
 
+Made make_exposure_offset(const Values& v) {
+  expect(v, 1, 1);
+  const double kappa = number(v[0]);
+  if (!(kappa >= -1 && kappa <= 1)) throw InputError("expected -1 to 1, found '" + v[0] + "'");
+  return std::make_shared<ExposureOffset>(kappa);
+}
+
 Made make_lag(const Values& v) {
   expect(v, 1, 1);
   const double tau = number(v[0]);
@@ -166,6 +174,7 @@ const std::vector<EffectEntry>& effect_entries() {
       {K::catalogue, "gyro_lag", "tau [s]: first-order low-pass", "0.004", make_lag},
       {K::catalogue, "accel_axis_offset", "yx,yy,yz,zx,zy,zz [m], places of the y and z accelerometers from x's", "0.01,0,0,0,0.01,0", make_axis_offset},
       {K::catalogue, "camera_temperature", "rx,ry,rz,f,cx,cy [1/degC] from 25 degC: turn [rad], share of f, centre in focal lengths", "1e-4,0,0,1e-4,0,0", make_camera_temperature},
+      {K::catalogue, "exposure_offset", "kappa [-]: t_imu = t_cam + kappa exposure; exposures of 2 to 20 ms", "0.5", make_exposure_offset},
       {K::catalogue, "imu_noise", "factor(,factor of the accelerometer) [-] on the stated noise", "3", make_imu_noise},
       {K::catalogue, "pixel_noise", "factor [-] on --pixel-noise", "2", make_pixel_noise},
       {K::catalogue, "calibration_shift",

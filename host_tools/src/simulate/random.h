@@ -9,7 +9,7 @@
 namespace host::sim {
 
 /// Each use of randomness has a stream of its own, so that changing one (more tracks, another noise) leaves the rest.
-enum class Stream : std::uint64_t { device = 1, motion, scene, tracks, pixels, imu, biases, clock, stamps };
+enum class Stream : std::uint64_t { device = 1, motion, scene, tracks, pixels, imu, biases, clock, stamps, exposures };
 
 class Random {
  public:

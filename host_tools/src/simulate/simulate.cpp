@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "device.h"
+#include "exposures.h"
 #include "real_imu.h"
 #include "scenarios.h"
 #include "scene.h"
@@ -122,6 +123,14 @@ sim::NoiseFactors noise_factors(const SimulationOptions& options) {
   return factors;
 }
 
+/// Of tracks. Images have the exposures that their sensor chooses (render/).
+std::optional<sim::AutoExposure> exposure_of(const SimulationOptions& options) {
+  const bool needed =
+      std::any_of(options.effects.begin(), options.effects.end(), [](const auto& e) { return e->needs_exposures(); });
+  if (options.images || !(needed || options.exposures)) return std::nullopt;
+  return sim::AutoExposure(options.seed);
+}
+
 /// IMU samples from a little before the first frame to a little after the last; the frames' stamps fall in between.
 void simulate_imu(const SimulationOptions& options, const SimulatedSession& session, SimulationResult& result) {
   const double period = 1 / options.imu_noise.rate_hz;
@@ -166,13 +175,17 @@ void simulate_cameras(const SimulationOptions& options, const SimulatedSession& 
   for (std::size_t i = 1; options.stereo_matches && i < simulators.size(); ++i)
     simulators[i].match_with(&simulators[0]);
   result.recording.cameras.resize(simulators.size());
+  const std::optional<sim::AutoExposure> exposure = exposure_of(options);
   std::uint32_t next_track_id = 1;
   const auto frames = static_cast<int>(std::floor((session.last_frame - session.first_frame) / period + 1e-6)) + 1;
   for (int k = 0; k < frames; ++k) {
     const std::int64_t t_ns = stamp(session, session.first_frame + period * k);
     const double t = time_of(session.time_zero_ns, t_ns);
     for (std::size_t i = 0; i < simulators.size(); ++i) {
-      Frame frame{t_ns, options.images ? std::vector<TrackPoint>() : simulators[i].next_frame(t, next_track_id)};
+      const double exposure_s = exposure ? exposure->at(t) : 0,
+                   middle = t + sim::after_stamp(options.effects, exposure_s);
+      Frame frame{t_ns, options.images ? std::vector<TrackPoint>() : simulators[i].next_frame(middle, next_track_id),
+                  exposure_s};
       if (!in_hole(session, t)) result.recording.cameras[i].frames.push_back(std::move(frame));
     }
     if (!in_hole(session, t)) result.frame_times.push_back(t);

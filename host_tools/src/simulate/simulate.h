@@ -30,6 +30,7 @@ struct SimulationOptions {
   double camera_rate_hz = 10;              ///< Hz
   ImuNoise imu_noise;                      ///< rate and noise that are written to sensor.yaml and simulated
   bool with_imu_noise = true;              ///< false: no white noise and no biases
+  bool exposures = false;                  ///< the frames have exposure times, also without an effect that needs them
   bool images = false;                     ///< frames without tracks, for render::write_images
   sim::TrackOptions tracks;                ///< number, life span and pixel noise
   sim::Effects effects;                    ///< departures from the model, applied in this order

@@ -159,6 +159,9 @@ void add_sensor_options(CLI::App& app, Command& command) {
       "--track-noise", [&options](const std::string& what) { set_track_noise(what, &options.tracks); },
       "white: --pixel-noise alone; drift: as the corner tracks of a real camera, most of it a random walk along the "
       "track (0.1 px and 0.9 px/sqrt(s)); or the result.json of a replay: what its tracks showed");
+  app.add_flag("--exposures", options.exposures,
+               "write cam0/exposure.csv, exposures of 2 to 20 ms as a control chooses them, also without the effect "
+               "exposure_offset; images always have it");
   app.add_option("--rate-camera", options.camera_rate_hz, "Hz")->capture_default_str();
   app.add_option("--rate-imu", noise.rate_hz, "Hz")->capture_default_str();
   app.add_option("--gyro-noise", noise.gyro_noise_density, "rad/s/sqrt(Hz)")->check(positive)->capture_default_str();

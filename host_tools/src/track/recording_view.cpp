@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* shared_entries[] = {
     "mav0/imu0", "mav0/state_groundtruth_estimate0", "mav0/mocap0", "camchain-imucam.yaml", "imu.yaml", "dso"};
-constexpr const char* shared_camera_entries[] = {"data.csv", "sensor.yaml", "data"};
+constexpr const char* shared_camera_entries[] = {"data.csv", "exposure.csv", "sensor.yaml", "data"};
 
 }  // namespace
 
