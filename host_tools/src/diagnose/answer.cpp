@@ -94,13 +94,6 @@ std::string effects_in_words(const Diagnosis& d) {
   return out;
 }
 
-std::string fault_words(const Diagnosis& d) {
-  const Fault& f = d.faults.front();
-  std::string out = f.kind + " in " + f.sensor + ": " + f.words;
-  if (d.faults.size() > 1) out += " (" + std::to_string(d.faults.size() - 1) + " more)";
-  return out;
-}
-
 }  // namespace
 
 std::string in_words(double value, double sigma, const std::string& unit) {
@@ -230,17 +223,25 @@ void conclude_fits(Diagnosis* d) {
   say_cut_short(d);
 }
 
+/// A size of gravity that no effect of the accelerometer explains.
+bool gravity_is_open(const Diagnosis& d) {
+  return std::any_of(d.faults.begin(), d.faults.end(), [](const Fault& f) { return f.is_small_gravity(); }) &&
+         std::none_of(d.effects.begin(), d.effects.end(),
+                      [](const DiagnosedEffect& e) { return e.name.rfind("accel_", 0) == 0; });
+}
+
 }  // namespace
 
 void conclude(Diagnosis* d) {
-  if (spoil_fits(d->faults) && !d->faults_accepted) {
+  const bool open = gravity_is_open(*d), faulty = spoil_fits(d->faults) || (open && d->effects.empty());
+  if (faulty && !d->faults_accepted) {
     d->verdict = "bad_data";
-    d->sentence = fault_words(*d);
+    d->sentence = in_words(d->faults);
     return;
   }
   conclude_fits(d);
-  if (spoil_fits(d->faults))
-    d->sentence += ". The data are at fault, which may be behind this or hide more: " + fault_words(*d);
+  if (faulty || open)
+    d->sentence += ". The data are at fault, which may be behind this or hide more: " + in_words(d->faults);
 }
 
 }  // namespace host::diagnosis

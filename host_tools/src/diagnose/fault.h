@@ -2,6 +2,7 @@
 // checks before any fit, so that they are not taken for effects.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -31,12 +32,17 @@ struct Fault {
     return kind == "lost_tracks" || kind == "stray_stamps" || kind == "temperature_spikes" ||
            (kind == "spikes" && value < limit);
   }
+  /// Gravity that is off by less than a tenth. A range setting is off by a factor; this may be what the accelerometer's
+  /// bias does with temperature, or its scale with force, which fits are to tell.
+  bool is_small_gravity() const { return kind == "gravity_norm" && std::abs(value / 9.80665 - 1) < 0.1; }
   /// Whether fits to such data say little. A few spikes end as many segments, and corners that move unlike the rest may
   /// be good ones of another lens, which fits are to tell.
-  bool spoils_fits() const { return !is_remark() && kind != "outlier_tracks"; }
+  bool spoils_fits() const { return !is_remark() && !is_small_gravity() && kind != "outlier_tracks"; }
 };
 
 bool spoil_fits(const std::vector<Fault>& faults);
+/// The first one of some, and how many more there are.
+std::string in_words(const std::vector<Fault>& faults);
 
 /// All checks; empty for a sound recording. `start` need not be precise: a few degrees, a few percent. Never throws on
 /// data: what cannot be judged (too short, too still, no tracks) is passed over.

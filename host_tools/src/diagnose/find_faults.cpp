@@ -25,6 +25,12 @@ bool spoil_fits(const std::vector<Fault>& faults) {
   return std::any_of(faults.begin(), faults.end(), [](const Fault& f) { return f.spoils_fits(); });
 }
 
+std::string in_words(const std::vector<Fault>& faults) {
+  const Fault& f = faults.front();
+  return f.kind + " in " + f.sensor + ": " + f.words +
+         (faults.size() > 1 ? " (" + std::to_string(faults.size() - 1) + " more)" : "");
+}
+
 std::vector<Fault> find_faults(const Recording& recording, const Calibration& start) {
   std::vector<Fault> all;
   const auto add = [&all](std::vector<Fault> faults) {
