@@ -102,6 +102,12 @@ std::string number(const char* format, double value) {
   return text;
 }
 
+/// kappa is told roughly: an exposure changes within a segment, and only stamps that were moved know that.
+std::string remedy(const Candidate& c, const EffectTest& test) {
+  if (c.name != exposure_effect) return "--enable " + c.name;
+  return "about " + number("--stamp-exposure %.1f", test.value(0)) + "; segcal diagnose tells it well";
+}
+
 /// False if the data do not ask for the effect; true also where they do and contradict themselves.
 bool asks_for(const Problem& problem, const Catalogue& catalogue, const Candidate& c, std::size_t trials,
               const ReplayResult& result, std::vector<Suspect>* out) {
@@ -126,8 +132,8 @@ bool asks_for(const Problem& problem, const Catalogue& catalogue, const Candidat
                      number("%.1g ", test.sigma(i)) + t.unit;
   }
   if (bends_lens(c.name)) suspect.words += "; the lens' own coefficients stand for something else beside it";
-  suspect.words += "); with it " + suspect.moves + " moves by " + number("%.1f", suspect.bias_sigmas) + " sigma: " +
-                   (c.name == exposure_effect ? number("--stamp-exposure %.2g", test.value(0)) : "--enable " + c.name);
+  suspect.words +=
+      "); with it " + suspect.moves + " moves by " + number("%.1f", suspect.bias_sigmas) + " sigma: " + remedy(c, test);
   out->push_back(std::move(suspect));
   return true;
 }
