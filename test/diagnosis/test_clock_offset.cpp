@@ -6,6 +6,7 @@
 #include "../support/cases.h"
 #include "diagnose/answer.h"
 #include "diagnose/clock_offset.h"
+#include "simulate/effect_names.h"
 #include "simulate/simulate.h"
 
 extern "C" void setUp() {}
@@ -34,12 +35,13 @@ Diagnosis diagnosed(double apart_s, double open = 0) {
   core.calibration = session.nominal;
   int runs = 0;
   return host::diagnosis::with_clocks_aligned(
-      sessions, core, [&runs, open](const std::vector<host::Recording>&, const std::string& told) {
+      sessions, core, [&runs, open](const std::vector<host::Recording>&, const host::diagnosis::Told& told) {
         Diagnosis out;
         out.before.total = 1;
         out.open_excess = open;
         if (runs++ == 0) out.lost = "odometry is lost";
-        TEST_ASSERT_EQUAL_STRING(runs == 1 ? "" : "time_offset", told.c_str());
+        TEST_ASSERT_EQUAL_UINT(runs == 1 ? 0 : 1, told.effects.size());
+        TEST_ASSERT_EQUAL_INT(runs > 1, told.has("time_offset"));
         return out;
       });
 }
@@ -64,6 +66,32 @@ void test_several_offsets_are_none() {
                          }));
 }
 
+/// Both are told of a phone that is shaken, whose clocks are apart as well. 4 us: parallax, and an offset that is known
+/// to 4 ms.
+void test_a_rolling_shutter_is_told() {
+  host::SimulationOptions options;
+  options.scenario = "rich";
+  options.seconds = 30;
+  options.seed = 8;
+  options.effects = {host::sim::parse_effect("rolling_shutter=6e-5"), host::sim::parse_effect("time_offset=0.05")};
+  const host::SimulationResult session = host::simulate(options);
+  host::CoreOptions core;
+  core.calibration = session.nominal;
+  int runs = 0;
+  host::diagnosis::with_clocks_aligned({session.recording}, core,
+                                       [&runs](const std::vector<host::Recording>&, const host::diagnosis::Told& told) {
+                                         Diagnosis out;
+                                         if (runs++ == 0) {
+                                           out.lost = "odometry is lost";
+                                           return out;
+                                         }
+                                         TEST_ASSERT_TRUE(told.has("time_offset") && told.has("rolling_shutter"));
+                                         test::check_near(Id(), "line delay, s", 6e-5, told.line_delay, 4e-6);
+                                         return out;
+                                       });
+  TEST_ASSERT_EQUAL_INT(2, runs);
+}
+
 /// A device whose odometry is lost. `turned`: its gyroscope's axes stand otherwise than stated.
 Diagnosis not_started(const char* scenario, bool turned, double late_s = 0, std::uint32_t restarts = 0) {
   host::SimulationOptions options;
@@ -76,14 +104,14 @@ Diagnosis not_started(const char* scenario, bool turned, double late_s = 0, std:
   for (host::Frame& f : session.recording.cameras[0].frames) f.t_ns -= static_cast<std::int64_t>(1e9 * late_s);
   host::CoreOptions core;
   core.calibration = session.nominal;
-  return host::diagnosis::with_clocks_aligned({session.recording}, core,
-                                              [restarts](const std::vector<host::Recording>&, const std::string&) {
-                                                Diagnosis out;
-                                                out.fit_before.counters = {{"filter_restarts", restarts}};
-                                                out.lost = "odometry diverges";
-                                                host::diagnosis::conclude(&out);
-                                                return out;
-                                              });
+  return host::diagnosis::with_clocks_aligned(
+      {session.recording}, core, [restarts](const std::vector<host::Recording>&, const host::diagnosis::Told&) {
+        Diagnosis out;
+        out.fit_before.counters = {{"filter_restarts", restarts}};
+        out.lost = "odometry diverges";
+        host::diagnosis::conclude(&out);
+        return out;
+      });
 }
 
 /// "Odometry diverges, look for the lens" sent whoever only turned the device in his hands after faults that it has
@@ -111,6 +139,7 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_one_offset_is_named);
   RUN_TEST(test_several_offsets_are_none);
+  RUN_TEST(test_a_rolling_shutter_is_told);
   RUN_TEST(test_turning_in_place_is_no_wrong_model);
   return UNITY_END();
 }
