@@ -92,9 +92,9 @@ LineDelaySearch search_line_delay(const Recording& recording, const CameraCalibr
     if (gyro.covers(all[i].t1 + offset_s - kMostReadout_s, all[i].t2 + offset_s + kMostReadout_s))
       pairs.push_back(&all[i]);
   }
-  if (pairs.size() < static_cast<std::size_t>(SEGCAL_NS::clock_criteria::kLeastPairs)) return out;
-  const Eigen::Vector3d bias = bias_of(pairs, gyro, camera.R_CI, offset_s);
   const double lines = camera.lines();
+  if (!(lines > 0) || pairs.size() < static_cast<std::size_t>(SEGCAL_NS::clock_criteria::kLeastPairs)) return out;
+  const Eigen::Vector3d bias = bias_of(pairs, gyro, camera.R_CI, offset_s);
   std::array<Curve, kParts> part{};
   Curve sum{};
   for (std::size_t k = 0; k < pairs.size(); ++k) {
