@@ -52,6 +52,17 @@ void test_a_global_shutter_shows_none() {
   }
 }
 
+/// A gyroscope whose axes are swapped is no rolling shutter, and a camera without a size has no rows.
+void test_no_answer_where_something_else_is_wrong() {
+  const host::SimulationResult session = session_with("rich", 11, 7e-5);
+  host::Recording swapped = session.recording;
+  for (host::ImuSample& s : swapped.imu.samples) std::swap(s.gyro[0], s.gyro[1]);
+  test::check_true(Id(), "axes", !host::search_line_delay(swapped, session.nominal.cameras[0], 0).judged);
+  host::CameraCalibration camera = session.nominal.cameras[0];
+  camera.height = 0;
+  test::check_true(Id(), "no height", !host::search_line_delay(session.recording, camera, 0).judged);
+}
+
 host::ReplayResult replayed_from(const host::SimulationResult& session, std::uint32_t effects, double line_delay) {
   host::ReplayOptions options;
   options.core.calibration = session.nominal;
@@ -90,6 +101,7 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_delays_are_found);
   RUN_TEST(test_a_global_shutter_shows_none);
+  RUN_TEST(test_no_answer_where_something_else_is_wrong);
   RUN_TEST(test_a_shaken_phone);
   return UNITY_END();
 }

@@ -59,13 +59,25 @@ class Pair {
   Eigen::Matrix3d R_12_;
 };
 
-/// Reading at rest, as far as images tell: parallax averages out.
-Eigen::Vector3d bias_of(const std::vector<const FramePair*>& pairs, const GyroPath& gyro, const Eigen::Matrix3d& R_CI,
-                        double offset) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const FramePair* p : pairs)
-    sum += gyro.mean_rate(p->t1 + offset, p->t2 + offset) - R_CI.transpose() * rate_by_rotation_alone(*p);
-  return sum / static_cast<double>(pairs.size());
+struct Turns {
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();  ///< of the gyroscope, as far as images tell: parallax averages out
+  double correlation = 0;                          ///< of the rates of images and gyroscope
+};
+
+Turns compare_turns(const std::vector<const FramePair*>& pairs, const GyroPath& gyro, const Eigen::Matrix3d& R_CI,
+                    double offset) {
+  Turns out;
+  double both = 0, image = 0, turned = 0;
+  for (const FramePair* p : pairs) {
+    const Eigen::Vector3d w = gyro.mean_rate(p->t1 + offset, p->t2 + offset),
+                          seen = R_CI.transpose() * rate_by_rotation_alone(*p);
+    out.bias += (w - seen) / static_cast<double>(pairs.size());
+    both += w.dot(seen);
+    image += seen.squaredNorm();
+    turned += w.squaredNorm();
+  }
+  if (image > 0 && turned > 0) out.correlation = both / std::sqrt(image * turned);
+  return out;
 }
 
 /// Place of the least, between the grid's points; -1: at its end.
@@ -94,11 +106,13 @@ LineDelaySearch search_line_delay(const Recording& recording, const CameraCalibr
   }
   const double lines = camera.lines();
   if (!(lines > 0) || pairs.size() < static_cast<std::size_t>(SEGCAL_NS::clock_criteria::kLeastPairs)) return out;
-  const Eigen::Vector3d bias = bias_of(pairs, gyro, camera.R_CI, offset_s);
+  const Turns turns = compare_turns(pairs, gyro, camera.R_CI, offset_s);
+  // Axes that are wrong, or clocks: what does not turn alike tells nothing of rows.
+  if (turns.correlation < SEGCAL_NS::clock_criteria::kLeastCorrelation) return out;
   std::array<Curve, kParts> part{};
   Curve sum{};
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const Pair pair(*pairs[k], gyro, camera.R_CI, offset_s, bias);
+    const Pair pair(*pairs[k], gyro, camera.R_CI, offset_s, turns.bias);
     for (int i = 0; i < kReadouts; ++i) {
       const double cost = std::log1p(pair.misfit_at(readout_at(i) / lines));
       part[k * kParts / pairs.size()][static_cast<std::size_t>(i)] += cost;
