@@ -45,6 +45,7 @@ void test_without_one_it_is_the_data() {
   const Diagnosis other = concluded(9.2, "time_offset");
   TEST_ASSERT_EQUAL_STRING("explained", other.verdict.c_str());
   TEST_ASSERT_TRUE(speaks_of_data(other));
+  TEST_ASSERT_TRUE(speaks_of_data(concluded(9.2, "accel_axis_offset")));  // which does nothing at rest
   TEST_ASSERT_TRUE(speaks_of_data(concluded(10.5, nullptr, true)));
 }
 

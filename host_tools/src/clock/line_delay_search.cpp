@@ -140,4 +140,13 @@ LineDelaySearch search_line_delay(const Recording& recording, const CameraCalibr
   return out;
 }
 
+LineDelaySearch search_line_delay(const std::vector<Recording>& sessions, const CameraCalibration& camera) {
+  LineDelaySearch first = search_line_delay(sessions.front(), camera, 0);
+  for (std::size_t i = 1; i < sessions.size() && !first.shows_rolling_shutter(); ++i) {
+    const LineDelaySearch found = search_line_delay(sessions[i], camera, 0);
+    if (found.shows_rolling_shutter()) return found;
+  }
+  return first;
+}
+
 }  // namespace host

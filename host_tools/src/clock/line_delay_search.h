@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "calibration_file.h"
 #include "recording.h"
@@ -23,5 +24,8 @@ struct LineDelaySearch {
 
 /// Camera stamps are `offset_s` behind the IMU's clock. `camera` need not be precise: a few per cent, a few degrees.
 LineDelaySearch search_line_delay(const Recording& recording, const CameraCalibration& camera, double offset_s);
+
+/// Of the first session that shows a rolling shutter, else of the first one; their stamps are the IMU's clock.
+LineDelaySearch search_line_delay(const std::vector<Recording>& sessions, const CameraCalibration& camera);
 
 }  // namespace host

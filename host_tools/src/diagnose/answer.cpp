@@ -223,11 +223,12 @@ void conclude_fits(Diagnosis* d) {
   say_cut_short(d);
 }
 
-/// A size of gravity that no effect of the accelerometer explains.
+/// A size of gravity that no effect of the accelerometer explains: one that acts at rest.
 bool gravity_is_open(const Diagnosis& d) {
   return std::any_of(d.faults.begin(), d.faults.end(), [](const Fault& f) { return f.is_small_gravity(); }) &&
-         std::none_of(d.effects.begin(), d.effects.end(),
-                      [](const DiagnosedEffect& e) { return e.name.rfind("accel_", 0) == 0; });
+         std::none_of(d.effects.begin(), d.effects.end(), [](const DiagnosedEffect& e) {
+           return e.name == "accel_temperature" || e.name == "accel_nonlinearity";
+         });
 }
 
 }  // namespace

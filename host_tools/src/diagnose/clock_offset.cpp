@@ -26,7 +26,7 @@ struct AlignedSessions {
   double search_sigma_s = 0;  ///< as parts of the recording scatter
   bool searched = false;      ///< rotation says so; else it was stated
   ClockSearch clock;          ///< of the first session
-  LineDelaySearch shutter;    ///< of the first session, with its stamps moved
+  LineDelaySearch shutter;    ///< with the stamps moved
 
   double sigma_s() const { return std::hypot(search_sigma_s, clock_systematic_s); }
   /// Parts that are further apart than rotation is wrong by anyway do not tell of one offset: a gyroscope that lags
@@ -85,7 +85,7 @@ AlignedSessions by_rotation(const std::vector<Recording>& sessions, const CoreOp
     out.offset_s = found.offset_s;
     out.search_sigma_s = found.sigma_s;
   }
-  out.shutter = search_line_delay(out.sessions.front(), options.calibration.cameras.front(), 0);
+  out.shutter = search_line_delay(out.sessions, options.calibration.cameras.front());
   return out;
 }
 

@@ -48,11 +48,12 @@ void SearchedModel::begin_with(const CoreOptions& given) {
 void SearchedModel::include(const Told& told) {
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     const int candidate = static_cast<int>(c);
-    if (!told.has(candidates[c].name) || std::count(known.begin(), known.end(), candidate) > 0) continue;
-    known.push_back(candidate);
+    if (!told.has(candidates[c].name)) continue;
+    if (std::count(known.begin(), known.end(), candidate) == 0) known.push_back(candidate);
     if (candidates[c].name != "rolling_shutter") continue;
     needed.push_back(candidate);
-    start[candidates[c].columns.first] = told.line_delay;
+    double& value = start[candidates[c].columns.first];
+    if (value == 0) value = told.line_delay;  // a model's is nearer
   }
 }
 

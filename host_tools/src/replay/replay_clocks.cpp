@@ -35,9 +35,10 @@ double align_clocks(ReplayArguments* a, EffectChoice* choice, std::vector<Record
 }
 
 void start_line_delay(const ReplayArguments& a, const std::vector<Recording>& sessions, EffectChoice* choice) {
+  if (a.replay.state) return;  // its start is that of all its sessions, whatever each of them shows
   const Recording& session = sessions.front();
   if (session.device || !choice->enabled("rolling_shutter") || choice->value("rolling_shutter.line_delay") != 0) return;
-  const LineDelaySearch found = search_line_delay(session, a.replay.core.calibration.cameras.front(), 0);
+  const LineDelaySearch found = search_line_delay(sessions, a.replay.core.calibration.cameras.front());
   if (!found.shows_rolling_shutter()) return;
   std::cerr << "segcal: " << session.root.string() << ": " << found.words << "; rolling_shutter is estimated from there"
             << std::endl;

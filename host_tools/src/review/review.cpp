@@ -178,7 +178,7 @@ class Review {
       what = formatted("the motion tells %d of %zu parameters, half are needed: move and turn about all axes%s",
                        static_cast<int>(observed), r.parameters.size(), room().c_str());
     }
-    const std::string shutter = rolling_shutter();
+    const std::string shutter = rolling_shutter(clock);
     if (faults_ > 0) return what + ": " + health_.suspects.front().words + (shutter.empty() ? "" : "; " + shutter);
     if (!shutter.empty()) return what + ": " + shutter;
     const double moved_s = out_.clocks.empty() ? 0 : clock.offset_s;
@@ -196,9 +196,10 @@ class Review {
   }
 
   /// Empty where it is in the model, or rotation does not show one: a filter that does not know of it does not start.
-  std::string rolling_shutter() const {
+  std::string rolling_shutter(const ClockSearch& clock) const {
+    if (clock.judged && !clock.words.empty()) return "";  // clocks that are apart look like one, and are the cause
     if (sessions_.front().device || (options_.effects & SEGCAL_EFFECT_ROLLING_SHUTTER) != 0) return "";
-    const LineDelaySearch found = search_line_delay(sessions_.front(), options_.calibration.cameras.front(), 0);
+    const LineDelaySearch found = search_line_delay(sessions_, options_.calibration.cameras.front());
     return found.shows_rolling_shutter() ? found.words + ": --enable rolling_shutter" : "";
   }
 
