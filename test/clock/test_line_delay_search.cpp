@@ -3,10 +3,13 @@
 #include <cmath>
 
 #include "../replay/simulated_replay.h"
+#include "../replay/temporary_folder.h"
 #include "../support/cases.h"
 #include "clock/line_delay_search.h"
+#include "replay/replay_clocks.h"
 #include "segcal/segcal.h"
 #include "simulate/effect_names.h"
+#include "state/state_file.h"
 
 extern "C" void setUp() {}
 extern "C" void tearDown() {}
@@ -63,6 +66,31 @@ void test_no_answer_where_something_else_is_wrong() {
   test::check_true(Id(), "no height", !host::search_line_delay(session.recording, camera, 0).judged);
 }
 
+/// The device may rest, or go straight on, in the first of several sessions.
+void test_every_session_is_asked() {
+  const host::SimulationResult shaken = session_with("rich", 11, 7e-5), still = session_with("still", 11, 7e-5);
+  const host::LineDelaySearch found =
+      host::search_line_delay({still.recording, shaken.recording}, shaken.nominal.cameras[0]);
+  test::check_true(Id(), found.words.c_str(), found.shows_rolling_shutter());
+}
+
+/// A state goes on with its own start: what this session shows would be another configuration.
+void test_a_state_keeps_its_start() {
+  const host::SimulationResult shaken = session_with("rich", 11, 7e-5);
+  test::TemporaryFolder folder("line_delay");
+  host::StateFile state((folder.path() / "state.bin").string());
+  for (host::StateFile* of : {static_cast<host::StateFile*>(nullptr), &state}) {
+    host::ReplayArguments a;
+    a.replay.core.calibration = shaken.nominal;
+    a.replay.state = of;
+    host::EffectChoice choice;
+    choice.enable("rolling_shutter");
+    host::start_line_delay(a, {shaken.recording}, &choice);
+    test::check_true(Id(), "started from rotation",
+                     (choice.value("rolling_shutter.line_delay") != 0) == (of == nullptr));
+  }
+}
+
 host::ReplayResult replayed_from(const host::SimulationResult& session, std::uint32_t effects, double line_delay) {
   host::ReplayOptions options;
   options.core.calibration = session.nominal;
@@ -102,6 +130,8 @@ int main(int argc, char** argv) {
   RUN_TEST(test_delays_are_found);
   RUN_TEST(test_a_global_shutter_shows_none);
   RUN_TEST(test_no_answer_where_something_else_is_wrong);
+  RUN_TEST(test_every_session_is_asked);
+  RUN_TEST(test_a_state_keeps_its_start);
   RUN_TEST(test_a_shaken_phone);
   return UNITY_END();
 }
