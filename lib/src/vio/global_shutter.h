@@ -1,10 +1,10 @@
 // Image points as a shutter that exposes all lines at once would have had them: the filter knows no other.
 //
 // A point was exposed tau = line_delay lines after its frame's stamp (effect rolling_shutter). With the rate w of the
-// gyroscope in the middle of that time, extended from the stamp along its slope, its direction at the stamp is R_CI Exp(tau w) R_CI' h. What moving adds,
-// v tau / depth, is left: at 0.5 m/s, 2 m and 10 ms 2.5 mrad, where 5 rad/s turn the image by 50. A phone that is
-// shaken with 50 us/row, 24 ms from top to bottom, moves points at the border by 60 px. Segments hold the points as
-// they came and take the whole motion into account (segments/exposure.h).
+// gyroscope in the middle of that time, extended from the stamp along its slope, its direction at the stamp is R_CI
+// Exp(tau w) R_CI' h. What moving adds, v tau / depth, is left: at 0.5 m/s, 2 m and 10 ms 2.5 mrad, where 5 rad/s turn
+// the image by 50. A phone that is shaken with 50 us/row, 24 ms from top to bottom, moves points at the border by 60
+// px. Segments hold the points as they came and take the whole motion into account (segments/exposure.h).
 #pragma once
 
 #include "sensors/camera.h"
