@@ -37,7 +37,7 @@ void test_delays_are_found() {
       const Id id = Id().add("scenario", scenario).add("delay", delay);
       const bool columns = delay < 0;
       const host::SimulationResult session = session_with(scenario, 11, delay, columns);
-      const host::LineDelaySearch found = host::search_line_delay(session.recording, session.nominal.cameras[0], 0);
+      const host::LineDelaySearch found = host::search_line_delay(session.recording, session.nominal.cameras[0]);
       test::check_true(id, found.words.c_str(), found.shows_rolling_shutter());
       test::check_near(id, "s/line", delay, found.line_delay, 4 * found.sigma + 4e-6);
     }
@@ -48,7 +48,7 @@ void test_a_global_shutter_shows_none() {
   for (const char* scenario : {"rich", "arvr", "nav", "still"}) {
     for (const std::uint64_t seed : {1, 2}) {
       const host::SimulationResult session = session_with(scenario, seed, 0);
-      const host::LineDelaySearch found = host::search_line_delay(session.recording, session.nominal.cameras[0], 0);
+      const host::LineDelaySearch found = host::search_line_delay(session.recording, session.nominal.cameras[0]);
       test::check_true(Id().add("scenario", scenario).add("seed", seed), found.words.c_str(),
                        !found.shows_rolling_shutter());
     }
@@ -60,10 +60,10 @@ void test_no_answer_where_something_else_is_wrong() {
   const host::SimulationResult session = session_with("rich", 11, 7e-5);
   host::Recording swapped = session.recording;
   for (host::ImuSample& s : swapped.imu.samples) std::swap(s.gyro[0], s.gyro[1]);
-  test::check_true(Id(), "axes", !host::search_line_delay(swapped, session.nominal.cameras[0], 0).judged);
+  test::check_true(Id(), "axes", !host::search_line_delay(swapped, session.nominal.cameras[0]).judged);
   host::CameraCalibration camera = session.nominal.cameras[0];
   camera.height = 0;
-  test::check_true(Id(), "no height", !host::search_line_delay(session.recording, camera, 0).judged);
+  test::check_true(Id(), "no height", !host::search_line_delay(session.recording, camera).judged);
 }
 
 /// The device may rest, or go straight on, in the first of several sessions.
@@ -107,7 +107,7 @@ void test_a_shaken_phone() {
   const host::ReplayResult plain = replayed_from(session, 0, 0);
   test::check_true(Id(), plain.result.status.c_str(), plain.result.status == "insufficient");
   test::check_true(Id(), plain.cause.c_str(), plain.cause.find("--enable rolling_shutter") != std::string::npos);
-  const double start = host::search_line_delay(session.recording, session.nominal.cameras[0], 0).line_delay;
+  const double start = host::search_line_delay(session.recording, session.nominal.cameras[0]).line_delay;
   const host::ReplayResult with = replayed_from(session, SEGCAL_EFFECT_ROLLING_SHUTTER, start);
   test::check_true(Id(), (with.result.status + " " + with.cause).c_str(), with.result.status == "calibrated");
   double squares = 0, n = 0;

@@ -29,9 +29,8 @@ double readout_at(double i) { return kMostReadout_s * (2 * i / (kReadouts - 1) -
 /// Rays of both frames as they would be at the stamp of the first, for the gyroscope's turns between all the instants.
 class Pair {
  public:
-  Pair(const FramePair& pair, const GyroPath& gyro, const Eigen::Matrix3d& R_CI, double offset,
-       const Eigen::Vector3d& b)
-      : pair_(pair), gyro_(gyro), R_CI_(R_CI), b_(b), t1_(pair.t1 + offset), t2_(pair.t2 + offset) {
+  Pair(const FramePair& pair, const GyroPath& gyro, const Eigen::Matrix3d& R_CI, const Eigen::Vector3d& b)
+      : pair_(pair), gyro_(gyro), R_CI_(R_CI), b_(b), t1_(pair.t1), t2_(pair.t2) {
     R_12_ = gyro.rotation(t1_, t2_, b);
   }
 
@@ -64,13 +63,11 @@ struct Turns {
   double correlation = 0;                          ///< of the rates of images and gyroscope
 };
 
-Turns compare_turns(const std::vector<const FramePair*>& pairs, const GyroPath& gyro, const Eigen::Matrix3d& R_CI,
-                    double offset) {
+Turns compare_turns(const std::vector<const FramePair*>& pairs, const GyroPath& gyro, const Eigen::Matrix3d& R_CI) {
   Turns out;
   double both = 0, image = 0, turned = 0;
   for (const FramePair* p : pairs) {
-    const Eigen::Vector3d w = gyro.mean_rate(p->t1 + offset, p->t2 + offset),
-                          seen = R_CI.transpose() * rate_by_rotation_alone(*p);
+    const Eigen::Vector3d w = gyro.mean_rate(p->t1, p->t2), seen = R_CI.transpose() * rate_by_rotation_alone(*p);
     out.bias += (w - seen) / static_cast<double>(pairs.size());
     both += w.dot(seen);
     image += seen.squaredNorm();
@@ -94,25 +91,24 @@ bool LineDelaySearch::shows_rolling_shutter() const {
   return judged && std::abs(line_delay) > kSure * sigma && drop > kVisible;
 }
 
-LineDelaySearch search_line_delay(const Recording& recording, const CameraCalibration& camera, double offset_s) {
+LineDelaySearch search_line_delay(const Recording& recording, const CameraCalibration& camera) {
   LineDelaySearch out;
   const GyroPath gyro(recording);
   const std::vector<FramePair> all = frame_pairs(recording, camera);
   std::vector<const FramePair*> pairs;
   const std::size_t stride = 1 + all.size() / kMostPairs;
   for (std::size_t i = 0; i < all.size(); i += stride) {
-    if (gyro.covers(all[i].t1 + offset_s - kMostReadout_s, all[i].t2 + offset_s + kMostReadout_s))
-      pairs.push_back(&all[i]);
+    if (gyro.covers(all[i].t1 - kMostReadout_s, all[i].t2 + kMostReadout_s)) pairs.push_back(&all[i]);
   }
   const double lines = camera.lines();
   if (!(lines > 0) || pairs.size() < static_cast<std::size_t>(SEGCAL_NS::clock_criteria::kLeastPairs)) return out;
-  const Turns turns = compare_turns(pairs, gyro, camera.R_CI, offset_s);
+  const Turns turns = compare_turns(pairs, gyro, camera.R_CI);
   // Axes that are wrong, or clocks: what does not turn alike tells nothing of rows.
   if (turns.correlation < SEGCAL_NS::clock_criteria::kLeastCorrelation) return out;
   std::array<Curve, kParts> part{};
   Curve sum{};
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const Pair pair(*pairs[k], gyro, camera.R_CI, offset_s, turns.bias);
+    const Pair pair(*pairs[k], gyro, camera.R_CI, turns.bias);
     for (int i = 0; i < kReadouts; ++i) {
       const double cost = std::log1p(pair.misfit_at(readout_at(i) / lines));
       part[k * kParts / pairs.size()][static_cast<std::size_t>(i)] += cost;
@@ -141,9 +137,9 @@ LineDelaySearch search_line_delay(const Recording& recording, const CameraCalibr
 }
 
 LineDelaySearch search_line_delay(const std::vector<Recording>& sessions, const CameraCalibration& camera) {
-  LineDelaySearch first = search_line_delay(sessions.front(), camera, 0);
+  LineDelaySearch first = search_line_delay(sessions.front(), camera);
   for (std::size_t i = 1; i < sessions.size() && !first.shows_rolling_shutter(); ++i) {
-    const LineDelaySearch found = search_line_delay(sessions[i], camera, 0);
+    const LineDelaySearch found = search_line_delay(sessions[i], camera);
     if (found.shows_rolling_shutter()) return found;
   }
   return first;

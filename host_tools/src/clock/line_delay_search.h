@@ -22,10 +22,10 @@ struct LineDelaySearch {
   bool shows_rolling_shutter() const;
 };
 
-/// Camera stamps are `offset_s` behind the IMU's clock. `camera` need not be precise: a few per cent, a few degrees.
-LineDelaySearch search_line_delay(const Recording& recording, const CameraCalibration& camera, double offset_s);
+/// Camera stamps are of the IMU's clock, to some ms. `camera` need not be precise: a few per cent, a few degrees.
+LineDelaySearch search_line_delay(const Recording& recording, const CameraCalibration& camera);
 
-/// Of the first session that shows a rolling shutter, else of the first one; their stamps are the IMU's clock.
+/// Of the first session that shows a rolling shutter, else of the first one.
 LineDelaySearch search_line_delay(const std::vector<Recording>& sessions, const CameraCalibration& camera);
 
 }  // namespace host

@@ -15,7 +15,7 @@ namespace SEGCAL_NS {
 
 constexpr bool kHasLineDelay = kMaxEffectEstimates > 0;
 
-/// Rates in I about a stamp within `imu`, extended along their slope where samples end.
+/// Rates in I about a stamp within `imu`, along their slope there: of what comes after it there may be no samples yet.
 template <class S>
 struct RateAbout {
   Vec3<S> w_I, slope;
