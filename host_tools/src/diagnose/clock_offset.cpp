@@ -131,18 +131,24 @@ Told told_by(const AlignedSessions& moved) {
   return told;
 }
 
+/// The work was used up and nothing has a name: a fit without what is missing may take all of it and not settle.
+bool stuck(const Diagnosis& d) { return d.lost.empty() && d.cut_short && d.verdict == "unexplained"; }
+
 }  // namespace
 
 Diagnosis with_clocks_aligned(const std::vector<Recording>& sessions, const CoreOptions& options,
                               const RunAligned& run) {
   AlignedSessions aligned = by_stated_offset(sessions, options);
   Diagnosis out = run(aligned.sessions, {});
-  if (!out.lost.empty()) {
+  if (!out.lost.empty() || stuck(out)) {
     AlignedSessions moved = by_rotation(sessions, options);
     const Told told = told_by(moved);
-    if (!told.effects.empty()) out = run(moved.sessions, told);
-    explain_no_start(moved, &out);
-    if (moved.searched) aligned = std::move(moved);
+    Diagnosis again = told.effects.empty() ? out : run(moved.sessions, told);
+    if (!stuck(out) || again.verdict == "explained") {
+      out = std::move(again);
+      explain_no_start(moved, &out);
+      if (moved.searched) aligned = std::move(moved);
+    }
   }
   if (aligned.offset_s != 0) count_from_recording(aligned, &out);
   return out;

@@ -7,22 +7,27 @@
 //   s after K and E     a change at this moment
 //   what E and s leave over after K, less what s leaves over after E: a change when E began, of which no segment is
 //   sure alone.
-// Each is chi-square with n degrees of freedom if theta is the same, times what segments that agreed left over: F
-// (agreement.h). That mean counts directions that no segment shows, where all agree, so it is taken to be at least the
-// variance that sigmas are scaled for.
+// Each is chi-square with n degrees of freedom if theta is the same, times what segments that agreed left over: F, with
+// that excess in few directions (spread.h). That mean counts directions that no segment shows, where all agree, so it
+// is taken to be at least the variance that sigmas are scaled for.
 #pragma once
 
 #include "calibration/epochs.h"
 #include "calibration/scatter.h"
+#include "calibration/spread.h"
 #include "database/database.h"
-#include "math/quantiles.h"
 #include "math/small_solvers.h"
 
 namespace SEGCAL_NS {
 
-/// Probability of a false alarm in one comparison. It costs the segment and a calibration, which decides what is
-/// outdated; what is not found at once has moved an epoch by a fraction of what the limit allows.
-constexpr double kFalseAlarm = 1e-4;
+/// Probability of a false alarm in one comparison. It costs the segment, and an answer until a calibration has decided
+/// what is outdated; a day has 20,000 segments, with two comparisons each. What is not found at once has moved an epoch
+/// by a fraction of what the limit allows.
+constexpr double kFalseAlarm = 1e-5;
+/// Camera, gyroscope and accelerometer: what a segment scatters beyond noise may be of all three, in kScattering
+/// directions each. Were it taken to sit in three directions altogether, a camera that turns by 0.5 deg while its
+/// tracks drift would be noticed half a minute later.
+constexpr int kSensors = 3;
 
 /// What a segment's rows pull at the optimum of `known`, which
 /// has them in it and the prior. `scratch`: SegmentScatter's.
@@ -46,7 +51,8 @@ class Contradiction {
   /// `variance`: of what is known over that of stated noise, at least 1: the square of what sigmas are scaled by.
   void begin(S variance) {
     variance_ = variance;
-    place_ = 0;
+    spread_ = {};
+    place_ = n_kept_ = 0;
     found_ = false;
   }
   /// `rows`: [theta | rhs] of the segment, linearised at the newest epoch's theta_0. `kept_at`: where the kept
@@ -59,8 +65,6 @@ class Contradiction {
     S* rest = scratch + 2 * packed_size(E.columns() + 1);
     SEGCAL_SLICES(place_) {
       write_prior(prior, E.theta, &known);
-      spread_ = S(0);
-      spread_degrees_ = n_kept_ = 0;
       for (i_ = 0; i_ < Database<S>::kSlots; ++i_) {
         if (!database.kept(i_)) continue;
         fold_moved(database.slot(i_).information, kept_at, E.theta, &known);
@@ -104,16 +108,12 @@ class Contradiction {
 
   void take_left_over(PackedTriangle<S>* T, bool counts) {
     const int n = T->columns() - 1;
-    if (counts) {
-      spread_ += left_over(*T);
-      spread_degrees_ += n;
-    }
+    if (counts) spread_.add(left_over(*T), n);
     T->row(n)[n] = S(0);
   }
   void decide(int n) {
-    const S limit = spread_degrees_ > 0 ? f_upper_quantile(n, spread_degrees_, S(kFalseAlarm)) : S(0);
-    const S spread = spread_degrees_ > 0 ? spread_ / S(spread_degrees_) : S(1),
-            noise = S(n) * (spread > variance_ ? spread : variance_);
+    spread_.raise_to(variance_);
+    const S limit = spread_.uneven_limit(n, S(kFalseAlarm), kSensors), noise = S(n) * spread_.mean();
     const S now = both_ - epoch_, since = both_ - among_;
     found_ = limit > S(0) && (now > since ? now : since) > limit * noise;
     now_ = now - noise;
@@ -121,8 +121,9 @@ class Contradiction {
   }
 
   Place place_ = 0;
-  std::int32_t i_ = 0, n_kept_ = 0, spread_degrees_ = 0;
-  S variance_ = S(1), spread_ = S(0), among_ = S(0), epoch_ = S(0), both_ = S(0);
+  std::int32_t i_ = 0, n_kept_ = 0;
+  Spread<S> spread_;
+  S variance_ = S(1), among_ = S(0), epoch_ = S(0), both_ = S(0);
   S now_ = S(0), since_ = S(0);  ///< the two comparisons, beyond noise
   Pull<S> pull_;
   bool found_ = false;

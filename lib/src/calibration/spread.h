@@ -25,6 +25,11 @@ class Spread {
     degrees_ += degrees;
   }
   void add(const Spread& other) { add(other.square_, other.degrees_); }
+  /// Takes it to be no less than `variance`, which more is known of.
+  void raise_to(S variance) {
+    const S least = variance * S(degrees_);
+    if (square_ < least) square_ = least;
+  }
   /// Per degree of freedom, and at least 1.
   S mean() const { return square_ > S(degrees_) ? square_ / S(degrees_) : S(1); }
 

@@ -74,7 +74,11 @@ bool MotionStart<S>::linearise_step(const StartContext<S>& c) {
   SEGCAL_SLICES_END(leaf_);
 }
 
-/// Minimises over x0 and the cameras; the best ones stay in x0 and the window, with R linearised there.
+/// In a short window a start must be done within half a second, and its last frames come with it.
+constexpr int kMostStartIterations = kShortWindow ? 8 : 12;
+
+/// Minimises over x0 and the cameras; the best ones stay in x0 and the window, with R linearised there. settled_: the
+/// last step changed the cost by less than 1e-3 of it.
 template <class S>
 bool MotionStart<S>::refine_step(const StartContext<S>& c) {
   const int cameras = c.w->theta.n_cameras;
@@ -83,7 +87,8 @@ bool MotionStart<S>::refine_step(const StartContext<S>& c) {
     SEGCAL_AWAIT(inner_, linearise_step(c));
     fit_ = trial_;
     lambda_ = S(1e-3);
-    for (iteration_ = 0; iteration_ < 8; ++iteration_) {
+    settled_ = false;
+    for (iteration_ = 0; iteration_ < kMostStartIterations; ++iteration_) {
       c.s->best = c.s->x0;
       copy_cameras(c.w->theta.camera, cameras, c.s->best_camera);
       descend(c.w, triangle(c), lambda_, c.s);
@@ -96,12 +101,13 @@ bool MotionStart<S>::refine_step(const StartContext<S>& c) {
         if (settled_) break;
         continue;
       }
+      settled_ = trial_.cost - fit_.cost < S(1e-3) * fit_.cost;
       lambda_ *= S(10);
       c.s->x0 = c.s->best;
       copy_cameras(c.s->best_camera, cameras, c.w->theta.camera);
       SEGCAL_AWAIT(inner_, linearise_step(c));
       fit_ = trial_;
-      if (lambda_ > S(10)) break;
+      if (settled_ || lambda_ > S(10)) break;
     }
   }
   SEGCAL_SLICES_END(inner_);
@@ -111,6 +117,7 @@ bool MotionStart<S>::refine_step(const StartContext<S>& c) {
 template <class S>
 void MotionStart<S>::begin_from_rest(const StartContext<S>& c) {
   aligned_ = fit_;
+  aligned_settled_ = settled_;
   c.s->aligned = c.s->x0;
   copy_cameras(c.w->theta.camera, c.w->theta.n_cameras, c.s->aligned_camera);
   give_cameras_back(c);

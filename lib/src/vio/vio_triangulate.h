@@ -109,18 +109,23 @@ bool triangulate(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S*
   return guess_landmark(w, view, l) && refine_landmark(w, view, pixel_sigma, scratch, l, rho_sigma, sigma_rho);
 }
 
-/// The same with *rho for a first guess of the inverse distance, if it is not negative; afterwards *rho serves the next
-/// time. `points`: as of refine_landmark().
+/// The same with *rho for a first guess of the inverse distance, if it is not negative, and from the rays where that
+/// leads nowhere; afterwards *rho serves the next time. `points`: as of refine_landmark().
 template <class S>
 bool triangulate_again(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l, S* rho,
                        std::int32_t* points) {
   const S guess = *rho;
   *rho = S(-1);
-  if (!(guess < S(0)) ? !ray_in_world(w, view, 0, &l->o, &l->m) : !guess_landmark(w, view, l)) return false;
-  if (!(guess < S(0))) l->rho = guess;
-  if (!refine_landmark<S>(w, view, pixel_sigma, scratch, l, kFilterDepthSigma<S>, nullptr, points)) return false;
-  *rho = l->rho > S(0) ? l->rho : S(0);
-  return true;
+  bool good = false;
+  if (!(guess < S(0)) && ray_in_world(w, view, 0, &l->o, &l->m)) {
+    l->rho = guess;
+    good = refine_landmark<S>(w, view, pixel_sigma, scratch, l, kFilterDepthSigma<S>, nullptr, points);
+  }
+  if (!good)
+    good = guess_landmark(w, view, l) &&
+           refine_landmark<S>(w, view, pixel_sigma, scratch, l, kFilterDepthSigma<S>, nullptr, points);
+  if (good) *rho = l->rho > S(0) ? l->rho : S(0);
+  return good;
 }
 
 }  // namespace SEGCAL_NS
