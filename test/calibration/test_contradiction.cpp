@@ -57,74 +57,65 @@ struct World : test::DrawnTheta {
     return contradiction.found();
   }
   void take(SegmentInformation<S>* s) { epochs.newest().add(s->triangle(), 1000, contradiction.pull(), 0, 1); }
+  /// How many of `n_segments` contradict; all are taken.
+  int alarms(int n_segments) {
+    int count = 0;
+    for (int k = 0; k < n_segments; ++k) {
+      SegmentInformation<S> s = segment();
+      count += contradicts(&s) ? 1 : 0;
+      take(&s);
+    }
+    return count;
+  }
 };
 
-/// 100 devices that go on for 30 segments: 3000 pairs of comparisons at 1e-5 each make 0.06 false alarms; two would be
-/// one in 600.
-void test_false_alarms_are_as_rare_as_stated() {
-  int alarms = 0;
-  for (std::uint32_t seed = 0; seed < 100; ++seed) {
-    const auto w = std::make_unique<World>(seed);
-    for (int k = 0; k < 30; ++k) {
-      SegmentInformation<S> s = w->segment();
-      alarms += w->contradicts(&s) ? 1 : 0;
-      w->take(&s);
-    }
-  }
-  test::check_between(Id(), "false alarms", 0, alarms, 1);
+/// Of 100 devices that go on for 30 segments each.
+int false_alarms(double scatter_sigmas) {
+  int count = 0;
+  for (std::uint32_t seed = 0; seed < 100; ++seed) count += std::make_unique<World>(seed, scatter_sigmas)->alarms(30);
+  return count;
 }
+
+struct Found {
+  int at_once = 0, as_of_now = 0;
+};
+
+/// Of 50 devices whose theta's entry moves after six segments, by so many sigmas of a segment.
+Found steps_found(int entry, double step_sigmas, double scatter_sigmas) {
+  Found found;
+  for (std::uint32_t seed = 0; seed < 50; ++seed) {
+    const auto w = std::make_unique<World>(seed, scatter_sigmas);
+    w->alarms(6);
+    w->truth[entry] += step_sigmas / kRow;
+    SegmentInformation<S> s = w->segment();
+    found.at_once += w->contradicts(&s) ? 1 : 0;
+    found.as_of_now += w->contradiction.since_epoch() ? 0 : 1;
+  }
+  return found;
+}
+
+/// 3000 pairs of comparisons at 1e-5 each make 0.06 false alarms; two would be one in 600.
+void test_false_alarms_are_as_rare_as_stated() { test::check_between(Id(), "false alarms", 0, false_alarms(0), 1); }
 
 /// The same of segments that scatter by three of their sigmas in few directions, as where tracks drift. Were all
 /// directions alike, the excess would have the shorter tails of chi-square.
 void test_scatter_in_few_directions_raises_no_more_alarms() {
-  int alarms = 0;
-  for (std::uint32_t seed = 0; seed < 100; ++seed) {
-    const auto w = std::make_unique<World>(seed, 3);
-    for (int k = 0; k < 30; ++k) {
-      SegmentInformation<S> s = w->segment();
-      alarms += w->contradicts(&s) ? 1 : 0;
-      w->take(&s);
-    }
-  }
-  test::check_between(Id(), "false alarms", 0, alarms, 3);
+  test::check_between(Id(), "false alarms", 0, false_alarms(3), 3);
 }
 
 /// A step that a segment shows with 11 of its sigmas adds about 90 to F of 26 and 130 degrees, times 26: limit 79.
 /// Found at once, as this moment's where the epoch has segments from before.
 void test_a_large_step_is_found_at_once() {
-  int found = 0, now = 0;
-  for (std::uint32_t seed = 0; seed < 50; ++seed) {
-    const auto w = std::make_unique<World>(seed);
-    for (int k = 0; k < 6; ++k) {
-      SegmentInformation<S> s = w->segment();
-      w->contradicts(&s);
-      w->take(&s);
-    }
-    w->truth[0] += 11 / kRow;
-    SegmentInformation<S> s = w->segment();
-    found += w->contradicts(&s) ? 1 : 0;
-    now += w->contradiction.since_epoch() ? 0 : 1;
-  }
-  test::check_between(Id(), "found of 50", 42, found, 50);  // normal: 2.5 sigmas above the limit's noise, nine in ten
-  test::check_between(Id(), "dated to the segment", 48, now, 50);
+  const Found found = steps_found(0, 11, 0);
+  // Normal: 2.5 sigmas above the limit's noise, nine in ten.
+  test::check_between(Id(), "found of 50", 42, found.at_once, 50);
+  test::check_between(Id(), "dated to the segment", 48, found.as_of_now, 50);
 }
 
 /// With scatter it takes more, but less than where all of it could sit in three directions (limits of some 590 and
 /// 960).
 void test_a_large_step_is_found_beside_scatter() {
-  int found = 0;
-  for (std::uint32_t seed = 0; seed < 50; ++seed) {
-    const auto w = std::make_unique<World>(seed, 3);
-    for (int k = 0; k < 6; ++k) {
-      SegmentInformation<S> s = w->segment();
-      w->contradicts(&s);
-      w->take(&s);
-    }
-    w->truth[1] += 36 / kRow;
-    SegmentInformation<S> s = w->segment();
-    found += w->contradicts(&s) ? 1 : 0;
-  }
-  test::check_between(Id(), "found of 50", 40, found, 50);
+  test::check_between(Id(), "found of 50", 40, steps_found(1, 36, 3).at_once, 50);
 }
 
 /// A step of half that size shows in no segment alone. Twelve after it against six before: 90 once more, less what the
@@ -158,11 +149,7 @@ void test_pulls_tell_the_noise() {
     for (std::uint32_t seed = 0; seed < 20; ++seed) {
       const auto w = std::make_unique<World>(seed);
       w->noise = noise;
-      for (int k = 0; k < 20; ++k) {
-        SegmentInformation<S> s = w->segment();
-        w->contradicts(&s);
-        w->take(&s);
-      }
+      w->alarms(20);
       found += static_cast<double>(w->epochs.newest().pulls.found);
       expected += static_cast<double>(w->epochs.newest().pulls.expected);
     }

@@ -90,6 +90,9 @@ EffectTest test_effect(const Problem& problem, const Candidate& candidate, const
   const VectorXd along = svd.matrixU().transpose() * m.d / std::sqrt(noise);
   EffectTest out;
   for (Eigen::Index i = 0; i < along.size(); ++i) {
+    // Along direction i, d ~ N(0, 1) without the effect and N(0, 1 + g^2) with it.
+    const double g2 = svd.singularValues()(i) * svd.singularValues()(i);
+    out.log_evidence += 0.5 * (along(i) * along(i) * g2 / (1 + g2) - std::log1p(g2));
     if (svd.singularValues()(i) < decision::kSeen) continue;
     ++out.seen;
     out.statistic += along(i) * along(i);

@@ -24,12 +24,14 @@ int dominant_of(const Problem& problem, const std::vector<Candidate>& candidates
 
 bool says_more_than(const Shift& step, const std::vector<std::pair<double, int>>& effects, const Problem& problem,
                     const std::vector<Candidate>& candidates, const std::vector<TermGroup>& free) {
-  const double of_step = step.test.log10_p - std::log10(share_of(step));
+  const double share = std::log(share_of(step)), of_step = step.test.log10_p - share / std::log(10.0);
   return std::any_of(effects.begin(), effects.end(), [&](const std::pair<double, int>& effect) {
     if (effect.first <= of_step) return true;
     const Candidate& c = candidates[effect.second];
-    return test_effect(problem, c, free).log10_p - std::log10(c.share) <= of_step &&
-           halves_refuse(problem, c, free).empty();
+    const EffectTest test = test_effect(problem, c, free);
+    const bool as_significant = test.log10_p - std::log10(c.share) <= of_step,
+               likelier = test.log_evidence + std::log(c.share) >= step.test.log_evidence + share;
+    return (as_significant || likelier) && halves_refuse(problem, c, free).empty();
   });
 }
 

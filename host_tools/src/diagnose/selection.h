@@ -71,6 +71,8 @@ struct EffectTest {
   double log10_p = 0;            ///< not corrected
   Eigen::VectorXd value, sigma;  ///< sigma scaled by the dispersion's root
   double largest_gain = 0;       ///< plausible size over sigma in the direction seen best
+  /// log of how much likelier the rows are with the effect than without, its value ~ N(0, size^2) in all directions.
+  double log_evidence = 0;
 };
 EffectTest test_effect(const Problem& problem, const Candidate& candidate, const std::vector<TermGroup>& free);
 

@@ -39,11 +39,12 @@ class Condenser {
   void break_chain() { chained_ = condensed_ = false; }
   void restart() { place_ = inner_ = 0; }
 
-  /// Moves the segment's states and overwrites its information. In slices; true when it is done, and condensed() tells.
+  /// Moves the segment's states and overwrites its information. `again`: the same segment once more, from where it is.
+  /// In slices; true when it is done, and condensed() tells.
   [[gnu::cold]] bool step(Segment<S>* segment, const MeasurementModel<S>& model, const CondenseMemory<S>& m,
-                          const Epoch<S>* epoch) {
+                          const Epoch<S>* epoch, bool again = false) {
     SEGCAL_SLICES(place_) {
-      begin(*segment);
+      if (!again) begin(*segment);
       SEGCAL_AWAIT(place_, settle_step(segment, epoch->theta, model, m));
       mark_outliers(epoch->theta, model, S(kFarCorner), segment);
       SEGCAL_PAUSE(place_);

@@ -109,8 +109,8 @@ class MotionStart {
                        kPointsPerSlice = 48;  ///< points: linearised, of two tracks as they usually are
   static constexpr int kFoldWork = 30000;     // products per slice, as fold_work() counts them
   bool pending_ = false, good_ = false, had_before_ = false;
-  bool settled_ = false, aligned_settled_ = false;  ///< the fit, and that from the alignment, have come to their ends
-  bool with_lens_ = false;                          ///< the fit moves it
+  bool settled_ = false;    ///< the fit has come to its end
+  bool with_lens_ = false;  ///< the fit moves it
   Place place_ = 0, inner_ = 0, leaf_ = 0;
   std::int32_t i_ = 0, k_ = 0, camera_ = 0, iteration_ = 0, column_ = 0, row_ = 0, rows_ = 0, used_ = 0, discarded_ = 0;
   std::int64_t first_ns_ = 0, last_imu_ns_ = 0, t_ = 0;
@@ -145,14 +145,13 @@ bool MotionStart<S>::run_step(const StartContext<S>& c, const Samples& imu) {
         copy_cameras(c.s->aligned_camera, c.w->theta.n_cameras, c.w->theta.camera);
         SEGCAL_AWAIT(place_, linearise_step(c));
         fit_ = trial_;
-        settled_ = aligned_settled_;
       }
-      good_ = settled_ && acceptable(c.w, fit_, triangle(c), c.s);
+      good_ = acceptable(c.w, fit_, triangle(c), c.s);
       with_lens_ = !good_ && c.options.sigma_focal > S(0);
       SEGCAL_PAUSE(place_);
       if (with_lens_) {
         SEGCAL_AWAIT(place_, refine_step(c));
-        good_ = settled_ && acceptable(c.w, fit_, triangle(c), c.s);
+        good_ = acceptable(c.w, fit_, triangle(c), c.s);
         SEGCAL_PAUSE(place_);
       }
     }
@@ -160,7 +159,7 @@ bool MotionStart<S>::run_step(const StartContext<S>& c, const Samples& imu) {
       SEGCAL_AWAIT(place_, discard_step(c));
       if (discarded_ > 0) {
         SEGCAL_AWAIT(place_, refine_step(c));
-        good_ = settled_ && acceptable(c.w, fit_, triangle(c), c.s);
+        good_ = acceptable(c.w, fit_, triangle(c), c.s);
       }
       SEGCAL_PAUSE(place_);
     }

@@ -117,7 +117,6 @@ bool MotionStart<S>::refine_step(const StartContext<S>& c) {
 template <class S>
 void MotionStart<S>::begin_from_rest(const StartContext<S>& c) {
   aligned_ = fit_;
-  aligned_settled_ = settled_;
   c.s->aligned = c.s->x0;
   copy_cameras(c.w->theta.camera, c.w->theta.n_cameras, c.s->aligned_camera);
   give_cameras_back(c);

@@ -114,16 +114,14 @@ bool triangulate(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S*
 template <class S>
 bool triangulate_again(const Window<S>& w, const TrackView<S>& view, S pixel_sigma, S* scratch, Landmark<S>* l, S* rho,
                        std::int32_t* points) {
-  const S guess = *rho;
+  const S carried = *rho;
   *rho = S(-1);
   bool good = false;
-  if (!(guess < S(0)) && ray_in_world(w, view, 0, &l->o, &l->m)) {
-    l->rho = guess;
-    good = refine_landmark<S>(w, view, pixel_sigma, scratch, l, kFilterDepthSigma<S>, nullptr, points);
+  for (int from_rays = carried < S(0) ? 1 : 0; from_rays < 2 && !good; ++from_rays) {
+    const bool begun = from_rays ? guess_landmark(w, view, l) : ray_in_world(w, view, 0, &l->o, &l->m);
+    if (begun && !from_rays) l->rho = carried;
+    good = begun && refine_landmark<S>(w, view, pixel_sigma, scratch, l, kFilterDepthSigma<S>, nullptr, points);
   }
-  if (!good)
-    good = guess_landmark(w, view, l) &&
-           refine_landmark<S>(w, view, pixel_sigma, scratch, l, kFilterDepthSigma<S>, nullptr, points);
   if (good) *rho = l->rho > S(0) ? l->rho : S(0);
   return good;
 }
