@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "../support/cases.h"
+#include "diagnose/rivals.h"
 #include "linear_problem.h"
 
 using namespace host::diagnosis;
@@ -42,10 +43,36 @@ void test_evidence_is_the_ratio_of_two_densities() {
   }
 }
 
+/// An effect that is called and holds in both halves, and a step that is as significant as any: the step gives way
+/// where evidence and share make it less likely, by natural logarithms.
+void test_a_step_gives_way_to_what_is_likelier() {
+  test::LinearRecording recording;
+  recording.add("effect", 1, 0.5, 0.3);
+  test::Random random(4);
+  const Problem problem = problem_of(recording, &random);
+  Shift step;
+  step.trials = 30;
+  step.test.log10_p = -1000;
+  const std::vector<std::pair<double, int>> called = {{-10, 0}};
+  const Candidate& effect = recording.candidates[0];
+  const double as_likely =
+      test_effect(problem, effect, {}).log_evidence + std::log(effect.share) - std::log(decision::kStepsShare / 30);
+  for (const double beside : {-0.01, 0.01}) {
+    step.test.log_evidence = as_likely + beside;
+    TEST_ASSERT_EQUAL(beside < 0, says_more_than(step, called, problem, recording.candidates, {}));
+  }
+  recording.truth.setConstant(-0.3);  // half of the segments contradict the others
+  Problem torn = problem;
+  torn.held_out = problem_of(recording, &random).held_out;
+  step.test.log_evidence = -1e3;
+  TEST_ASSERT_FALSE(says_more_than(step, called, torn, recording.candidates, {}));
+}
+
 }  // namespace
 
 int main() {
   UNITY_BEGIN();
   RUN_TEST(test_evidence_is_the_ratio_of_two_densities);
+  RUN_TEST(test_a_step_gives_way_to_what_is_likelier);
   return UNITY_END();
 }

@@ -11,8 +11,8 @@ int dominant_of(const Problem& problem, const std::vector<Candidate>& candidates
                 const std::vector<int>& open);
 
 /// Is an effect more significant than a step? Or, where both halves tell of it, as significant if its scatter counts as
-/// little as the step's (an effect is not less one for being held against it), or likelier by its evidence: where a
-/// temperature moves the camera in six ways, a minute may show each of them a little, and three of a step well.
+/// little as the step's (an effect is not less one for being held against it), or likelier by its evidence (a minute
+/// may show a little of each of the six ways in which a temperature moves the camera, and all of a step's three).
 /// `effects`: log10 p by F over the share of the level, and the candidate's place; those of effects that are called.
 bool says_more_than(const Shift& step, const std::vector<std::pair<double, int>>& effects, const Problem& problem,
                     const std::vector<Candidate>& candidates, const std::vector<TermGroup>& free);

@@ -13,18 +13,18 @@ bool ScoreJob<S>::condense_step(DeviceParts<S>* d) {
     SEGCAL_SLICES(inner_) {
       judged_ = condensing_.on;
       compare_place_ = empty_place_ = 0;
-      contradiction_.begin(condensing_.variance);
+      contradicts_ = false;
       if (condensing_.on && settled_) {
         for (round_ = 0; round_ < kMostRounds; ++round_) {
           SEGCAL_AWAIT(inner_, compare_step(d));
-          if (!contradiction_.found()) break;
+          if (!contradicts_ || !falls_) break;
         }
-        if (d->condenser.condensed() && !contradiction_.found()) {
+        if (d->condenser.condensed() && !contradicts_) {
           d->condenser.take(&d->database().building(), memory_, contradiction_.pull(), &d->epochs.newest());
         } else {
           d->condenser.break_chain();
           ++d->faults.segments_unsettled;
-          emptied_ = contradiction_.found() || condensing_.last_chance;
+          emptied_ = contradicts_ || condensing_.last_chance;
         }
       } else if (condensing_.on) {
         d->condenser.break_chain();
@@ -53,7 +53,12 @@ bool ScoreJob<S>::compare_step(DeviceParts<S>* d) {
       numbers_ = work_.template numbers<Contradiction<S>::kScratch>();
       SEGCAL_AWAIT(compare_place_, contradiction_.step(d->database().building().information, d->epochs, d->database(),
                                                        d->prior(), d->calibrator().theta(), numbers_));
+      contradicts_ = contradiction_.found();
+      falls_ = round_ == 0 || contradiction_.misfit() < S(kSettles) * misfit_;
+      misfit_ = contradiction_.misfit();
       SEGCAL_PAUSE(compare_place_);
+    } else {
+      falls_ = false;  // what contradicted before does still
     }
   }
   SEGCAL_SLICES_END(compare_place_);
@@ -63,7 +68,7 @@ bool ScoreJob<S>::compare_step(DeviceParts<S>* d) {
 template <class S>
 void ScoreJob<S>::begin_emptying(DeviceParts<S>* d) {
   session_before_ = 0;
-  const int known = d->epochs.count() - (contradiction_.found() && contradiction_.since_epoch() ? 1 : 0);
+  const int known = d->epochs.count() - (contradicts_ && contradiction_.since_epoch() ? 1 : 0);
   for (int i = 0; i < known; ++i) {
     const Epoch<S>& e = d->epochs.epoch(i);
     if (e.segments > 0 && e.last_session > session_before_) session_before_ = e.last_session;

@@ -94,6 +94,8 @@ class Contradiction {
     SEGCAL_SLICES_END(place_);
   }
   bool found() const { return found_; }
+  /// The larger of the two comparisons, a chi-square number where the segment agrees.
+  S misfit() const { return both_ - (epoch_ < among_ ? epoch_ : among_); }
   /// It is rather the whole newest epoch than this segment. Of an epoch that agrees
   /// with K and is worth as much as the segment, the second comparison has less than
   /// half of the first beyond noise; of one that does not, or says little, more.
