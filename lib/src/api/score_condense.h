@@ -17,7 +17,7 @@ bool ScoreJob<S>::condense_step(DeviceParts<S>* d) {
       if (condensing_.on && settled_) {
         for (round_ = 0; round_ < kMostRounds; ++round_) {
           SEGCAL_AWAIT(inner_, compare_step(d));
-          if (!contradicts_ || !falls_) break;
+          if (!contradicts_ || !moves_) break;
         }
         if (d->condenser.condensed() && !contradicts_) {
           d->condenser.take(&d->database().building(), memory_, contradiction_.pull(), &d->epochs.newest());
@@ -54,11 +54,11 @@ bool ScoreJob<S>::compare_step(DeviceParts<S>* d) {
       SEGCAL_AWAIT(compare_place_, contradiction_.step(d->database().building().information, d->epochs, d->database(),
                                                        d->prior(), d->calibrator().theta(), numbers_));
       contradicts_ = contradiction_.found();
-      falls_ = round_ == 0 || contradiction_.misfit() < S(kSettles) * misfit_;
+      moves_ = round_ == 0 || absolute(contradiction_.misfit() - misfit_) > S(kSettled) * misfit_;
       misfit_ = contradiction_.misfit();
       SEGCAL_PAUSE(compare_place_);
     } else {
-      falls_ = false;  // what contradicted before does still
+      moves_ = false;  // what contradicted before does still
     }
   }
   SEGCAL_SLICES_END(compare_place_);

@@ -72,12 +72,13 @@ class ScoreJob {
   Condensing<S> condensing_;
   /// A segment whose states have not come to their ends contradicts anything: with little motion attitude and the
   /// accelerometer's bias are hardly told apart, and two Gauss-Newton steps (condenser.h) leave them 15 deg from there.
-  /// So before it raises an alarm a segment is settled by two more, up to three times, as long as what it contradicts
-  /// by falls by a tenth: what has settled changes by less, and its second round is its last.
+  /// So before it raises an alarm a segment is settled by two more, up to three times, until what it contradicts by
+  /// changes by less than a hundredth: of a true change by 0 to 3 % in the second round and nothing in the third, of
+  /// states on their way by 4 % and more.
   static constexpr int kMostRounds = 4;
-  static constexpr double kSettles = 0.9;
+  static constexpr double kSettled = 0.01;
   std::int32_t round_ = 0;
-  bool contradicts_ = false, falls_ = false;
+  bool contradicts_ = false, moves_ = false;
   S misfit_ = S(0);  ///< of the last comparison
   Place place_ = 0, inner_ = 0, compare_place_ = 0, empty_place_ = 0;
   std::uint32_t session_before_ = 0;
