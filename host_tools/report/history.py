@@ -36,12 +36,24 @@ def parse_lines(text):
 
 
 def entries(result, lines):
-    """[{name: (value, sigma)}] over time: epochs of the device where the result has several, else its calibrations."""
-    epochs = result.get("epochs") or []
-    if len(epochs) > 1:
-        names = [p["name"] for p in result["parameters"]]
-        return [dict(zip(names, zip(e["value"], e["sigma"]))) for e in epochs]
-    return [values(line["parameters"]) for line in lines]
+    """[({name: (value, sigma)}, label)] over time: what single sessions said and what is known now, where the device remembers several; else its
+    epochs, where there are several; else its calibrations."""
+    names = [p["name"] for p in result["parameters"]]
+    for key, label in (("history", session_label), ("epochs", epoch_label)):
+        told = result.get(key) or []
+        if len(told) > 1:
+            now = [(values(result["parameters"]), "all that is known now")] if key == "history" else []
+            return [(dict(zip(names, zip(e["value"], e["sigma"]))), label(e)) for e in told] + now
+    return [(values(line["parameters"]), f"calibration {i + 1}") for i, line in enumerate(lines)]
+
+
+def session_label(entry):
+    """Sessions count from one in words."""
+    return f"session {entry['session'] + 1}, {entry['segments']} segments, {entry['temperature_degC']:.1f} degC, after {entry['changes_before']} changes"
+
+
+def epoch_label(entry):
+    return f"sessions {entry['first_session'] + 1} to {entry['last_session'] + 1}, {entry['segments']} segments"
 
 
 def values(parameters):
@@ -52,10 +64,10 @@ def panel(names, points, unit, initial):
     """One block over all entries: values less the start, with their sigmas."""
     drawing = go.Figure()
     for color, name in zip(LINES, names):
-        known = [(i + 1, *of[name]) for i, of in enumerate(points) if name in of]
+        known = [(i + 1, *of[name], label) for i, (of, label) in enumerate(points) if name in of]
         drawing.add_scatter(x=[k[0] for k in known], y=[k[1] - initial.get(name, 0.0) for k in known], mode="lines+markers",
                             name=name.rpartition(".")[2], line=dict(color=color, width=1.3), marker=dict(size=5),
-                            error_y=dict(type="data", array=[k[2] for k in known], width=3))
+                            error_y=dict(type="data", array=[k[2] for k in known], width=3), text=[k[3] for k in known])
     drawing.update_xaxes(dtick=max(1, len(points) // 6))
     drawing.update_yaxes(title=f"change [{unit}]", exponentformat="e", nticks=6)
     return styled(drawing, 250)

@@ -35,7 +35,10 @@ def over_time(result, lines):
         panels = [joined(Html("<div><h3>"), block, Html("</h3>"), figure(drawing), Html("</div>")) for block, drawing in history.panels(result, lines)]
     except figures.Missing as reason:
         return section("Theta over calibrations", note(f"No figure: {reason}"))
-    return section("Theta over calibrations", joined(Html('<div class="panels">'), *panels, Html("</div>")), note("Less the start, one calibration after the other. Bars: one sigma."))
+    course = (result.get("course") or {}).get("words") or ""
+    remark = (f"Less the start; {'sessions and what is known now' if len(result.get('history') or []) > 1 else 'one calibration after the other'}. Bars: one sigma. "
+              "Point at a value to see where it is from.")
+    return section("Theta over calibrations", joined(Html('<div class="panels">'), *panels, Html("</div>")), note(remark), note(course[:1].upper() + course[1:]) if course else "")
 
 
 def unobservable(result):

@@ -51,6 +51,8 @@ void ask_everything(segcal_t* device) {
                        SEGCAL_MAX_PARAMETERS * SEGCAL_MAX_PARAMETERS);
   segcal_get_epoch(device, 0, as((segcal_epoch_t*)nullptr));
   segcal_get_change(device, 0, as((segcal_change_t*)nullptr));
+  segcal_get_history(device, 0, as((segcal_epoch_t*)nullptr));
+  segcal_get_course(device, as((segcal_course_t*)nullptr));
   segcal_get_direction(device, 0, as((segcal_direction_t*)nullptr));
   segcal_get_health(device);
   segcal_get_model(device, as((segcal_model_t*)nullptr));

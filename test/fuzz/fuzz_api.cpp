@@ -136,6 +136,8 @@ class Session {
     segcal_get_camera(device_, slot, as((segcal_camera_t*)nullptr));
     segcal_get_imu_calibration(device_, as((segcal_imu_calibration_t*)nullptr));
     segcal_get_epoch(device_, slot, as((segcal_epoch_t*)nullptr));
+    segcal_get_history(device_, slot, as((segcal_epoch_t*)nullptr));
+    segcal_get_course(device_, as((segcal_course_t*)nullptr));
     segcal_progress(device_, as((segcal_progress_t*)nullptr));
     segcal_health_words(segcal_get_health(device_));
     segcal_result_hash(device_);

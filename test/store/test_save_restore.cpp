@@ -300,30 +300,27 @@ void test_calls_at_the_wrong_time() {
   TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_CONFIG, segcal_save(&store, create(&three, c)));
 }
 
-/// Power fails at each program and erasure of a device's second save:
-/// the restored one is the first state or the second, and goes on.
-void test_power_cuts_of_a_device() {
-  Storage one(0), two(0);
-  segcal_t* device = create(&one, config());
+/// Power fails at each program and erasure of a device's second save: the restored one is the first state or the
+/// second, as `same` has it. `go_on`: what the device does between the two.
+template <class GoOn, class Same>
+void check_cuts(segcal_t* device, const segcal_config_t& c, GoOn go_on, Same same) {
+  Storage two(0), three(0);
   FakeFlash flash = new_flash({128, 4096, 0});
-  feed(device, 0);
-  segcal_flush(device);
-  segcal_calibrate(device);
-  segcal_new_session(device);
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, save(&flash, device));
-  const std::uint64_t before = segcal_result_hash(device);
-  feed(device, 2);
-  segcal_new_session(device);
-  const std::uint64_t after = segcal_result_hash(device);
-  TEST_ASSERT_TRUE(before != after);
+  segcal_t* before = create(&three, c);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, restore(&flash, before));
+  go_on();
+  TEST_ASSERT_TRUE(segcal_result_hash(before) != segcal_result_hash(device));
   int found_old = 0, found_new = 0;
   const auto look = [&](FakeFlash* copy, std::uint64_t cut) {
-    segcal_t* restored = create(&two, config());
+    segcal_t* restored = create(&two, c);
     const Id id = Id().add("check", "device_cuts").add("cut", cut);
     check_true(id, "nothing restored", restore(copy, restored) == SEGCAL_OK);
-    const std::uint64_t found = segcal_result_hash(restored);
-    check_true(id, "neither the old nor the new state", found == before || found == after);
-    (found == before ? found_old : found_new) += 1;
+    const bool old = segcal_result_hash(restored) == segcal_result_hash(before);
+    check_true(id, "neither the old nor the new state",
+               old || segcal_result_hash(restored) == segcal_result_hash(device));
+    same(restored, old ? before : device, id);
+    (old ? found_old : found_new) += 1;
   };
   flash.before = [&](const FakeFlash::Change& change) {
     FakeFlash copy(flash);
@@ -337,6 +334,22 @@ void test_power_cuts_of_a_device() {
   std::printf("%d cuts left the old state, %d the new one\n", found_old, found_new);
   TEST_ASSERT_GREATER_THAN_INT(100, found_old);
   TEST_ASSERT_GREATER_OR_EQUAL_INT(1, found_new);
+}
+
+void test_power_cuts_of_a_device() {
+  Storage one(0);
+  segcal_t* device = create(&one, config());
+  feed(device, 0);
+  segcal_flush(device);
+  segcal_calibrate(device);
+  segcal_new_session(device);
+  check_cuts(
+      device, config(),
+      [&] {
+        feed(device, 2);
+        segcal_new_session(device);
+      },
+      [](segcal_t*, segcal_t*, const Id&) {});
 }
 
 /// A save goes on while the device is fed: what is stored is the device as it stood at the call, or, where a segment
@@ -412,6 +425,21 @@ std::pair<int, int> condensed(segcal_t* device) {
   return n;
 }
 
+/// What sessions said, and the course.
+void check_same_history(segcal_t* a, segcal_t* b, const Id& id) {
+  segcal_epoch_t one, other;
+  int sessions = 0;
+  for (; segcal_get_history(a, sessions, &one) == SEGCAL_OK; ++sessions) {
+    check_true(id, "a session is missing", segcal_get_history(b, sessions, &other) == SEGCAL_OK);
+    check_true(id, "a session says something else", std::memcmp(&one, &other, sizeof one) == 0);
+  }
+  check_true(id, "sessions too many", segcal_get_history(b, sessions, &other) != SEGCAL_OK);
+  check_true(id, "no session", (sessions > 0) == (SEGCAL_MAX_HISTORY > 0));
+  segcal_course_t was, is;
+  if (segcal_get_course(a, &was) == SEGCAL_OK && segcal_get_course(b, &is) == SEGCAL_OK)
+    check_true(id, "another course", std::memcmp(&was, &is, sizeof was) == 0);
+}
+
 /// Saved at the end of a session and restored: what comes later has the same bits as in the device that went on.
 void check_goes_on(segcal_t* device, const Id& id) {
   Storage again(0x22);
@@ -426,6 +454,31 @@ void check_goes_on(segcal_t* device, const Id& id) {
     feed_part(d, 500, 2500, false);
   }
   check_true(id, "another state later", segcal_result_hash(device) == segcal_result_hash(restored));
+  check_same_history(device, restored, id);
+}
+
+/// Epochs and history are those of the state that was found.
+void test_power_cuts_of_a_memory() {
+  if (SEGCAL_MAX_EPOCHS == 0) return;
+  Storage one(0);
+  segcal_t* device = create(&one, condensing(true));
+  feed_part(device, 0, 2600, false);
+  segcal_calibrate(device);
+  segcal_new_session(device);
+  feed_part(device, 2600, 3000, false);
+  segcal_new_session(device);
+  const int segments = condensed(device).first;
+  check_cuts(
+      device, condensing(true),
+      [&] {
+        feed_part(device, 3000, 3600, false);
+        segcal_new_session(device);
+        TEST_ASSERT_GREATER_THAN_INT(segments, condensed(device).first);
+      },
+      [](segcal_t* restored, segcal_t* was, const Id& id) {
+        check_true(id, "other epochs", condensed(restored) == condensed(was));
+        check_same_history(restored, was, id);
+      });
 }
 
 void test_an_open_change_goes_on() {
@@ -493,6 +546,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_another_configuration_is_refused);
   RUN_TEST(test_calls_at_the_wrong_time);
   RUN_TEST(test_power_cuts_of_a_device);
+  RUN_TEST(test_power_cuts_of_a_memory);
   RUN_TEST(test_feeding_while_it_saves);
   return UNITY_END();
 }

@@ -10,6 +10,7 @@
 
 #include "calibration_file.h"
 #include "recording.h"
+#include "replay/core_memory.h"
 #include "state/flash_image.h"
 
 namespace host {
@@ -86,22 +87,6 @@ struct CoreParameter {
   double value = 0, initial = 0, sigma = 0, prior_sigma = 0;
 };
 
-/// What condensed segments said, alone with the prior; in the order of the parameters.
-struct CoreEpoch {
-  int segments = 0;
-  unsigned first_session = 0, last_session = 0;
-  std::vector<double> value, sigma;
-};
-
-/// A step of the calibration between what was known and a release
-/// that dropped it; steps in the order of the parameters.
-struct CoreChange {
-  bool open = false;  ///< not decided: no steps
-  unsigned before_session = 0, after_session = 0;
-  std::int64_t t_ns = 0;  ///< where the segment begins that contradicted first
-  std::vector<double> step, sigma;
-};
-
 struct CoreResult {
   std::string status = "insufficient";
   std::vector<CoreParameter> parameters;
@@ -111,8 +96,10 @@ struct CoreResult {
   double chi2 = 0, dof = 0, noise_scale = 1, reprojection_rms_px = 0, reprojection_median_px = 0;
   /// of the parameters with nothing held (segcal_get_posterior), row-major; empty: not known
   std::vector<double> mean, covariance;
-  std::vector<CoreEpoch> epochs;    ///< oldest first
-  std::vector<CoreChange> changes;  ///< oldest first, an open one last
+  std::vector<CoreEpoch> epochs;     ///< oldest first
+  std::vector<CoreChange> changes;   ///< oldest first, an open one last
+  std::vector<CoreSession> history;  ///< oldest first
+  CoreCourse course;
 };
 
 struct CorePointResidual {

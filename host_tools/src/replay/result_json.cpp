@@ -123,6 +123,32 @@ Json change_json(const CoreChange& c, const std::vector<std::string>& names, con
           {"steps", steps}};
 }
 
+Json epoch_json(const CoreEpoch& e) {
+  return {{"segments", e.segments},
+          {"first_session", e.first_session},
+          {"last_session", e.last_session},
+          {"value", e.value},
+          {"sigma", e.sigma}};
+}
+
+Json session_json(const CoreSession& s) {
+  return {{"session", s.first_session},  {"segments", s.segments}, {"temperature_degC", s.temperature_degC},
+          {"changes_before", s.changes}, {"value", s.value},       {"sigma", s.sigma}};
+}
+
+Json course_json(const CoreResult& r, const std::vector<std::string>& names) {
+  const CoreCourse& c = r.course;
+  Json ln_odds = Json::object(), rates = Json::array();
+  const char* const kForm[] = {"steps", "trend", "temperature"};
+  for (std::size_t f = 0; f < 3 && !c.courses.empty(); ++f) {
+    if (c.ln_odds[f] <= 0) ln_odds[kForm[f]] = c.ln_odds[f];
+  }
+  for (std::size_t i = 0; i < c.rate.size() && i < names.size() && !c.rate_of.empty(); ++i)
+    rates.push_back({{"name", names[i]}, {"rate", c.rate[i]}, {"sigma", c.sigma[i]}});
+  return {{"courses", c.courses}, {"sessions", c.sessions}, {"words", course_words(r)},
+          {"ln_odds", ln_odds},   {"rate_of", c.rate_of},   {"rates", rates}};
+}
+
 }  // namespace
 
 Json result_json(const ReplayResult& out, const Provenance& from) {
@@ -148,15 +174,12 @@ Json result_json(const ReplayResult& out, const Provenance& from) {
   json["calibrations"] = calibrations_json(out);
   if (out.passes.size() > 1) json["passes"] = passes_json(out.passes);
   json["epochs"] = Json::array();
-  for (const CoreEpoch& e : out.result.epochs) {
-    json["epochs"].push_back({{"segments", e.segments},
-                              {"first_session", e.first_session},
-                              {"last_session", e.last_session},
-                              {"value", e.value},
-                              {"sigma", e.sigma}});
-  }
+  for (const CoreEpoch& e : r.epochs) json["epochs"].push_back(epoch_json(e));
   json["changes"] = Json::array();
   for (const CoreChange& c : out.result.changes) json["changes"].push_back(change_json(c, names, r));
+  json["history"] = Json::array();
+  for (const CoreSession& s : r.history) json["history"].push_back(session_json(s));
+  json["course"] = course_json(r, names);
   json["fit"] = {{"chi2", r.chi2},
                  {"dof", r.dof},
                  {"iterations", r.iterations},

@@ -162,6 +162,9 @@
 #if SEGCAL_MAX_EPOCHS == 1
 #error "SEGCAL_MAX_EPOCHS: 0, or at least 2: when there is no place for another epoch, the two oldest become one"
 #endif
+/* Sessions whose triangles are kept beside epochs, to tell steps of the calibration from trends and from temperature
+   (segcal_get_course). From four epochs on: fewer are for small memories. */
+#define SEGCAL_MAX_HISTORY (SEGCAL_MAX_EPOCHS < 4 ? 0 : 2 * SEGCAL_MAX_EPOCHS)
 /* Tracks in common from which on two segments of one map are put into one frame. Position and rotation about gravity
    are four unknowns and three landmarks of known depth fix them; in a short look at a scene about every second track
    has that, so that eight leave a choice and one or two mistaken ones do not decide. */

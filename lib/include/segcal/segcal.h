@@ -440,7 +440,29 @@ typedef struct {
   uint32_t first_session, last_session; /* from 0: sessions since segcal_create */
   int32_t n_parameters;
   double value[SEGCAL_MAX_PARAMETERS], sigma[SEGCAL_MAX_PARAMETERS];
+  /* of segcal_get_history only: mean temperature, 25 without `has_temperature`; how many changes were decided before */
+  double temperature_degC;
+  int32_t changes;
 } segcal_epoch_t;
+
+/* Courses that the calibration may take over sessions. */
+#define SEGCAL_COURSE_STEPS 1u       /* constant, but for the changes that were decided (segcal_get_change) */
+#define SEGCAL_COURSE_TREND 2u       /* linear in time, by the number of the session: ageing */
+#define SEGCAL_COURSE_TEMPERATURE 4u /* linear in temperature (`has_temperature`; sessions must differ by 5 degC) */
+
+/* How the calibration changed over the sessions that are remembered (segcal_get_history), as the last calibration
+   found it. */
+typedef struct {
+  uint32_t courses; /* SEGCAL_COURSE_*: those that what came does not rule out, with odds of 20 to 1; 0: not asked, less
+                       than three sessions or not calibrated */
+  int32_t sessions;
+  double ln_odds[3]; /* of steps, trend and temperature against the likeliest, up to 0; 1: not asked */
+  uint32_t rate_of;  /* SEGCAL_COURSE_TREND or _TEMPERATURE, the likelier one: what `rate` is of */
+  int32_t n_parameters;
+  /* Per session or per degC, in the order and units of segcal_result_t.parameter; of a rotation, small rotations, rad.
+   */
+  double rate[SEGCAL_MAX_PARAMETERS], sigma[SEGCAL_MAX_PARAMETERS];
+} segcal_course_t;
 
 /* A change of the device (segcal_config_t.condense): what was condensed and kept before was contradicted, and a release
  * dropped it. */
@@ -548,6 +570,11 @@ int segcal_get_epoch(segcal_t* device, int32_t index, segcal_epoch_t* out);
 /* Change `index` of the last SEGCAL_MAX_EPOCHS, 0: the newest; -1: one that is open, while which calibrations wait
    until the database is full. SEGCAL_ERROR_STATE: there is none. */
 int segcal_get_change(const segcal_t* device, int32_t index, segcal_change_t* out);
+/* What session `index` of the last SEGCAL_MAX_HISTORY said that were condensed, 0: the oldest; also what a change has
+   outdated since. Kept segments are not among them. Errors as of segcal_get_epoch. */
+int segcal_get_history(segcal_t* device, int32_t index, segcal_epoch_t* out);
+/* Steps, a trend, or temperature? SEGCAL_ERROR_STATE: no device, or a build without a history. */
+int segcal_get_course(const segcal_t* device, segcal_course_t* out);
 int segcal_get_direction(const segcal_t* device, int32_t index, segcal_direction_t* direction);
 /* The segment scored last (index -1) or slot `index` of the database, 0..SEGCAL_MAX_SEGMENTS. SEGCAL_ERROR_STATE if
    empty. A slot whose segment was dropped as outdated answers, with `kept` 0, until a new segment needs it. */

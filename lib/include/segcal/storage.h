@@ -106,11 +106,21 @@
                  (15u * SEGCAL_LEFT_COLUMNS + 2u * (SEGCAL_MAX_EPOCHS + 1u) * SEGCAL_THETA_COLUMNS + 100u) +        \
              448u)
 
+/* The history: rows over theta and theta of each session; its course, twice; and rates. */
+#define SEGCAL_HISTORY_BYTES                                                                                        \
+  (SEGCAL_MAX_HISTORY == 0                                                                                          \
+       ? 16u                                                                                                        \
+       : SEGCAL_MAX_HISTORY *                                                                                       \
+                 (SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) + 32u * SEGCAL_MAX_CAMERAS + 40u) + \
+                  (SEGCAL_MAX_EFFECT_ESTIMATES + 1u) * (4u + SEGCAL_REAL_BYTES) + 32u) +                            \
+             SEGCAL_REAL_BYTES * (4u * SEGCAL_THETA_COLUMNS + 20u) + 128u)
+
 /* In two blocks (blocks.h), or one behind the other. */
 #define SEGCAL_COLD_BYTES (SEGCAL_DATABASE_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_EFFECT_BYTES / 2u + 768u)
 #define SEGCAL_HOT_BYTES                                                                                             \
   (SEGCAL_FILTER_BYTES + SEGCAL_ELIMINATION_BYTES + SEGCAL_REPORT_BYTES + SEGCAL_INPUT_BYTES + SEGCAL_EFFECT_BYTES + \
-   SEGCAL_MONITOR_BYTES + SEGCAL_EPOCH_BYTES + (466u + 174u * SEGCAL_MAX_CAMERAS) * SEGCAL_REAL_BYTES + 768u)
+   SEGCAL_MONITOR_BYTES + SEGCAL_EPOCH_BYTES + SEGCAL_HISTORY_BYTES +                                                \
+   (466u + 174u * SEGCAL_MAX_CAMERAS) * SEGCAL_REAL_BYTES + 768u)
 #define SEGCAL_STORAGE_BYTES (SEGCAL_HOT_BYTES + SEGCAL_COLD_BYTES + 16u)
 
 #endif

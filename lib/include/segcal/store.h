@@ -26,7 +26,7 @@ extern "C" {
 /* Of the stored bytes; not the library's. A store of a newer major format is refused, all of a newer minor one is
  * readable. */
 #define SEGCAL_STORE_MAJOR 1u
-#define SEGCAL_STORE_MINOR 2u
+#define SEGCAL_STORE_MINOR 3u
 
 /* ---- what the platform gives ---- */
 /* A function's answer: 0 done; SEGCAL_FLASH_BAD: this block, or what is read, is unusable, others may be well; anything

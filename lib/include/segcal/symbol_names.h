@@ -40,6 +40,8 @@
 #define segcal_get_imu_residuals SEGCAL_NAME(get_imu_residuals)
 #define segcal_get_epoch SEGCAL_NAME(get_epoch)
 #define segcal_get_change SEGCAL_NAME(get_change)
+#define segcal_get_history SEGCAL_NAME(get_history)
+#define segcal_get_course SEGCAL_NAME(get_course)
 #define segcal_get_filter_calibration SEGCAL_NAME(get_filter_calibration)
 #define segcal_get_keyframes SEGCAL_NAME(get_keyframes)
 #define segcal_get_landmarks SEGCAL_NAME(get_landmarks)

@@ -6,6 +6,7 @@
 #include "api/parts.h"
 #include "api/report.h"
 #include "calibration/agreement.h"
+#include "calibration/course.h"
 #include "calibration/scatter.h"
 
 namespace SEGCAL_NS {
@@ -48,6 +49,7 @@ class CalibrateJob {
     report->partitions = d->calibrator().partitions();
     report->reprojection = reprojection_;
     report->directions.copy(*work_.analysis());
+    if constexpr (kHistory > 0) report->course = course_;
     work_.end();
     stage_ = Stage::idle;
     return dropped_any_;
@@ -77,6 +79,8 @@ class CalibrateJob {
   void drop_convicted(DeviceParts<S>* d);
   [[gnu::cold]] void begin_agreement(DeviceParts<S>* d);
   void judge_change(DeviceParts<S>* d);
+  [[gnu::cold]] bool judge_course_step(DeviceParts<S>* d);
+  CourseItem<S> course_item(int i, const DeviceParts<S>& d) const;
 
   Stage stage_ = Stage::idle;
   Place place_ = 0, inner_ = 0;
@@ -88,6 +92,8 @@ class CalibrateJob {
   Agreement<S> agreement_;
   bool convicted_[kMaxSegments] = {}, convicted_epoch_[kEpochs > 0 ? kEpochs : 1] = {};  ///< by agreement_
   SegmentScatter<S> scatter_;
+  std::conditional_t<(kHistory > 0), CourseTrial<S>, NoCourse> trial_;
+  std::conditional_t<(kHistory > 0), Course<S>, NoCourse> course_;
   ReprojectionFigures<S> reprojection_;
   double squares_ = 0;
   std::int32_t points_ = 0, left_out_ = 0;
@@ -114,6 +120,7 @@ template <class S>
     SEGCAL_PAUSE(place_);
     judge(&d->calibrator(), d->prior(), ReleaseRules<S>{}, scatter_.variance(), work_.release());
     if (work_.release()->status == Status::failed) SEGCAL_AWAIT(place_, drop_misfits_step(d));
+    SEGCAL_AWAIT(place_, judge_course_step(d));
   }
   SEGCAL_SLICES_END(place_);
 }
@@ -226,4 +233,5 @@ void CalibrateJob<S>::add_residuals(DeviceParts<S>* d, const Segment<S>& s) {
 
 }  // namespace SEGCAL_NS
 
+#include "api/calibrate_course.h"
 #include "api/calibrate_outdated.h"

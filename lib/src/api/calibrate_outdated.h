@@ -68,6 +68,7 @@ template <class S>
 void CalibrateJob<S>::drop_convicted(DeviceParts<S>* d) {
   for (int i = 0; i < n_; ++i) {
     if (!convicted_[i]) continue;
+    remember(*segment_[i], d->calibrator().theta(), d);
     d->database().drop_outdated(segment_[i]);
     ++d->faults.segments_outdated;
     dropped_ = true;

@@ -78,6 +78,7 @@ class Device {
   const Database<S>& database() const { return d_.database(); }
   const auto& epochs() const { return d_.epochs; }
   const auto& changes() const { return d_.changes; }
+  const auto& history() const { return d_.history; }
   /// None is being added to, compared or moved.
   bool epochs_at_rest() const { return !pending(); }
   /// The right to work in the shared memory, to answer a question while nothing is pending.

@@ -16,6 +16,7 @@ void Device<S>::create(const DeviceOptions<S>& options, ColdParts<S>* cold) {
   d_.work.reset();
   d_.epochs.clear();
   d_.changes.clear();
+  d_.history.clear();
   d_.condenser.break_chain();
   theta_ = options.prior.mean;
   stamp_shift_ns_ = stamp_shift(theta_);

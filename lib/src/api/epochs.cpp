@@ -1,21 +1,23 @@
-// The C API's view of epochs, what each alone says about the calibration, and of changes.
+// The C API's view of epochs and sessions, what each alone says about the calibration, of changes and of their course.
 #include "api/handle.h"
 #include "information/marginal.h"
 
 namespace SEGCAL_NS {
 namespace {
 
-/// The optimum of the prior and the epoch, and its sigmas as printed, for the noise of the last release.
-void read_epoch(const Epoch<Real>& epoch, Device<Real>& device, segcal_epoch_t* out) {
+/// The optimum of the prior and what was condensed at `at`, and its sigmas as printed, for the noise of the last
+/// release.
+void read_rows(const SegmentInformation<Real>& rows, const Calibration<Real>& at, Device<Real>& device,
+               segcal_epoch_t* out) {
   const ThetaPrior<Real>& prior = device.options().prior;
-  const int n = epoch.columns();
+  const int n = at.columns();
   Real row[kMaxTheta + 1], work[kMaxTheta + 1];
   Workspace<Real>::Lease memory;
   device.begin_question(&memory);
   PackedTriangle<Real> T(memory.numbers<packed_size(kMaxTheta + 1)>(), n + 1);
-  write_prior(prior, epoch.theta, &T);
-  fold_moved(epoch.information, epoch.theta, epoch.theta, &T);
-  Calibration<Real> theta = epoch.theta;
+  write_prior(prior, at, &T);
+  fold_moved(rows, at, at, &T);
+  Calibration<Real> theta = at;
   for (int i = 0; i < n; ++i) row[i] = T(i, n);
   back_substitute(T, n, row);
   add_step(&theta, row);
@@ -29,9 +31,22 @@ void read_epoch(const Epoch<Real>& epoch, Device<Real>& device, segcal_epoch_t* 
   }
   memory.end();
   out->n_parameters = n;
-  out->segments = epoch.segments;
-  out->first_session = epoch.first_session;
-  out->last_session = epoch.last_session;
+}
+
+/// A build without a history has a course of another type.
+template <class C>
+void read_course(const C& course, int n, segcal_course_t* out) {
+  if constexpr (kHistory > 0) {
+    out->courses = course.forms;
+    out->sessions = course.sessions;
+    for (int f = 0; f < kCourseForms; ++f) out->ln_odds[f] = static_cast<double>(course.ln_odds[f]);
+    out->rate_of = course.rate_form > 0 ? 1u << course.rate_form : 0;
+    out->n_parameters = n;
+    for (int i = 0; i < n && course.rate_form > 0; ++i) {
+      out->rate[i] = static_cast<double>(course.rate[i]);
+      out->sigma[i] = static_cast<double>(course.sigma[i]);
+    }
+  }
 }
 
 }  // namespace
@@ -46,7 +61,34 @@ extern "C" [[gnu::cold]] int segcal_get_epoch(segcal_t* device, int32_t index, s
   if (!epoch) return SEGCAL_ERROR_STATE;
   if (!d->device.epochs_at_rest()) return SEGCAL_ERROR_BUSY;
   *out = segcal_epoch_t{};
-  read_epoch(*epoch, d->device, out);
+  read_rows(epoch->information, epoch->theta, d->device, out);
+  out->segments = epoch->segments;
+  out->first_session = epoch->first_session;
+  out->last_session = epoch->last_session;
+  return SEGCAL_OK;
+}
+
+extern "C" [[gnu::cold]] int segcal_get_history(segcal_t* device, int32_t index, segcal_epoch_t* out) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  CDevice* d = open(device);
+  const HistoryEntry<Real>* entry = d ? d->device.history().find(index) : nullptr;
+  if (!entry) return SEGCAL_ERROR_STATE;
+  if (!d->device.epochs_at_rest()) return SEGCAL_ERROR_BUSY;
+  *out = segcal_epoch_t{};
+  read_rows(entry->information, entry->theta, d->device, out);
+  out->segments = entry->segments;
+  out->first_session = out->last_session = entry->session;
+  out->temperature_degC = 25 + static_cast<double>(entry->mean_warmth());
+  out->changes = entry->changes;
+  return SEGCAL_OK;
+}
+
+extern "C" [[gnu::cold]] int segcal_get_course(const segcal_t* device, segcal_course_t* out) {
+  if (!out) return SEGCAL_ERROR_NULL;
+  const CDevice* d = open(device);
+  if (!d || kHistory == 0) return SEGCAL_ERROR_STATE;
+  *out = segcal_course_t{};
+  read_course(d->device.report().course, d->device.theta().columns(), out);
   return SEGCAL_OK;
 }
 

@@ -125,6 +125,7 @@ void Jobs<S>::begin_session(DeviceParts<S>* d) {
   if (d->options.strategy == Strategy::single_session) {
     d->epochs.clear();
     d->changes.close();
+    d->history.clear();
     condensing_ = false;
   }
   new_epoch_ = true;  // between sessions a device may change: what the new one says is held against all before

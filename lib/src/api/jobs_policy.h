@@ -67,6 +67,7 @@ void Jobs<S>::forget_epochs(DeviceParts<S>* d) {
   if constexpr (kEpochs > 0) d->faults.segments_outdated += static_cast<std::uint32_t>(d->epochs.segments());
   d->epochs.clear();
   d->changes.close();
+  d->history.clear();
 }
 
 /// Where a segment contradicts what is known, or one after the other fits no longer, theta may be another than epochs

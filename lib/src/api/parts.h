@@ -6,6 +6,7 @@
 #include "api/workspace.h"
 #include "calibration/changes.h"
 #include "calibration/condenser.h"
+#include "calibration/course.h"
 #include "calibration/epochs.h"
 #include "database/database.h"
 #include "diagnosis/effect_monitor.h"
@@ -65,11 +66,18 @@ struct DeviceParts {
   std::conditional_t<(kEpochs > 0), Epochs<S>, NoEpochs<S>> epochs;
   std::conditional_t<(kEpochs > 0), Condenser<S>, NoCondenser> condenser;
   std::conditional_t<(kEpochs > 0), Changes<S>, NoChanges<S>> changes;
+  std::conditional_t<(kHistory > 0), History<S>, NoHistory<S>> history;
   FaultCounts faults;
   SliceCounts slices;
 
   const ThetaPrior<S>& prior() const { return options.prior; }
 };
+
+/// What a segment says, linearised at `at`, goes into the history.
+template <class S>
+void remember(const Segment<S>& segment, const Calibration<S>& at, DeviceParts<S>* d) {
+  if constexpr (kHistory > 0) d->history.add(segment.information, at, segment.session, mean_warmth(segment));
+}
 
 /// Triangle of the prior and the kept segments, each alone, in units of the prior's sigmas; in the workspace.
 template <class S>

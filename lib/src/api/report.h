@@ -2,6 +2,7 @@
 #pragma once
 
 #include "api/release.h"
+#include "calibration/course.h"
 #include "information/metrics.h"
 
 namespace SEGCAL_NS {
@@ -44,6 +45,7 @@ struct CalibrationReport {
   std::int32_t segments = 0, partitions = 0;
   ReprojectionFigures<S> reprojection;
   Directions<S> directions;  ///< over all segments that took part
+  std::conditional_t<(kHistory > 0), Course<S>, NoCourse> course;
 };
 
 }  // namespace SEGCAL_NS

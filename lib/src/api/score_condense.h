@@ -21,6 +21,7 @@ bool ScoreJob<S>::condense_step(DeviceParts<S>* d) {
         }
         if (d->condenser.condensed() && !contradicts_) {
           d->condenser.take(&d->database().building(), memory_, contradiction_.pull(), &d->epochs.newest());
+          remember(d->database().building(), d->epochs.newest().theta, d);
         } else {
           d->condenser.break_chain();
           ++d->faults.segments_unsettled;
@@ -90,7 +91,11 @@ bool ScoreJob<S>::empty_step(DeviceParts<S>* d) {
       kept_epoch_.restart();
       numbers_ = work_.template numbers<KeptEpoch<S>::kScratch>();
       SEGCAL_AWAIT(empty_place_, kept_epoch_.step(kept_segment_, n_kept_, d->prior(), epoch_of_kept_, numbers_));
-      for (int i = 0; i < n_kept_; ++i) d->database().drop(static_cast<int>(kept_segment_[i] - &d->database().slot(0)));
+      for (nth_ = 0; nth_ < n_kept_; ++nth_) {
+        remember(*kept_segment_[nth_], epoch_of_kept_->theta, d);
+        d->database().drop(static_cast<int>(kept_segment_[nth_] - &d->database().slot(0)));
+        SEGCAL_PAUSE(empty_place_);
+      }
     }
   }
   SEGCAL_SLICES_END(empty_place_);

@@ -90,7 +90,7 @@ class ScoreJob {
   std::conditional_t<(kEpochs > 0), Contradiction<S>, NoCondenser> contradiction_;
   std::conditional_t<(kEpochs > 0), KeptEpoch<S>, NoCondenser> kept_epoch_;
   Near<Segment<S>> kept_segment_[kEpochs > 0 ? kMaxSegments : 1];  ///< while the database is emptied
-  std::int32_t n_kept_ = 0;
+  std::int32_t n_kept_ = 0, nth_ = 0;
   Near<Epoch<S>> epoch_of_kept_;
   JointInformation<S> sums_;
 };

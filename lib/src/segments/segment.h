@@ -173,4 +173,12 @@ SegmentSummary<S> summary_of(const Segment<S>& s) {
   return out;
 }
 
+/// Over its keyframes, degC above 25.
+template <class S>
+S mean_warmth(const Segment<S>& segment) {
+  S sum = S(0);
+  for (int k = 0; k < segment.n_keyframes; ++k) sum += S(segment.warmth[k]);
+  return segment.n_keyframes > 0 ? sum / S(segment.n_keyframes) : S(0);
+}
+
 }  // namespace SEGCAL_NS

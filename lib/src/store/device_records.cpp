@@ -17,10 +17,16 @@ RecordInfo DeviceRecords::info(std::uint32_t number) const {
   RecordInfo record{};
   const std::uint32_t first_memory = kFirstSegment + static_cast<std::uint32_t>(device_->database().size());
   if (number >= first_memory) {
-    constexpr RecordType kType[] = {RecordType::memory, RecordType::changes, RecordType::epoch};
-    const std::uint32_t i = number - first_memory;
-    record.type = static_cast<std::uint16_t>(kType[i < 2 ? i : 2]);
-    record.index = static_cast<std::uint16_t>(i < 2 ? 0 : i - 2);
+    const std::uint32_t i = number - first_memory, epochs = static_cast<std::uint32_t>(device_->epochs().count());
+    const RecordType type = i == 0            ? RecordType::memory
+                            : i == 1          ? RecordType::changes
+                            : i < 2 + epochs  ? RecordType::epoch
+                            : i == 2 + epochs ? RecordType::history
+                                              : RecordType::session;
+    record.type = static_cast<std::uint16_t>(type);
+    record.index = static_cast<std::uint16_t>(type == RecordType::epoch     ? i - 2
+                                              : type == RecordType::session ? i - 3 - epochs
+                                                                            : 0);
     return record;
   }
   record.type = static_cast<std::uint16_t>(number < kFirstSegment ? number + 1 : std::uint32_t(RecordType::segment));
@@ -36,6 +42,8 @@ void DeviceRecords::visit(const RecordInfo& record, Fields* fields) {
     case RecordType::memory: return Stored::memory(fields, device_);
     case RecordType::changes: return Stored::changes(fields, device_);
     case RecordType::epoch: return Stored::epoch(fields, device_, record.index);
+    case RecordType::history: return Stored::history(fields, device_);
+    case RecordType::session: return Stored::session(fields, device_, record.index);
     default: return Stored::segment(fields, Stored::slot(device_, record.index));
   }
 }
@@ -68,6 +76,8 @@ bool DeviceRecords::expected(const RecordInfo& record) const {
   if (record.type == std::uint16_t(RecordType::epoch) && kEpochs > 0) {
     return record.index == device_->epochs().count() && record.index < kEpochs;
   }
+  if (record.type == std::uint16_t(RecordType::session) && kHistory > 0)
+    return record.index < device_->history().count();
   return record.type != std::uint16_t(RecordType::segment) ||
          (record.index < Database<Real>::kSlots && !device_->database().kept(record.index));
 }
@@ -86,10 +96,13 @@ RecordSink DeviceRecords::sink() {
     DeviceRecords& r = self(context);
     r.record_ = record;
     r.sound_ = true;
-    r.skips_ = record.type > std::uint16_t(kEpochs > 0 ? RecordType::changes : RecordType::segment) ||
-               record.type == kOldEpoch || record.type == 0;
+    constexpr RecordType kLast = kHistory > 0  ? RecordType::session
+                                 : kEpochs > 0 ? RecordType::changes
+                                               : RecordType::segment;
+    r.skips_ = record.type > std::uint16_t(kLast) || record.type == kOldEpoch || record.type == 0;
     if (!r.expected(record)) return RecordSink::kNotThis;
     if (record.type == std::uint16_t(RecordType::epoch)) Stored::begin_epoch(r.device_, record.index);
+    if (record.type == std::uint16_t(RecordType::session)) Stored::begin_session(r.device_, record.index);
     return SEGCAL_OK;
   };
   sink.bytes = [](void* context, std::uint32_t offset, const std::uint8_t* bytes, std::uint32_t n) {
@@ -129,6 +142,8 @@ int DeviceRecords::close() {
   if (!sound_ || record_.bytes != size(record_)) return RecordSink::kNotThis;
   if (record_.type == std::uint16_t(RecordType::epoch))
     return Stored::keep_epoch(device_, record_.index) ? SEGCAL_OK : RecordSink::kNotThis;
+  if (record_.type == std::uint16_t(RecordType::session))
+    return Stored::keep_session(device_, record_.index) ? SEGCAL_OK : RecordSink::kNotThis;
   if (record_.type != std::uint16_t(RecordType::segment)) return SEGCAL_OK;
   if (!Stored::sound(*Stored::slot(device_, record_.index), device_->theta())) return RecordSink::kNotThis;
   Stored::keep(device_, record_.index);

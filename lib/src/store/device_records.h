@@ -14,7 +14,9 @@ enum class RecordType : std::uint16_t {
   segment = 4,
   memory = 5,
   epoch = 7,
-  changes = 8
+  changes = 8,
+  history = 9,
+  session = 10
 };
 /// An epoch in format 1.1, which measured scatter otherwise: passed over.
 constexpr std::uint16_t kOldEpoch = 6;
@@ -39,8 +41,12 @@ class DeviceRecords {
 
  private:
   static constexpr std::uint32_t kFirstSegment = 3;  ///< records before it
-  /// Records behind the segments: what is remembered of others, changes, and each epoch.
-  std::uint32_t memories() const { return kEpochs > 0 ? 2 + static_cast<std::uint32_t>(device_->epochs().count()) : 0; }
+  /// Records behind the segments: what is remembered of others, changes, each epoch, the history, each session.
+  std::uint32_t memories() const {
+    if (kEpochs == 0) return 0;
+    const int sessions = device_->history().count();
+    return static_cast<std::uint32_t>(2 + device_->epochs().count() + (kHistory > 0 ? 1 + sessions : 0));
+  }
   static DeviceRecords& self(void* context) { return *static_cast<DeviceRecords*>(context); }
   int nth_kept(std::uint32_t n) const;
   RecordInfo info(std::uint32_t number) const;

@@ -108,7 +108,9 @@ uint32_t segcal_store_blocks(const segcal_flash_t* flash) {
                                                     sizeof(StoredNumbers<Real>);
   const std::uint32_t epochs =
       kEpochs > 0 ? kEpochs * (sizeof(Epoch<Real>) + 32 + page) + sizeof(Changes<Real>) + 32 + page : 0;
-  const std::uint32_t bytes = SEGCAL_MAX_SEGMENTS * (sizeof(Segment<Real>) + 32 + page) + epochs + rest + 4 * page;
+  const std::uint32_t sessions = kHistory > 0 ? kHistory * (sizeof(HistoryEntry<Real>) + 32 + page) + 32 + page : 0;
+  const std::uint32_t bytes =
+      SEGCAL_MAX_SEGMENTS * (sizeof(Segment<Real>) + 32 + page) + epochs + sessions + rest + 4 * page;
   const std::uint32_t of_block = flash->erase_bytes - page;
   return 2 * ((bytes + of_block - 1) / of_block);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "api/device.h"
+#include "store/stored_history.h"
 #include "store/stored_numbers.h"
 #include "store/stored_options.h"
 
@@ -142,10 +143,14 @@ struct StoredFields {
       f->array(e.information.data, packed_size(e.information.n_theta + 1));
     }
   }
+  static void history(Fields* f, Device<S>* d) { StoredHistory<S>::all(f, &d->d_.history, &d->jobs_.report_.course); }
+  static void session(Fields* f, Device<S>* d, int i) { StoredHistory<S>::session(f, &d->d_.history, i); }
   /// Before an epoch's fields are taken: cameras and terms are the configuration's.
   static void begin_epoch(Device<S>* d, int index) {
     if constexpr (kEpochs > 0) d->d_.epochs.epoch_[index].theta = d->theta_;
   }
+  static void begin_session(Device<S>* d, int i) { StoredHistory<S>::begin(&d->d_.history, i, d->theta_); }
+  static bool keep_session(Device<S>* d, int i) { return StoredHistory<S>::sound(d->d_.history, i, d->theta_); }
   static bool keep_epoch(Device<S>* d, int index) {
     if constexpr (kEpochs > 0) {
       const Epoch<S>& e = d->d_.epochs.epoch_[index];

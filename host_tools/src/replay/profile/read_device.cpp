@@ -40,6 +40,50 @@ CoreDirection direction_of(const segcal_direction_t& d, int n) {
   return {std::vector<double>(d.weight, d.weight + n), d.relative_sigma};
 }
 
+CoreEpoch epoch_of(const segcal_epoch_t& e) {
+  return {e.segments,
+          e.first_session,
+          e.last_session,
+          {e.value, e.value + e.n_parameters},
+          {e.sigma, e.sigma + e.n_parameters}};
+}
+
+CoreCourse course_of(const segcal_course_t& c) {
+  static const char* const kForm[] = {"steps", "trend", "temperature"};
+  CoreCourse out;
+  for (unsigned f = 0; f < 3; ++f) {
+    out.ln_odds[f] = c.ln_odds[f];
+    if ((c.courses & 1u << f) != 0) out.courses.push_back(kForm[f]);
+    if (c.rate_of == 1u << f) out.rate_of = kForm[f];
+  }
+  out.sessions = c.sessions;
+  out.rate.assign(c.rate, c.rate + c.n_parameters);
+  out.sigma.assign(c.sigma, c.sigma + c.n_parameters);
+  return out;
+}
+
+/// What the device remembers of segments that are kept no longer.
+void read_memory(segcal_t* device, CoreResult* out) {
+  segcal_epoch_t e;
+  for (int i = 0; segcal_get_epoch(device, i, &e) == SEGCAL_OK; ++i) {
+    if (e.segments > 0) out->epochs.push_back(epoch_of(e));  // else it has just begun
+  }
+  for (int i = 0; segcal_get_history(device, i, &e) == SEGCAL_OK; ++i)
+    out->history.push_back({epoch_of(e), e.temperature_degC, e.changes});
+  segcal_course_t course;
+  if (segcal_get_course(device, &course) == SEGCAL_OK) out->course = course_of(course);
+  segcal_change_t c;
+  for (int i = -1; i == -1 || segcal_get_change(device, i, &c) == SEGCAL_OK; ++i) {
+    if (i == -1 && segcal_get_change(device, i, &c) != SEGCAL_OK) continue;
+    out->changes.insert(out->changes.begin(), {c.open != 0,
+                                               c.before_session,
+                                               c.after_session,
+                                               c.t_ns,
+                                               {c.step, c.step + c.n_parameters},
+                                               {c.sigma, c.sigma + c.n_parameters}});
+  }
+}
+
 CoreResult result_of(segcal_t* device) {
   segcal_result_t r;
   CoreResult out;
@@ -72,25 +116,7 @@ CoreResult result_of(segcal_t* device) {
     out.mean.clear();
     out.covariance.clear();
   }
-  segcal_epoch_t e;
-  for (int i = 0; segcal_get_epoch(device, i, &e) == SEGCAL_OK; ++i) {
-    if (e.segments == 0) continue;  // it has just begun
-    out.epochs.push_back({e.segments,
-                          e.first_session,
-                          e.last_session,
-                          {e.value, e.value + e.n_parameters},
-                          {e.sigma, e.sigma + e.n_parameters}});
-  }
-  segcal_change_t c;
-  for (int i = -1; i == -1 || segcal_get_change(device, i, &c) == SEGCAL_OK; ++i) {
-    if (i == -1 && segcal_get_change(device, i, &c) != SEGCAL_OK) continue;
-    out.changes.insert(out.changes.begin(), {c.open != 0,
-                                             c.before_session,
-                                             c.after_session,
-                                             c.t_ns,
-                                             {c.step, c.step + c.n_parameters},
-                                             {c.sigma, c.sigma + c.n_parameters}});
-  }
+  read_memory(device, &out);
   return out;
 }
 
