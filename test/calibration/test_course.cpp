@@ -118,13 +118,34 @@ void test_each_course_is_told() {
   }
 }
 
-/// Where no change was decided, either must be beyond doubt.
+/// Where no change was decided, a constant is ruled out by what it leaves over; what was released is a mean, and the
+/// lag says how far from the last session.
+void test_what_is_slow_is_noticed() {
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    World w(seed);
+    for (int k = 0; k < kSessions; ++k) w.add(k, 0.02 * k, 0);  // two sigmas of a session each
+    const Course<S> course = w.judge();
+    const Id id = Id().add("seed", static_cast<int>(seed));
+    check_true(id, "a trend", course.forms == bit(trend_form));
+    // Rows are moved to theta, the prior's mean: from there to the last session it is 0.1.
+    check_near(id, "lag in the prior's sigmas", 0.1, static_cast<double>(course.lag[7] / w.prior.sigma[7]), 0.05);
+    World warm(seed);
+    for (int k = 0; k < kSessions; ++k) warm.add(k, kDegC[k] / 150, 0);
+    const Course<S> warmed = warm.judge();
+    check_true(id, "temperature", warmed.forms == bit(temperature_form));
+    check_near(id, "lag at the farther end", 0.1, std::abs(static_cast<double>(warmed.lag[7] / warm.prior.sigma[7])),
+               0.05);
+  }
+}
+
+/// 200 devices, two courses at 1e-4 each.
 void test_noise_is_no_course() {
   int named = 0;
   for (std::uint32_t seed = 1; seed <= 200; ++seed) {
     World w(seed);
     for (int k = 0; k < kSessions; ++k) w.add(k, 0, 0);
-    named += w.judge().forms != bit(steps_form) ? 1 : 0;
+    const Course<S> course = w.judge();
+    named += course.forms != bit(steps_form) || course.lag[7] != S(0) ? 1 : 0;
   }
   TEST_ASSERT_EQUAL_INT(0, named);
 }
@@ -192,6 +213,7 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_odds_are_those_of_the_densities);
   RUN_TEST(test_each_course_is_told);
+  RUN_TEST(test_what_is_slow_is_noticed);
   RUN_TEST(test_noise_is_no_course);
   RUN_TEST(test_the_scale_counts);
   RUN_TEST(test_what_cannot_be_told);

@@ -25,7 +25,7 @@ struct CoreSession : CoreEpoch {
 struct CoreCourse {
   std::vector<std::string> courses;  ///< steps, trend, temperature: not ruled out; empty: not asked
   int sessions = 0;
-  std::array<double, 3> ln_odds{};  ///< of these three; 1: not asked
+  std::array<double, 3> ln_odds{};  ///< of these three; 1: not compared
   std::string rate_of;              ///< trend or temperature: what `rate` is of
   std::vector<double> rate, sigma;  ///< per session or degC
 };

@@ -54,6 +54,9 @@ std::string course_words(const CoreResult& r) {
                           : "the calibration follows the temperature: ");
   }
   words += rates_of(r);
+  if (!steps)
+    words += ". The result is their mean; its sigmas hold how far that is from " +
+             std::string(trend ? "the last session" : "each") + "'s";
   if (warm && !steps && !trend) words += ". --enable camera_temperature estimates that of the camera";
   return words;
 }

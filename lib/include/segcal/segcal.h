@@ -451,12 +451,13 @@ typedef struct {
 #define SEGCAL_COURSE_TEMPERATURE 4u /* linear in temperature (`has_temperature`; sessions must differ by 5 degC) */
 
 /* How the calibration changed over the sessions that are remembered (segcal_get_history), as the last calibration
-   found it. */
+   found it. Where steps are ruled out, what it released is a mean over sessions, and its sigmas hold how far that is
+   from the calibration of the last session, or at the temperature that is farthest from it. */
 typedef struct {
   uint32_t courses; /* SEGCAL_COURSE_*: those that what came does not rule out, with odds of 20 to 1; 0: not asked, less
                        than three sessions or not calibrated */
   int32_t sessions;
-  double ln_odds[3]; /* of steps, trend and temperature against the likeliest, up to 0; 1: not asked */
+  double ln_odds[3]; /* of steps, trend and temperature against the likeliest, up to 0; 1: not compared */
   uint32_t rate_of;  /* SEGCAL_COURSE_TREND or _TEMPERATURE, the likelier one: what `rate` is of */
   int32_t n_parameters;
   /* Per session or per degC, in the order and units of segcal_result_t.parameter; of a rotation, small rotations, rad.

@@ -113,7 +113,7 @@
        : SEGCAL_MAX_HISTORY *                                                                                       \
                  (SEGCAL_REAL_BYTES * (SEGCAL_PACKED(SEGCAL_THETA_COLUMNS + 1u) + 32u * SEGCAL_MAX_CAMERAS + 40u) + \
                   (SEGCAL_MAX_EFFECT_ESTIMATES + 1u) * (4u + SEGCAL_REAL_BYTES) + 32u) +                            \
-             SEGCAL_REAL_BYTES * (4u * SEGCAL_THETA_COLUMNS + 20u) + 128u)
+             SEGCAL_REAL_BYTES * (6u * SEGCAL_THETA_COLUMNS + 24u) + 128u)
 
 /* In two blocks (blocks.h), or one behind the other. */
 #define SEGCAL_COLD_BYTES (SEGCAL_DATABASE_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_EFFECT_BYTES / 2u + 768u)

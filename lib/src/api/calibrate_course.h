@@ -18,11 +18,31 @@ template <class S>
         SEGCAL_PAUSE(inner_);
         SEGCAL_AWAIT(inner_, trial_.step(item, d->history.count() + n_, d->prior(), d->calibrator().theta(),
                                          work_.release()->noise_scale, d->options.has_temperature, &course_));
+        hold_lag(d->prior());
       }
     }
     SEGCAL_SLICES_END(inner_);
   }
   return true;
+}
+
+/// A mean over sessions in which theta was not one: sigmas hold what it is now, or was at some temperature.
+template <class S>
+void CalibrateJob<S>::hold_lag(const ThetaPrior<S>& prior) {
+  if constexpr (kHistory > 0) {
+    Release<S>* r = work_.release();
+    const auto hold = [](S sigma, S lag, S most) {
+      const S both = square_root(sigma * sigma + lag * lag);
+      return both < most ? both : most;
+    };
+    for (int i = 0; i < r->theta.columns(); ++i) {
+      const PrintedValue<S> value = printed_value(prior.mean, r->theta, i);
+      S lag = S(0);
+      for (int k = 0; k < value.count; ++k) lag += value.weight[k] * course_.lag[value.first + k];
+      r->sigma[i] = hold(r->sigma[i], course_.lag[i], prior.sigma[i]);
+      r->printed_sigma[i] = hold(r->printed_sigma[i], lag, sigma_before(value, prior.sigma));
+    }
+  }
 }
 
 /// What was condensed, then the kept segments.

@@ -80,6 +80,7 @@ class CalibrateJob {
   [[gnu::cold]] void begin_agreement(DeviceParts<S>* d);
   void judge_change(DeviceParts<S>* d);
   [[gnu::cold]] bool judge_course_step(DeviceParts<S>* d);
+  void hold_lag(const ThetaPrior<S>& prior);
   CourseItem<S> course_item(int i, const DeviceParts<S>& d) const;
 
   Stage stage_ = Stage::idle;

@@ -11,8 +11,13 @@
 //   -2 ln p = rho^2 + 2 sum_j ln |R_jj| + what is the same for all
 // (misfit and Occam factor: MacKay, Bayesian interpolation, Neural Computation 4, 1992, section 2). Courses whose odds
 // against the likeliest are better than 1 in 20 are not told apart.
+//
+// Where no change was decided, steps are no change at all, and what is slow may be far smaller than devices differ: a
+// constant is ruled out by what a trend, or temperature, explains of its misfit, as a change is (contradiction.h). What
+// was released is a mean over sessions then, and says how far it is from what it should be.
 #pragma once
 
+#include "calibration/contradiction.h"
 #include "calibration/history.h"
 #include "calibration/prior.h"
 #include "information/marginal.h"
@@ -25,9 +30,8 @@ enum CourseForm : std::int32_t { steps_form, trend_form, temperature_form, kCour
 
 /// ln 20: a course that is less likely than the best by more is out.
 constexpr double kToldApart = 3;
-/// ln 10,000: where no change was decided, a trend or a dependence on temperature must be likelier than none by as much
-/// as a change must be (kFalseChange).
-constexpr double kUncalled = 9.2;
+/// Probability that noise rules a constant out, as it finds a change (kFalseChange).
+constexpr double kFalseCourse = 1e-4;
 /// Two sessions are a line whatever the device does.
 constexpr int kLeastSessions = 3;
 /// degC between the items, at least: an IMU's own heat, and how far it is from the camera's, are a few in each session.
@@ -37,9 +41,11 @@ template <class S>
 struct Course {
   std::uint32_t forms = 0;                        ///< bit form: not ruled out; 0: fewer than three sessions
   std::int32_t sessions = 0;                      ///< that took part
-  S ln_odds[kCourseForms] = {};                   ///< against the likeliest; 1: not asked
+  S ln_odds[kCourseForms] = {};                   ///< against the likeliest; 1: not compared
   std::int32_t rate_form = 0;                     ///< the likelier one of trend and temperature
   S rate[kMaxTheta] = {}, sigma[kMaxTheta] = {};  ///< of theta's columns, per session or degC
+  /// Where steps are ruled out: from theta to what it is now, or at the temperature that is farthest from it.
+  S lag[kMaxTheta] = {};
 };
 
 /// Of a build without a history.
@@ -84,7 +90,7 @@ class CourseTrial {
               SEGCAL_PAUSE(place_);
             }
           }
-          cost_[form_] += cost_of(prior, theta);
+          take_cost(prior, theta);
           SEGCAL_PAUSE(place_);
         }
         if (form_ == steps_form || (out->rate_form > 0 && cost_[form_] > cost_[out->rate_form])) continue;
@@ -94,7 +100,7 @@ class CourseTrial {
           SEGCAL_PAUSE(place_);
         }
       }
-      decide(out);
+      decide(theta.columns(), noise_scale, out);
     }
     SEGCAL_SLICES_END(place_);
   }
@@ -111,8 +117,9 @@ class CourseTrial {
 
   template <class Items>
   void measure(const Items& item, int count, bool has_temperature) {
-    for (S& cost : cost_) cost = S(-1);
+    for (int f = 0; f < kCourseForms; ++f) cost_[f] = misfit_[f] = S(-1);
     sessions_ = 0;
+    items_ = count;
     S least = S(0), most = S(0);
     for (int i = 0; i < count; ++i) {
       const CourseItem<S> one = item(i);
@@ -128,6 +135,7 @@ class CourseTrial {
       if (i == 0 || one.changes > last_level_) last_level_ = one.changes;
     }
     range_ = has_temperature ? most - least : S(0);
+    coldest_ = least;
   }
 
   /// The prior of theta, and of v.
@@ -136,7 +144,7 @@ class CourseTrial {
     PackedTriangle<S> T = triangle(m);
     write_prior(prior, theta, &T);
     for (int i = n; i < m; ++i) T.row(i)[i] = S(1) / prior.sigma[i - n];
-    if (cost_[form_] < S(0)) cost_[form_] = S(0);
+    if (misfit_[form_] < S(0)) cost_[form_] = misfit_[form_] = S(0);
   }
   /// kRowsAtOnce rows from row_ on.
   void fold(const CourseItem<S>& item, const Calibration<S>& theta, S weight) {
@@ -156,12 +164,13 @@ class CourseTrial {
       fold_rows(T, row, 1, m + 1, i, m + 1);
     }
   }
-  S cost_of(const ThetaPrior<S>& prior, const Calibration<S>& theta) {
+  void take_cost(const ThetaPrior<S>& prior, const Calibration<S>& theta) {
     const int n = theta.columns(), m = width(n);
     const PackedTriangle<S> T = triangle(m);
-    S cost = T(m, m) * T(m, m);
-    for (int i = 0; i < m; ++i) cost += S(2) * logarithm(absolute(T(i, i)) * prior.sigma[i < n ? i : i - n]);
-    return cost;
+    const S square = T(m, m) * T(m, m);
+    misfit_[form_] += square;
+    cost_[form_] += square;
+    for (int i = 0; i < m; ++i) cost_[form_] += S(2) * logarithm(absolute(T(i, i)) * prior.sigma[i < n ? i : i - n]);
   }
   /// Of column i, from the triangle over [theta | v].
   void read_rate(int i, int n, Course<S>* out) {
@@ -170,30 +179,55 @@ class CourseTrial {
     if (i == 0) {
       for (int k = 0; k < 2 * n; ++k) x[k] = T(k, 2 * n);
       back_substitute(T, 2 * n, x);
-      for (int k = 0; k < n; ++k) out->rate[k] = x[n + k] / span();
+      for (int k = 0; k < n; ++k) {
+        out->rate[k] = x[n + k] / span();
+        out->lag[k] = lag(x[k], out->rate[k]);
+      }
     }
     const S one = S(1);
     out->sigma[i] = marginal_sigma(T, 2 * n, n + i, &one, 1, x) / span();
   }
-  void decide(Course<S>* out) const {
+  /// `now`: at the last item. With temperature, the farther one of the two ends of the range.
+  S lag(S now, S rate) const {
+    if (form_ == trend_form) return now;
+    const S cold = now + (coldest_ - at_end_) * rate, warm = cold + range_ * rate;
+    return absolute(cold) > absolute(warm) ? cold : warm;
+  }
+  /// Of n columns. The excess of misfit over noise is in few directions of each sensor (spread.h).
+  bool explains(int form, int n, S noise_scale) const {
+    if (misfit_[form] < S(0)) return false;
+    Spread<S> spread;
+    spread.add(noise_scale * noise_scale * S(n * items_), n * items_);
+    return misfit_[steps_form] - misfit_[form] > spread.uneven_limit(n, S(kFalseCourse), kSensors) * S(n);
+  }
+  /// Courses that are compared, and what their odds rule out.
+  void decide(int n, S noise_scale, Course<S>* out) const {
     if (sessions_ < kLeastSessions) return;
-    S least = cost_[steps_form];
-    for (int f = 1; f < kCourseForms; ++f) {
-      if (cost_[f] >= S(0) && cost_[f] < least) least = cost_[f];
+    bool compared[kCourseForms];
+    for (int f = 0; f < kCourseForms; ++f) compared[f] = misfit_[f] >= S(0);
+    if (first_level_ == last_level_) {
+      for (int f = trend_form; f < kCourseForms; ++f) compared[f] = explains(f, n, noise_scale);
+      compared[steps_form] = !compared[trend_form] && !compared[temperature_form];
+    }
+    int best = -1;
+    for (int f = 0; f < kCourseForms; ++f) {
+      if (compared[f] && (best < 0 || cost_[f] < cost_[best])) best = f;
     }
     for (int f = 0; f < kCourseForms; ++f) {
-      out->ln_odds[f] = cost_[f] >= S(0) ? (least - cost_[f]) / S(2) : S(1);
-      if (cost_[f] >= S(0) && out->ln_odds[f] > S(-kToldApart)) out->forms |= 1u << f;
+      out->ln_odds[f] = compared[f] ? (cost_[best] - cost_[f]) / S(2) : S(1);
+      if (compared[f] && out->ln_odds[f] > S(-kToldApart)) out->forms |= 1u << f;
     }
-    if (first_level_ == last_level_ && out->ln_odds[steps_form] > S(-kUncalled)) out->forms = 1u << steps_form;
+    if ((out->forms & 1u << steps_form) == 0) return;
+    for (S& lag : out->lag) lag = S(0);
   }
 
   Near<S> scratch_;
   Place place_ = 0;
   std::int32_t form_ = 0, level_ = 0, i_ = 0, row_ = 0;
-  std::int32_t sessions_ = 0, first_level_ = 0, last_level_ = 0;
+  std::int32_t items_ = 0, sessions_ = 0, first_level_ = 0, last_level_ = 0;
   S first_ = S(0), last_ = S(0), range_ = S(0), at_end_ = S(0);
-  S cost_[kCourseForms] = {};
+  S coldest_ = S(0);
+  S cost_[kCourseForms] = {}, misfit_[kCourseForms] = {};  ///< misfit: below 0 where not asked
 };
 
 }  // namespace SEGCAL_NS

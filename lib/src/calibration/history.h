@@ -59,7 +59,9 @@ class History {
   int place_of(std::uint32_t session, const Calibration<S>& at) {
     int i = count_ - 1;
     for (; i >= 0 && entry_[i].session >= session; --i) {
-      if (entry_[i].session == session && entry_[i].changes == changes_) return i;
+      if (entry_[i].session > session) continue;
+      if (entry_[i].changes == changes_) return i;
+      break;  // what it said before the last change
     }
     if (count_ == kHistory) {
       if (i < 0) i = 0;  // older than all: in place of the oldest

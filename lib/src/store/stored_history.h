@@ -18,6 +18,7 @@ struct StoredHistory {
     f->count(&c->rate_form, kCourseForms - 1);
     f->array(c->rate, kMaxTheta);
     f->array(c->sigma, kMaxTheta);
+    f->array(c->lag, kMaxTheta);
   }
   static void session(Fields* f, History<S>* h, int i) {
     HistoryEntry<S>& e = h->entry_[i];
