@@ -1,12 +1,14 @@
 // Steps, a trend, or temperature: courses of a drawn device over sessions, what is said of them, and whether the odds
 // are those of the densities themselves.
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
 #include "../support/cases.h"
 #include "../support/drawn_theta.h"
-#include "calibration/course.h"
+#include "calibration/course_trial.h"
 
 using namespace SEGCAL_NS;
 using test::Id;
@@ -50,25 +52,20 @@ struct World : test::DrawnTheta {
 
 constexpr std::uint32_t bit(CourseForm form) { return 1u << form; }
 
-/// ln p of what the sessions say, from its covariance: y ~ N(A m, 1 + A P A'), A's columns in the prior's sigmas.
-double log_density(const World& w, CourseForm form) {
-  const int n = w.n(), m = 2 * n;
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(kSessions * n, m);
+/// ln p of what the sessions say, from its covariance: y ~ N(A m, 1 + A A'), columns in the prior's sigmas. theta, and
+/// v of `count` columns from `first` on times x(k).
+template <class Place>
+double log_density(const World& w, int first, int count, Place x) {
+  const int n = w.n();
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(kSessions * n, n + count);
   Eigen::VectorXd y(kSessions * n);
   for (int k = 0; k < kSessions; ++k) {
-    const CourseItem<S>& item = w.items[static_cast<std::size_t>(k)];
-    const double last = kSessions - 1,
-                 x = form == trend_form ? (k - last) / last : (kDegC[k] - kDegC[kSessions - 1]) / 30;
+    const SegmentInformation<S>& rows = *w.items[static_cast<std::size_t>(k)].rows;
     for (int i = 0; i < n; ++i) {
-      y(k * n + i) = static_cast<double>(item.rows->d(i));
+      y(k * n + i) = static_cast<double>(rows.d(i));
       for (int c = i; c < n; ++c) {
-        const double r = static_cast<double>(item.rows->R(i, c) * w.prior.sigma[c]);
-        if (form == steps_form) {
-          A(k * n + i, c + n * item.changes) = r;
-        } else {
-          A(k * n + i, c) = r;
-          A(k * n + i, n + c) = x * r;
-        }
+        A(k * n + i, c) = static_cast<double>(rows.R(i, c) * w.prior.sigma[c]);
+        if (c >= first && c < first + count) A(k * n + i, n + c - first) = x(k) * A(k * n + i, c);
       }
     }
   }
@@ -77,13 +74,47 @@ double log_density(const World& w, CourseForm form) {
   return -0.5 * (y.dot(ldlt.solve(y)) + ldlt.vectorD().array().log().sum());
 }
 
+/// Sessions up to the third and from the fourth on, independent of each other.
+double log_two_levels(const World& w) {
+  double sum = 0;
+  for (int level = 0; level < 2; ++level) {
+    const int n = w.n(), first = level * kSessions / 2;
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(kSessions / 2 * n, n);
+    Eigen::VectorXd y(kSessions / 2 * n);
+    for (int k = 0; k < kSessions / 2; ++k) {
+      const SegmentInformation<S>& rows = *w.items[static_cast<std::size_t>(first + k)].rows;
+      for (int i = 0; i < n; ++i) {
+        y(k * n + i) = static_cast<double>(rows.d(i));
+        for (int c = i; c < n; ++c) A(k * n + i, c) = static_cast<double>(rows.R(i, c) * w.prior.sigma[c]);
+      }
+    }
+    const Eigen::LDLT<Eigen::MatrixXd> ldlt(Eigen::MatrixXd::Identity(y.size(), y.size()) + A * A.transpose());
+    sum -= 0.5 * (y.dot(ldlt.solve(y)) + ldlt.vectorD().array().log().sum());
+  }
+  return sum;
+}
+
+/// Of the best block.
+template <class Place>
+double log_density(const World& w, Place x) {
+  double best = -1e300;
+  int blocks = 0;
+  for (int c = 0; c < w.n(); c = end_of_block(w.theta, c), ++blocks)
+    best = std::max(best, log_density(w, c, end_of_block(w.theta, c) - c, x));
+  return best - std::log(blocks);
+}
+
 void test_odds_are_those_of_the_densities() {
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
     World w(seed);
     for (int k = 0; k < kSessions; ++k) w.add(k, 0.03 * k, k >= 3 ? 1 : 0);
     const Course<S> course = w.judge();
-    const double steps = log_density(w, steps_form), trend = log_density(w, trend_form),
-                 warm = log_density(w, temperature_form);
+    // One theta before the change and one after it, each from the prior: x picks one, and n columns more.
+    double steps = log_two_levels(w);
+    for (int at = 1; at < kSessions; ++at)
+      steps = std::max(steps, log_density(w, [at](int k) { return k < at ? -1.0 : 0.0; }) - std::log(kSessions - 1));
+    const double trend = log_density(w, [](int k) { return (k - kSessions + 1.0) / (kSessions - 1); });
+    const double warm = log_density(w, [](int k) { return (kDegC[k] - kDegC[kSessions - 1]) / 30; });
     const double best = std::max(steps, std::max(trend, warm));
     const Id id = Id().add("seed", static_cast<int>(seed));
     // Float's rounding of sums of some thousands, in units of 1e-7 of these, many times over.
@@ -118,17 +149,24 @@ void test_each_course_is_told() {
   }
 }
 
-/// Where no change was decided, a constant is ruled out by what it leaves over; what was released is a mean, and the
-/// lag says how far from the last session.
+/// Where no change was decided, another course must be beyond doubt; what was released is a mean then, and the lag says
+/// how far from the last session. A step that was not noticed is named with its place.
 void test_what_is_slow_is_noticed() {
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     World w(seed);
-    for (int k = 0; k < kSessions; ++k) w.add(k, 0.02 * k, 0);  // two sigmas of a session each
+    for (int k = 0; k < kSessions; ++k) w.add(k, 0.04 * k, 0);  // four sigmas of a session each
     const Course<S> course = w.judge();
     const Id id = Id().add("seed", static_cast<int>(seed));
     check_true(id, "a trend", course.forms == bit(trend_form));
-    // Rows are moved to theta, the prior's mean: from there to the last session it is 0.1.
-    check_near(id, "lag in the prior's sigmas", 0.1, static_cast<double>(course.lag[7] / w.prior.sigma[7]), 0.05);
+    // Rows are moved to theta, the prior's mean: from there to the last session it is 0.2.
+    check_near(id, "lag in the prior's sigmas", 0.2, static_cast<double>(course.lag[7] / w.prior.sigma[7]), 0.05);
+    World step(seed);
+    for (int k = 0; k < kSessions; ++k) step.add(k, k >= 4 ? 0.15 : 0, 0);
+    const Course<S> stepped = step.judge();
+    check_true(id, "a step", stepped.forms == bit(steps_form) && stepped.rate_form == steps_form);
+    check_true(id, "its place", stepped.step_session == 4);
+    check_near(id, "its size in the prior's sigmas", 0.15, static_cast<double>(stepped.rate[7] / step.prior.sigma[7]),
+               0.05);
     World warm(seed);
     for (int k = 0; k < kSessions; ++k) warm.add(k, kDegC[k] / 150, 0);
     const Course<S> warmed = warm.judge();
@@ -138,7 +176,7 @@ void test_what_is_slow_is_noticed() {
   }
 }
 
-/// 200 devices, two courses at 1e-4 each.
+/// 200 devices.
 void test_noise_is_no_course() {
   int named = 0;
   for (std::uint32_t seed = 1; seed <= 200; ++seed) {

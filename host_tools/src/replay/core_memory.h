@@ -26,7 +26,9 @@ struct CoreCourse {
   std::vector<std::string> courses;  ///< steps, trend, temperature: not ruled out; empty: not asked
   int sessions = 0;
   std::array<double, 3> ln_odds{};  ///< of these three; 1: not compared
-  std::string rate_of;              ///< trend or temperature: what `rate` is of
+  /// steps, trend or temperature: what `rate` is of; empty: decided changes, or none, explain what came
+  std::string rate_of;
+  unsigned step_session = 0;        ///< of steps: the first one after it, from 0
   std::vector<double> rate, sigma;  ///< per session or degC
 };
 

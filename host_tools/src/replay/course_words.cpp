@@ -26,9 +26,11 @@ std::string rates_of(const CoreResult& r) {
   char line[160];
   for (std::size_t k = 0; k < order.size() && k < most && (k == 0 || sigmas(order[k]) > sure); ++k) {
     const CoreParameter& p = r.parameters[order[k]];
-    std::snprintf(line, sizeof line, "%s%s by %.3g +- %.2g%s%s %s", k > 0 ? ", " : "", p.name.c_str(), c.rate[order[k]],
+    std::snprintf(line, sizeof line, "%s%s by %.3g +- %.2g%s%s%s", k > 0 ? ", " : "", p.name.c_str(), c.rate[order[k]],
                   c.sigma[order[k]], p.unit == "-" ? "" : " ", p.unit == "-" ? "" : p.unit.c_str(),
-                  c.rate_of == "trend" ? "per session" : "per degC");
+                  c.rate_of == "trend"         ? " per session"
+                  : c.rate_of == "temperature" ? " per degC"
+                                               : "");
     words += line;
   }
   return words;
@@ -38,26 +40,21 @@ std::string rates_of(const CoreResult& r) {
 
 std::string course_words(const CoreResult& r) {
   const CoreCourse& c = r.course;
-  const bool steps = has(c, "steps"), trend = has(c, "trend"), warm = has(c, "temperature");
-  if (!trend && !warm) return "";
-  const std::string over = "over " + std::to_string(c.sessions) + " sessions ";
-  std::string words;
-  if (trend && warm) {
-    words = over + "the calibration changes with time or with temperature" + (steps ? ", or by steps" : "") +
-            ": these sessions do not tell them apart. If it is " +
-            (c.rate_of == "trend" ? "a trend: " : "temperature: ");
-  } else if (steps) {
-    words = over + "the calibration changes by steps or " + (trend ? "steadily with time" : "with temperature") +
-            ": these sessions do not tell them apart. If it is the latter: ";
-  } else {
-    words = over + (trend ? "the calibration changes steadily with time, not by steps: "
-                          : "the calibration follows the temperature: ");
-  }
-  words += rates_of(r);
-  if (!steps)
-    words += ". The result is their mean; its sigmas hold how far that is from " +
-             std::string(trend ? "the last session" : "each") + "'s";
-  if (warm && !steps && !trend) words += ". --enable camera_temperature estimates that of the camera";
+  if (c.courses.empty() || c.rate_of.empty()) return "";
+  const std::string step = "by a step before session " + std::to_string(c.step_session + 1);
+  const auto in_words = [&](const std::string& form) -> std::string {
+    if (form == "trend") return "steadily with time";
+    if (form == "temperature") return "with temperature";
+    return c.rate_of == "steps" ? step : "by steps";
+  };
+  std::string words = "over " + std::to_string(c.sessions) + " sessions the calibration changes ";
+  for (std::size_t k = 0; k < c.courses.size(); ++k) words += (k > 0 ? " or " : "") + in_words(c.courses[k]);
+  if (c.courses.size() > 1) words += " (they do not tell which). If " + in_words(c.rate_of);
+  words += ": " + rates_of(r);
+  if (c.courses.size() > 1 || !has(c, "steps") || c.rate_of == "steps")
+    words += ". The result is a mean over the sessions, and its sigmas hold how far that is from " +
+             std::string(c.rate_of == "temperature" ? "each" : "the last one");
+  if (has(c, "temperature")) words += ". --enable camera_temperature estimates that of the camera";
   return words;
 }
 

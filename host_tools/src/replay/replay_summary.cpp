@@ -54,7 +54,7 @@ void print_replay_summary(const ReplayResult& r, bool went_on) {
     if (!change.open || r.cause.empty()) std::printf("note: %s\n", change_words(change, c).c_str());
   }
   const std::string course = course_words(c);
-  if (!course.empty()) std::printf("note: %s\n", course.c_str());
+  if (!course.empty() && r.cause.find(course) == std::string::npos) std::printf("note: %s\n", course.c_str());
   std::printf("%s: %s, chi2/dof %.3f, reprojection rms %.2f px (median %.2f px), %d iterations\n", c.status.c_str(),
               words_on_segments(r, went_on).c_str(), c.dof > 0 ? c.chi2 / c.dof : 0.0, c.reprojection_rms_px,
               c.reprojection_median_px, c.iterations);

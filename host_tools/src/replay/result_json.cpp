@@ -143,10 +143,16 @@ Json course_json(const CoreResult& r, const std::vector<std::string>& names) {
   for (std::size_t f = 0; f < 3 && !c.courses.empty(); ++f) {
     if (c.ln_odds[f] <= 0) ln_odds[kForm[f]] = c.ln_odds[f];
   }
-  for (std::size_t i = 0; i < c.rate.size() && i < names.size() && !c.rate_of.empty(); ++i)
-    rates.push_back({{"name", names[i]}, {"rate", c.rate[i]}, {"sigma", c.sigma[i]}});
-  return {{"courses", c.courses}, {"sessions", c.sessions}, {"words", course_words(r)},
-          {"ln_odds", ln_odds},   {"rate_of", c.rate_of},   {"rates", rates}};
+  for (std::size_t i = 0; i < c.rate.size() && i < names.size() && !c.rate_of.empty(); ++i) {
+    if (c.sigma[i] > 0) rates.push_back({{"name", names[i]}, {"rate", c.rate[i]}, {"sigma", c.sigma[i]}});
+  }
+  return {{"courses", c.courses},
+          {"sessions", c.sessions},
+          {"words", course_words(r)},
+          {"ln_odds", ln_odds},
+          {"rate_of", c.rate_of},
+          {"step_before_session", c.rate_of == "steps" ? Json(c.step_session) : Json()},
+          {"rates", rates}};
 }
 
 }  // namespace

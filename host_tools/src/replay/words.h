@@ -22,8 +22,8 @@ std::vector<std::string> parameter_names(const CoreResult& result, const Calibra
 /// "the device changed between session 1 and 2: cam0.r_CI.x by 0.0087 +- 0.0004 rad, ...": the three surest steps.
 std::string change_words(const CoreChange& change, const CoreResult& result);
 
-/// "the calibration follows the temperature: cam0.fx by 0.031 +- 0.002 px per degC, ..."; empty where nothing but the
-/// dated changes is to be said.
+/// "over 8 sessions the calibration follows the temperature: cam0.fx by 0.031 +- 0.002 px per degC, ..."; empty where
+/// nothing but the dated changes is to be said.
 std::string course_words(const CoreResult& result);
 
 }  // namespace host

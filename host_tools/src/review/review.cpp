@@ -59,7 +59,7 @@ class Review {
       refuse("insufficient", kOneSegment);
     const bool open = !out_.result.changes.empty() && out_.result.changes.back().open;
     if (out_.result.status == "calibrated" && open)
-      refuse("insufficient", change_words(out_.result.changes.back(), out_.result));
+      refuse("insufficient", after_course(change_words(out_.result.changes.back(), out_.result)));
     if (out_.result.status != "calibrated" && out_.cause.empty()) out_.cause = reason();
     health_.suspects.insert(health_.suspects.end(), remarks_.begin(), remarks_.end());
   }
@@ -94,7 +94,8 @@ class Review {
     if (!step.empty()) return refuse("failed", step);
     if (const Suspect* const effect = refusing(missing)) return refuse("failed", effect->words);
     if (!segments_followed(out_.segments)) return refuse("insufficient", followed_words(out_.segments));
-    if (const std::string step = stepping_calibration(missing); !step.empty()) return refuse("insufficient", step);
+    if (const std::string step = stepping_calibration(missing); !step.empty())
+      return refuse("insufficient", after_course(step));
     if (health_.segment_scatter > kMostScatter)
       return refuse("insufficient",
                     formatted("the segments disagree with each other by %.1f times their noise, so that no one "
@@ -103,6 +104,12 @@ class Review {
                               std::sqrt(health_.segment_scatter)));
     for (Suspect& suspect : health_.suspects) widen_by(suspect, &out_);
     refuse_unobserved(&out_);
+  }
+
+  /// What changes with time or temperature over sessions looks like a step between two of them.
+  std::string after_course(const std::string& words) const {
+    const std::string course = out_.result.course.rate_of == "steps" ? "" : course_words(out_.result);
+    return course.empty() ? words : course + "; as a step: " + words;
   }
 
   /// An effect that explains more is named first (a bias that follows temperature steps too), and is the cause where it

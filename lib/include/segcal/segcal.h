@@ -446,21 +446,25 @@ typedef struct {
 } segcal_epoch_t;
 
 /* Courses that the calibration may take over sessions. */
-#define SEGCAL_COURSE_STEPS 1u       /* constant, but for the changes that were decided (segcal_get_change) */
+#define SEGCAL_COURSE_STEPS 1u       /* constant, but for decided changes (segcal_get_change) or one small step */
 #define SEGCAL_COURSE_TREND 2u       /* linear in time, by the number of the session: ageing */
 #define SEGCAL_COURSE_TEMPERATURE 4u /* linear in temperature (`has_temperature`; sessions must differ by 5 degC) */
 
 /* How the calibration changed over the sessions that are remembered (segcal_get_history), as the last calibration
-   found it. Where steps are ruled out, what it released is a mean over sessions, and its sigmas hold how far that is
-   from the calibration of the last session, or at the temperature that is farthest from it. */
+   found it. Where the decided changes do not explain what came, what it released is a mean over sessions, and its
+   sigmas hold how far that is from the calibration of the last session, or at the temperature that is farthest. */
 typedef struct {
   uint32_t courses; /* SEGCAL_COURSE_*: those that what came does not rule out, with odds of 20 to 1; 0: not asked, less
                        than three sessions or not calibrated */
   int32_t sessions;
   double ln_odds[3]; /* of steps, trend and temperature against the likeliest, up to 0; 1: not compared */
-  uint32_t rate_of;  /* SEGCAL_COURSE_TREND or _TEMPERATURE, the likelier one: what `rate` is of */
+  /* One of SEGCAL_COURSE_*, the likeliest, of which `rate` is: of one block of parameters, 0 for the others. Of
+     SEGCAL_COURSE_STEPS it is a step before `step_session` (from 0) that was too small to be noticed when it came. 0:
+     the decided changes, or none, explain what came. */
+  uint32_t rate_of, step_session;
   int32_t n_parameters;
-  /* Per session or per degC, in the order and units of segcal_result_t.parameter; of a rotation, small rotations, rad.
+  /* Per session, per degC, or the step, in the order and units of segcal_result_t.parameter; of a rotation, small
+   * rotations, rad.
    */
   double rate[SEGCAL_MAX_PARAMETERS], sigma[SEGCAL_MAX_PARAMETERS];
 } segcal_course_t;

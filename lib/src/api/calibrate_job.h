@@ -6,7 +6,7 @@
 #include "api/parts.h"
 #include "api/report.h"
 #include "calibration/agreement.h"
-#include "calibration/course.h"
+#include "calibration/course_trial.h"
 #include "calibration/scatter.h"
 
 namespace SEGCAL_NS {

@@ -40,9 +40,10 @@ void read_course(const C& course, int n, segcal_course_t* out) {
     out->courses = course.forms;
     out->sessions = course.sessions;
     for (int f = 0; f < kCourseForms; ++f) out->ln_odds[f] = static_cast<double>(course.ln_odds[f]);
-    out->rate_of = course.rate_form > 0 ? 1u << course.rate_form : 0;
+    out->rate_of = course.rate_form >= 0 && course.rate_form < kCourseForms ? 1u << course.rate_form : 0;
+    out->step_session = course.step_session;
     out->n_parameters = n;
-    for (int i = 0; i < n && course.rate_form > 0; ++i) {
+    for (int i = 0; i < n && out->rate_of != 0; ++i) {
       out->rate[i] = static_cast<double>(course.rate[i]);
       out->sigma[i] = static_cast<double>(course.sigma[i]);
     }

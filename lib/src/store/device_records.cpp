@@ -77,7 +77,7 @@ bool DeviceRecords::expected(const RecordInfo& record) const {
     return record.index == device_->epochs().count() && record.index < kEpochs;
   }
   if (record.type == std::uint16_t(RecordType::session) && kHistory > 0)
-    return record.index < device_->history().count();
+    return record.index == sessions_ && sessions_ < device_->history().count();
   return record.type != std::uint16_t(RecordType::segment) ||
          (record.index < Database<Real>::kSlots && !device_->database().kept(record.index));
 }
@@ -90,6 +90,7 @@ RecordSink DeviceRecords::sink() {
     Stored::begin(r.device_);
     r.numbers_ = StoredNumbers<Real>{};
     r.taken_ = 0;
+    r.sessions_ = 0;
     r.difference_ = nullptr;
   };
   sink.record = [](void* context, const RecordInfo& record) -> int {
@@ -111,7 +112,10 @@ RecordSink DeviceRecords::sink() {
   sink.close = [](void* context) { return self(context).close(); };
   sink.end = [](void* context) {
     DeviceRecords& r = self(context);
-    return r.taken_ >= kFirstSegment && Stored::install(r.numbers_, r.device_) ? SEGCAL_OK : RecordSink::kNotThis;
+    return r.taken_ >= kFirstSegment && r.sessions_ == r.device_->history().count() &&
+                   Stored::install(r.numbers_, r.device_)
+               ? SEGCAL_OK
+               : RecordSink::kNotThis;
   };
   return sink;
 }
@@ -143,7 +147,7 @@ int DeviceRecords::close() {
   if (record_.type == std::uint16_t(RecordType::epoch))
     return Stored::keep_epoch(device_, record_.index) ? SEGCAL_OK : RecordSink::kNotThis;
   if (record_.type == std::uint16_t(RecordType::session))
-    return Stored::keep_session(device_, record_.index) ? SEGCAL_OK : RecordSink::kNotThis;
+    return Stored::keep_session(device_, sessions_++) ? SEGCAL_OK : RecordSink::kNotThis;
   if (record_.type != std::uint16_t(RecordType::segment)) return SEGCAL_OK;
   if (!Stored::sound(*Stored::slot(device_, record_.index), device_->theta())) return RecordSink::kNotThis;
   Stored::keep(device_, record_.index);

@@ -64,7 +64,8 @@ class DeviceRecords {
   StoredNumbers<Real> numbers_;
   std::uint64_t revision_ = 0;
   RecordInfo record_{};
-  std::uint32_t taken_ = 0;  ///< records
+  std::uint32_t taken_ = 0;    ///< records
+  std::int32_t sessions_ = 0;  ///< among them
   bool skips_ = false, sound_ = true;
   std::int32_t error_ = SEGCAL_OK;  ///< what difference_ means
   const char* difference_ = nullptr;

@@ -15,7 +15,8 @@ struct StoredHistory {
     f->number(&c->forms);
     f->number(&c->sessions);
     f->array(c->ln_odds, kCourseForms);
-    f->count(&c->rate_form, kCourseForms - 1);
+    f->number(&c->rate_form);
+    f->number(&c->step_session);
     f->array(c->rate, kMaxTheta);
     f->array(c->sigma, kMaxTheta);
     f->array(c->lag, kMaxTheta);

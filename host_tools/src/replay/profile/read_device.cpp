@@ -57,6 +57,7 @@ CoreCourse course_of(const segcal_course_t& c) {
     if (c.rate_of == 1u << f) out.rate_of = kForm[f];
   }
   out.sessions = c.sessions;
+  out.step_session = c.step_session;
   out.rate.assign(c.rate, c.rate + c.n_parameters);
   out.sigma.assign(c.sigma, c.sigma + c.n_parameters);
   return out;
