@@ -38,7 +38,7 @@ void CalibrateJob<S>::hold_lag(const ThetaPrior<S>& prior) {
     for (int i = 0; i < r->theta.columns(); ++i) {
       const PrintedValue<S> value = printed_value(prior.mean, r->theta, i);
       S lag = S(0);
-      for (int k = 0; k < value.count; ++k) lag += value.weight[k] * course_.lag[value.first + k];
+      for (int k = 0; k < value.count; ++k) lag += absolute(value.weight[k]) * course_.lag[value.first + k];
       r->sigma[i] = hold(r->sigma[i], course_.lag[i], prior.sigma[i]);
       r->printed_sigma[i] = hold(r->printed_sigma[i], lag, sigma_before(value, prior.sigma));
     }

@@ -42,7 +42,8 @@ struct Course {
   std::int32_t rate_form = -1;
   std::uint32_t step_session = 0;                 ///< of steps_form: the first one after it
   S rate[kMaxTheta] = {}, sigma[kMaxTheta] = {};  ///< of theta's columns, per session, per degC, or the step
-  S lag[kMaxTheta] = {};  ///< from theta to what it is now, or at the temperature that is farthest from it
+  /// How far theta is from what it is now, or at the temperature that is farthest from it.
+  S lag[kMaxTheta] = {};
 };
 
 /// Of a build without a history.

@@ -171,35 +171,46 @@ class CourseTrial {
     const S cost = V(count, count) * V(count, count) + occam(T, prior.sigma, n) + occam(V, prior.sigma + first, count) +
                    S(2) * logarithm(tries);
     if (cost_[form_] == kNotAsked || cost < cost_[form_]) cost_[form_] = cost;
-    if (best_ != kNotAsked && cost >= best_) return;
+    const bool best = best_ == kNotAsked || cost < best_,
+               close = best_ != kNotAsked && cost < best_ + S(2 * kToldApart);
+    if (!best && !close) return;
+    // Which block it is may not be told: a camera that turns is one whose centre moves. The lag is the largest of any.
+    S v[kMaxTheta];
+    hold_lag(V, n, first, count, close && cost > best_ - S(2 * kToldApart), v, out);
+    if (!best) return;
     best_ = cost;
-    read_rates(V, n, first, count, out);
-  }
-  void read_rates(const PackedTriangle<S>& V, int n, int first, int count, Course<S>* out) {
-    const PackedTriangle<S> T = triangle(2 * n);
-    S v[kMaxTheta], now[kMaxTheta], work[kMaxTheta + 1];
+    for (int i = 0; i < n; ++i) out->rate[i] = out->sigma[i] = S(0);
     const S one = S(1);
+    S work[kMaxTheta + 1];
+    for (int c = 0; c < count; ++c) {
+      out->rate[first + c] = v[c] / span();
+      out->sigma[first + c] = marginal_sigma(V, count, c, &one, 1, work) / span();
+    }
+    out->rate_form = likeliest_ = form_;
+    out->step_session = form_ == steps_form ? static_cast<std::uint32_t>(step_session_) : 0;
+  }
+  /// How far theta is from what it is now; beside others, the larger one. `v`: the block's.
+  void hold_lag(const PackedTriangle<S>& V, int n, int first, int count, bool beside, S* v, Course<S>* out) {
+    const PackedTriangle<S> T = triangle(2 * n);
+    S now[kMaxTheta];
     for (int c = 0; c < count; ++c) v[c] = V(c, count);
     back_substitute(V, count, v);
     for (int i = 0; i < n; ++i) {
       now[i] = T(i, 2 * n);
       for (int c = 0; c < count; ++c) now[i] -= T(i, n + first + c) * v[c];
-      out->rate[i] = out->sigma[i] = S(0);
     }
     back_substitute(T, n, now);
-    for (int c = 0; c < count; ++c) {
-      out->rate[first + c] = v[c] / span();
-      out->sigma[first + c] = marginal_sigma(V, count, c, &one, 1, work) / span();
+    for (int i = 0; i < n; ++i) {
+      const S of_v = i >= first && i < first + count ? v[i - first] / span() : S(0), one = lag(now[i], of_v);
+      if (!beside || one > out->lag[i]) out->lag[i] = one;
     }
-    for (int i = 0; i < n; ++i) out->lag[i] = lag(now[i], out->rate[i]);
-    out->rate_form = form_;
-    out->step_session = form_ == steps_form ? static_cast<std::uint32_t>(step_session_) : 0;
   }
   /// `now`: at the last item. With temperature, the farther one of the two ends of the range.
   S lag(S now, S rate) const {
-    if (form_ != temperature_form) return now;
-    const S cold = now + (coldest_ - at_end_) * rate, warm = cold + range_ * rate;
-    return absolute(cold) > absolute(warm) ? cold : warm;
+    if (form_ != temperature_form) return absolute(now);
+    const S cold = absolute(now + (coldest_ - at_end_) * rate);
+    const S warm = absolute(now + (coldest_ + range_ - at_end_) * rate);
+    return cold > warm ? cold : warm;
   }
 
   /// What the odds rule out; and whether theta was a constant, or what the decided changes made it.
@@ -218,14 +229,15 @@ class CourseTrial {
     }
     if (as_decided) out->forms = 1u << steps_form;
     as_decided = as_decided || (levels_ > 1 && (out->forms & 1u << steps_form) != 0);
-    if (!as_decided) return;
-    for (S& lag : out->lag) lag = S(0);
-    if (out->forms == 1u << steps_form) out->rate_form = -1;
+    if (as_decided && out->forms == 1u << steps_form) out->rate_form = -1;
+    // Sigmas need no proof: what is likelier than a constant, or than the decided changes, counts.
+    const bool likelier = levels_ == 1 ? best_ < constant_ : best_ < decided_ && likeliest_ != steps_form;
+    for (int i = 0; i < kMaxTheta && !likelier; ++i) out->lag[i] = S(0);
   }
 
   Near<S> scratch_;
   Place place_ = 0;
-  std::int32_t form_ = 0, at_ = 0, level_ = 0, i_ = 0, row_ = 0;
+  std::int32_t form_ = 0, likeliest_ = 0, at_ = 0, level_ = 0, i_ = 0, row_ = 0;
   std::int32_t sessions_ = 0, blocks_ = 0, first_level_ = 0, levels_ = 0;
   S first_ = S(0), last_ = S(0), range_ = S(0), at_end_ = S(0), coldest_ = S(0), step_session_ = S(0);
   S cost_[kCourseForms] = {}, constant_ = S(0), decided_ = S(0), best_ = S(0);  ///< -2 ln p
