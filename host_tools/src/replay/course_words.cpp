@@ -49,12 +49,13 @@ std::string course_words(const CoreResult& r) {
   };
   std::string words = "over " + std::to_string(c.sessions) + " sessions the calibration changes ";
   for (std::size_t k = 0; k < c.courses.size(); ++k) words += (k > 0 ? " or " : "") + in_words(c.courses[k]);
-  if (c.courses.size() > 1) words += " (they do not tell which). If " + in_words(c.rate_of);
+  if (c.courses.size() > 1) words += " (they do not tell which). If it is " + in_words(c.rate_of);
   words += ": " + rates_of(r);
   if (c.courses.size() > 1 || !has(c, "steps") || c.rate_of == "steps")
     words += ". The result is a mean over the sessions, and its sigmas hold how far that is from " +
-             std::string(c.rate_of == "temperature" ? "each" : "the last one");
-  if (has(c, "temperature")) words += ". --enable camera_temperature estimates that of the camera";
+             std::string(c.rate_of == "temperature" ? "each of them" : "the last one");
+  if (has(c, "temperature") && words.find(": cam") != std::string::npos)
+    words += ". --enable camera_temperature estimates that of the camera";
   return words;
 }
 
