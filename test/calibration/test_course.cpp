@@ -216,6 +216,30 @@ void test_what_cannot_be_told() {
   TEST_ASSERT_EQUAL_UINT32(bit(trend_form) | bit(temperature_form), rising.judge().forms);
 }
 
+/// Kept segments are of older sessions than what was condensed, and come after it.
+void test_any_order_is_the_same() {
+  World w(3);
+  for (int k = 0; k < kSessions; ++k) w.add(k, k >= 1 ? 0.2 : 0, 0);
+  const Course<S> in_order = w.judge();
+  std::rotate(w.items.begin(), w.items.begin() + 1, w.items.end());
+  const Course<S> first_last = w.judge();
+  TEST_ASSERT_EQUAL_INT(steps_form, first_last.rate_form);
+  TEST_ASSERT_EQUAL_UINT32(1, in_order.step_session);
+  TEST_ASSERT_EQUAL_UINT32(1, first_last.step_session);
+  TEST_ASSERT_EQUAL_UINT32(in_order.forms, first_last.forms);
+}
+
+/// A change that was decided is no small step beside it, and leaves no lag.
+void test_a_decided_change_is_enough() {
+  for (std::uint32_t seed = 1; seed <= 30; ++seed) {
+    World w(seed);
+    for (int k = 0; k < kSessions; ++k) w.add(k, k >= 3 ? 0.5 : 0, k >= 3 ? 1 : 0);
+    const Course<S> course = w.judge();
+    test::check_true(Id().add("seed", static_cast<int>(seed)), "a rate or a lag",
+                     course.rate_form == -1 && course.lag[7] == S(0));
+  }
+}
+
 /// Entries stay in order of time, the oldest gives way, and a change divides sessions before it from those after.
 void test_history_keeps_order() {
   if (kHistory == 0) return;
@@ -239,9 +263,9 @@ void test_history_keeps_order() {
   TEST_ASSERT_EQUAL_INT(kHistory, history->count());
   TEST_ASSERT_EQUAL_UINT32(10, history->find(0)->session);
   TEST_ASSERT_NULL(history->find(kHistory));
-  history->add(rows, w.theta, 2, S(0));  // older than all: in place of the oldest
+  history->add(rows, w.theta, 2, S(0));  // older than all
   TEST_ASSERT_EQUAL_INT(kHistory, history->count());
-  TEST_ASSERT_EQUAL_UINT32(2, history->find(0)->session);
+  TEST_ASSERT_EQUAL_UINT32(10, history->find(0)->session);
 }
 
 }  // namespace
@@ -255,6 +279,8 @@ int main(int argc, char** argv) {
   RUN_TEST(test_noise_is_no_course);
   RUN_TEST(test_the_scale_counts);
   RUN_TEST(test_what_cannot_be_told);
+  RUN_TEST(test_any_order_is_the_same);
+  RUN_TEST(test_a_decided_change_is_enough);
   RUN_TEST(test_history_keeps_order);
   return UNITY_END();
 }

@@ -59,4 +59,9 @@ std::string course_words(const CoreResult& r) {
   return words;
 }
 
+std::string open_change_words(const CoreResult& result) {
+  const std::string course = course_words(result);
+  return change_words(result.changes.back(), result) + (course.empty() ? "" : "; before that, " + course);
+}
+
 }  // namespace host

@@ -26,4 +26,7 @@ std::string change_words(const CoreChange& change, const CoreResult& result);
 /// nothing but the dated changes is to be said.
 std::string course_words(const CoreResult& result);
 
+/// Of the newest change, which is open; and the course that the calibration before it found.
+std::string open_change_words(const CoreResult& result);
+
 }  // namespace host

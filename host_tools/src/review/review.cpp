@@ -58,8 +58,7 @@ class Review {
     if (out_.result.status == "calibrated" && out_.kept.size() == 1 && out_.result.epochs.empty())
       refuse("insufficient", kOneSegment);
     const bool open = !out_.result.changes.empty() && out_.result.changes.back().open;
-    if (out_.result.status == "calibrated" && open)
-      refuse("insufficient", after_course(change_words(out_.result.changes.back(), out_.result)));
+    if (out_.result.status == "calibrated" && open) refuse("insufficient", open_change_words(out_.result));
     if (out_.result.status != "calibrated" && out_.cause.empty()) out_.cause = reason();
     health_.suspects.insert(health_.suspects.end(), remarks_.begin(), remarks_.end());
   }

@@ -40,7 +40,10 @@ void CalibrateJob<S>::hold_lag(const ThetaPrior<S>& prior) {
       S lag = S(0);
       for (int k = 0; k < value.count; ++k) lag += absolute(value.weight[k]) * course_.lag[value.first + k];
       r->sigma[i] = hold(r->sigma[i], course_.lag[i], prior.sigma[i]);
-      r->printed_sigma[i] = hold(r->printed_sigma[i], lag, sigma_before(value, prior.sigma));
+      const S before = sigma_before(value, prior.sigma);
+      r->printed_sigma[i] = hold(r->printed_sigma[i], lag, before);
+      if (r->verdict[i] == Verdict::observed && !(r->printed_sigma[i] < ReleaseRules<S>{}.observed * before))
+        r->verdict[i] = Verdict::weak;
     }
   }
 }

@@ -22,6 +22,11 @@ template <class S>
       }
       SEGCAL_PAUSE(inner_);
       if (agreement_.confirmed()) {
+        for (i_ = 0; kHistory > 0 && i_ < n_; ++i_) {
+          if (!convicted_[i_]) continue;
+          remember(*segment_[i_], d->calibrator().theta(), d);
+          SEGCAL_PAUSE(inner_);
+        }
         drop_convicted(d);
         judge_change(d);
       }
@@ -68,7 +73,6 @@ template <class S>
 void CalibrateJob<S>::drop_convicted(DeviceParts<S>* d) {
   for (int i = 0; i < n_; ++i) {
     if (!convicted_[i]) continue;
-    remember(*segment_[i], d->calibrator().theta(), d);
     d->database().drop_outdated(segment_[i]);
     ++d->faults.segments_outdated;
     dropped_ = true;

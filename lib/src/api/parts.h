@@ -76,7 +76,9 @@ struct DeviceParts {
 /// What a segment says, linearised at `at`, goes into the history.
 template <class S>
 void remember(const Segment<S>& segment, const Calibration<S>& at, DeviceParts<S>* d) {
-  if constexpr (kHistory > 0) d->history.add(segment.information, at, segment.session, mean_warmth(segment));
+  if constexpr (kHistory > 0) {
+    if (d->options.condense) d->history.add(segment.information, at, segment.session, mean_warmth(segment));
+  }
 }
 
 /// Triangle of the prior and the kept segments, each alone, in units of the prior's sigmas; in the workspace.

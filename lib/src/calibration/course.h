@@ -57,6 +57,24 @@ struct CourseItem {
   std::int32_t changes;         ///< decided before it
 };
 
+/// The first item of a session that is not the `first` one; kept segments come after what was condensed.
+template <class Items, class S>
+bool begins_session(const Items& item, int at, S first) {
+  for (int i = 0; i < at; ++i) {
+    if (item(i).session == item(at).session) return false;
+  }
+  return item(at).session > first;
+}
+
+/// Whether an item is of the time after so many changes.
+template <class Items>
+bool has_level(const Items& item, int count, std::int32_t changes) {
+  for (int i = 0; i < count; ++i) {
+    if (item(i).changes == changes) return true;
+  }
+  return false;
+}
+
 /// End of the block of theta that begins at a column: a rotation, a lens, an effect.
 template <class S>
 int end_of_block(const Calibration<S>& theta, int column) {

@@ -32,9 +32,8 @@ class CourseTrial {
       for (form_ = 0; sessions_ >= kLeastSessions && form_ < kCourseForms; ++form_) {
         if (form_ == temperature_form && !(range_ >= S(kLeastRange))) continue;
         // Of steps, each session that may be the first after one.
-        for (at_ = form_ == steps_form ? 1 : count - 1; at_ < count; ++at_) {
-          if (form_ == steps_form && !begins_session(item, at_)) continue;
-          if (form_ == steps_form && levels_ > 2) continue;
+        for (at_ = form_ == steps_form ? 0 : count - 1; at_ < count; ++at_) {
+          if (form_ == steps_form && (levels_ > 2 || !begins_session(item, at_, first_))) continue;
           step_session_ = item(at_).session;
           begin_triangle(prior, theta, 2 * theta.columns());
           for (i_ = 0; i_ < count; ++i_) {
@@ -47,7 +46,8 @@ class CourseTrial {
           SEGCAL_PAUSE(place_);
         }
       }
-      for (level_ = 0; levels_ > 1 && level_ < levels_; ++level_) {
+      for (level_ = 0; sessions_ >= kLeastSessions && levels_ > 1 && level_ < levels_; ++level_) {
+        if (!has_level(item, count, first_level_ + level_)) continue;
         begin_triangle(prior, theta, theta.columns());
         for (i_ = 0; i_ < count; ++i_) {
           if (item(i_).changes != first_level_ + level_) continue;
@@ -76,15 +76,6 @@ class CourseTrial {
     return (form_ == trend_form ? item.session - last_ : item.warmth - at_end_) / span();
   }
 
-  template <class Items>
-  static bool begins_session(const Items& item, int at) {
-    bool first = false;
-    for (int i = 0; i < at; ++i) {
-      if (item(i).session == item(at).session) return false;
-      first = first || item(i).session < item(at).session;
-    }
-    return first;
-  }
   template <class Items>
   void measure(const Items& item, int count, const Calibration<S>& theta, bool has_temperature) {
     for (S& cost : cost_) cost = kNotAsked;
@@ -170,6 +161,7 @@ class CourseTrial {
     const S tries = S(count < n ? blocks_ : 1) * (form_ == steps_form ? S(sessions_ - 1) : S(1));
     const S cost = V(count, count) * V(count, count) + occam(T, prior.sigma, n) + occam(V, prior.sigma + first, count) +
                    S(2) * logarithm(tries);
+    if (!is_finite(cost)) return;
     if (cost_[form_] == kNotAsked || cost < cost_[form_]) cost_[form_] = cost;
     const bool best = best_ == kNotAsked || cost < best_,
                close = best_ != kNotAsked && cost < best_ + S(2 * kToldApart);
@@ -215,8 +207,8 @@ class CourseTrial {
 
   /// What the odds rule out; and whether theta was a constant, or what the decided changes made it.
   void decide(Course<S>* out) {
-    if (sessions_ < kLeastSessions) return;
-    bool as_decided = levels_ == 1 && constant_ < best_ + S(2 * kFalseCourse);
+    if (sessions_ < kLeastSessions || best_ == kNotAsked || !is_finite(constant_)) return;
+    const bool as_decided = levels_ == 1 && constant_ < best_ + S(2 * kFalseCourse);
     if (as_decided) cost_[steps_form] = constant_;
     if (levels_ > 1 && (cost_[steps_form] == kNotAsked || decided_ < cost_[steps_form])) cost_[steps_form] = decided_;
     S least = cost_[steps_form];
@@ -228,10 +220,9 @@ class CourseTrial {
       if (cost_[f] != kNotAsked && out->ln_odds[f] > S(-kToldApart)) out->forms |= 1u << f;
     }
     if (as_decided) out->forms = 1u << steps_form;
-    as_decided = as_decided || (levels_ > 1 && (out->forms & 1u << steps_form) != 0);
-    if (as_decided && out->forms == 1u << steps_form) out->rate_form = -1;
     // Sigmas need no proof: what is likelier than a constant, or than the decided changes, counts.
     const bool likelier = levels_ == 1 ? best_ < constant_ : best_ < decided_ && likeliest_ != steps_form;
+    if (as_decided || !likelier) out->rate_form = -1;
     for (int i = 0; i < kMaxTheta && !likelier; ++i) out->lag[i] = S(0);
   }
 

@@ -40,7 +40,9 @@ class History {
 
   /// Takes what a segment said: its rows, linearised at `at`. `warmth`: degC above 25.
   [[gnu::cold]] void add(const SegmentInformation<S>& rows, const Calibration<S>& at, std::uint32_t session, S warmth) {
-    HistoryEntry<S>& e = entry_[place_of(session, at)];
+    const int place = place_of(session, at);
+    if (place < 0) return;
+    HistoryEntry<S>& e = entry_[place];
     PackedTriangle<S> T = e.information.triangle();
     fold_moved(rows, at, e.theta, &T);
     e.warmth += warmth;
@@ -55,7 +57,8 @@ class History {
   }
 
  private:
-  /// An entry of this session since the last change; a new one, in order of time, if there is none.
+  /// An entry of this session since the last change; a new one, in order of time, if there is none. Below 0: it is
+  /// older than all, and there is no place.
   int place_of(std::uint32_t session, const Calibration<S>& at) {
     int i = count_ - 1;
     for (; i >= 0 && entry_[i].session >= session; --i) {
@@ -64,7 +67,7 @@ class History {
       break;  // what it said before the last change
     }
     if (count_ == kHistory) {
-      if (i < 0) i = 0;  // older than all: in place of the oldest
+      if (i < 0) return -1;
       for (int k = 0; k < i; ++k) entry_[k] = entry_[k + 1];
       --i;
     } else {

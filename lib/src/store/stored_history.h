@@ -11,7 +11,7 @@ struct StoredHistory {
   /// How many sessions are remembered, changes among them, and what the last calibration found.
   static void all(Fields* f, History<S>* h, Course<S>* c) {
     f->count(&h->count_, kHistory);
-    f->number(&h->changes_);
+    f->count(&h->changes_, 1 << 20);
     f->number(&c->forms);
     f->number(&c->sessions);
     f->array(c->ln_odds, kCourseForms);
@@ -34,7 +34,8 @@ struct StoredHistory {
   /// Before a session's fields are taken: cameras and terms are the configuration's.
   static void begin(History<S>* h, int i, const Calibration<S>& theta) { h->entry_[i].theta = theta; }
   static bool sound(const History<S>& h, int i, const Calibration<S>& theta) {
-    return h.entry_[i].information.n_theta == theta.columns() && h.entry_[i].segments >= 0;
+    const HistoryEntry<S>& e = h.entry_[i];
+    return e.information.n_theta == theta.columns() && e.segments >= 0 && e.changes >= 0 && e.changes <= h.changes_;
   }
 
   // A build without a history.
