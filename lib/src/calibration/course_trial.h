@@ -16,7 +16,7 @@ class CourseTrial {
 
   /// `scratch`: kScratch numbers.
   void begin(S* scratch) {
-    place_ = 0;
+    place_ = inner_ = 0;
     scratch_ = scratch;
   }
   /// `item(i)`: a CourseItem, i < count. `theta`: that all are moved to. `noise_scale`: of sigmas over those of stated
@@ -36,12 +36,7 @@ class CourseTrial {
           if (form_ == steps_form && (levels_ > 2 || !begins_session(item, at_, first_))) continue;
           step_session_ = item(at_).session;
           begin_triangle(prior, theta, 2 * theta.columns());
-          for (i_ = 0; i_ < count; ++i_) {
-            for (row_ = 0; row_ < theta.columns(); row_ += kRowsAtOnce) {
-              fold(item(i_), theta, S(1) / noise_scale, 2 * theta.columns());
-              SEGCAL_PAUSE(place_);
-            }
-          }
+          SEGCAL_AWAIT(place_, fold_step(item, count, theta, S(1) / noise_scale, 2 * theta.columns()));
           take_courses(prior, theta, out);
           SEGCAL_PAUSE(place_);
         }
@@ -49,13 +44,7 @@ class CourseTrial {
       for (level_ = 0; sessions_ >= kLeastSessions && levels_ > 1 && level_ < levels_; ++level_) {
         if (!has_level(item, count, first_level_ + level_)) continue;
         begin_triangle(prior, theta, theta.columns());
-        for (i_ = 0; i_ < count; ++i_) {
-          if (item(i_).changes != first_level_ + level_) continue;
-          for (row_ = 0; row_ < theta.columns(); row_ += kRowsAtOnce) {
-            fold(item(i_), theta, S(1) / noise_scale, theta.columns());
-            SEGCAL_PAUSE(place_);
-          }
-        }
+        SEGCAL_AWAIT(place_, fold_step(item, count, theta, S(1) / noise_scale, theta.columns()));
         take_level(prior, theta.columns());
         SEGCAL_PAUSE(place_);
       }
@@ -108,6 +97,20 @@ class CourseTrial {
     PackedTriangle<S> T = triangle(m);
     write_prior(prior, theta, &T);
     for (int i = n; i < m; ++i) T.row(i)[i] = S(1) / prior.sigma[i - n];
+  }
+  /// All items; of a level, where there is no v.
+  template <class Items>
+  bool fold_step(const Items& item, int count, const Calibration<S>& theta, S weight, int m) {
+    SEGCAL_SLICES(inner_) {
+      for (i_ = 0; i_ < count; ++i_) {
+        if (m == theta.columns() && item(i_).changes != first_level_ + level_) continue;
+        for (row_ = 0; row_ < theta.columns(); row_ += kRowsAtOnce) {
+          fold(item(i_), theta, weight, m);
+          SEGCAL_PAUSE(inner_);
+        }
+      }
+    }
+    SEGCAL_SLICES_END(inner_);
   }
   /// kRowsAtOnce rows from row_ on.
   void fold(const CourseItem<S>& item, const Calibration<S>& theta, S weight, int m) {
@@ -227,7 +230,7 @@ class CourseTrial {
   }
 
   Near<S> scratch_;
-  Place place_ = 0;
+  Place place_ = 0, inner_ = 0;
   std::int32_t form_ = 0, likeliest_ = 0, at_ = 0, level_ = 0, i_ = 0, row_ = 0;
   std::int32_t sessions_ = 0, blocks_ = 0, first_level_ = 0, levels_ = 0;
   S first_ = S(0), last_ = S(0), range_ = S(0), at_end_ = S(0), coldest_ = S(0), step_session_ = S(0);
