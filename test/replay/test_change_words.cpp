@@ -1,4 +1,4 @@
-// How a change of the device is told: when, and by which entries.
+// How a change of the device is told: when, and by which entries; and how it changes over sessions.
 #include <unity.h>
 
 #include "replay/words.h"
@@ -55,6 +55,32 @@ void test_a_change_within_a_session_has_a_time() {
   check_words("the device changed within session 2, 12.3 s on the IMU's clock: cam0.p_CI.x by 0.02 +- 0.001 m", c);
 }
 
+CoreResult changing(std::vector<std::string> courses, const char* rate_of) {
+  CoreResult result = three_parameters();
+  result.course.courses = courses;
+  result.course.rate_of = rate_of;
+  result.course.sessions = 8;
+  result.course.step_session = 4;
+  result.course.rate = {0, 0.002, 0};
+  result.course.sigma = {0, 0.0001, 0};
+  return result;
+}
+
+void test_courses_are_told() {
+  TEST_ASSERT_EQUAL_STRING("", course_words(changing({"steps"}, "")).c_str());  // the dated changes say all
+  TEST_ASSERT_EQUAL_STRING(
+      "over 8 sessions the calibration changes by a step before session 5: cam0.p_CI.x by 0.002 +- 0.0001 m. The "
+      "result "
+      "is a mean over the sessions, and its sigmas hold how far that is from the last one",
+      course_words(changing({"steps"}, "steps")).c_str());
+  TEST_ASSERT_EQUAL_STRING(
+      "over 8 sessions the calibration changes steadily with time or with temperature (they do not tell which). If it "
+      "is "
+      "with temperature: cam0.p_CI.x by 0.002 +- 0.0001 m per degC. The result is a mean over the sessions, and its "
+      "sigmas hold how far that is from each of them. --enable camera_temperature estimates that of the camera",
+      course_words(changing({"trend", "temperature"}, "temperature")).c_str());
+}
+
 }  // namespace
 
 int main() {
@@ -62,5 +88,6 @@ int main() {
   RUN_TEST(test_sure_entries_are_named_in_order_of_sigmas);
   RUN_TEST(test_where_no_entry_is_sure_the_words_say_so);
   RUN_TEST(test_a_change_within_a_session_has_a_time);
+  RUN_TEST(test_courses_are_told);
   return UNITY_END();
 }

@@ -21,12 +21,15 @@ struct CoreSession : CoreEpoch {
   int changes = 0;  ///< of the device that were decided before
 };
 
+/// Names of SEGCAL_COURSE_*, in the order of their bits.
+inline constexpr std::array<const char*, 3> course_names = {"steps", "trend", "temperature"};
+
 /// How the calibration changed over sessions (segcal_course_t).
 struct CoreCourse {
-  std::vector<std::string> courses;  ///< steps, trend, temperature: not ruled out; empty: not asked
+  std::vector<std::string> courses;  ///< of course_names: not ruled out; empty: not asked
   int sessions = 0;
   std::array<double, 3> ln_odds{};  ///< of these three; 1: not compared
-  /// steps, trend or temperature: what `rate` is of; empty: decided changes, or none, explain what came
+  /// The one that `rate` is of; empty: decided changes, or none, explain what came
   std::string rate_of;
   unsigned step_session = 0;        ///< of steps: the first one after it, from 0
   std::vector<double> rate, sigma;  ///< per session or degC

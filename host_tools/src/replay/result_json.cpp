@@ -139,9 +139,8 @@ Json session_json(const CoreSession& s) {
 Json course_json(const CoreResult& r, const std::vector<std::string>& names) {
   const CoreCourse& c = r.course;
   Json ln_odds = Json::object(), rates = Json::array();
-  const char* const kForm[] = {"steps", "trend", "temperature"};
-  for (std::size_t f = 0; f < 3 && !c.courses.empty(); ++f) {
-    if (c.ln_odds[f] <= 0) ln_odds[kForm[f]] = c.ln_odds[f];
+  for (std::size_t f = 0; f < course_names.size() && !c.courses.empty(); ++f) {
+    if (c.ln_odds[f] <= 0) ln_odds[course_names[f]] = c.ln_odds[f];
   }
   for (std::size_t i = 0; i < c.rate.size() && i < names.size() && !c.rate_of.empty(); ++i) {
     if (c.sigma[i] > 0) rates.push_back({{"name", names[i]}, {"rate", c.rate[i]}, {"sigma", c.sigma[i]}});

@@ -50,6 +50,26 @@ std::vector<std::string> parameter_names(const CoreResult& result, const Calibra
   return names;
 }
 
+Surest surest_of(const std::vector<double>& values, const std::vector<double>& sigmas, const CoreResult& result,
+                 const std::string& per) {
+  constexpr std::size_t kMost = 3;
+  constexpr double kSure = 4;  // sigmas: one of 27 entries reaches that by chance once in 600 changes
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < values.size() && i < result.parameters.size(); ++i) order.push_back(i);
+  const auto distance = [&](std::size_t i) { return sigmas[i] > 0 ? std::abs(values[i]) / sigmas[i] : 0; };
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return distance(a) > distance(b); });
+  Surest out;
+  out.sure = !order.empty() && distance(order[0]) > kSure;
+  for (std::size_t k = 0; k < order.size() && k < kMost && (k == 0 || distance(order[k]) > kSure); ++k) {
+    const CoreParameter& p = result.parameters[order[k]];
+    char line[120];
+    std::snprintf(line, sizeof line, "%s%s by %.3g +- %.2g", k > 0 ? ", " : "", p.name.c_str(), values[order[k]],
+                  sigmas[order[k]]);
+    out.words += line + (p.unit == "-" ? std::string() : " " + p.unit) + per;
+  }
+  return out;
+}
+
 std::string change_words(const CoreChange& c, const CoreResult& result) {
   char line[160];
   const std::string before = std::to_string(c.before_session + 1), after = std::to_string(c.after_session + 1);
@@ -61,22 +81,9 @@ std::string change_words(const CoreChange& c, const CoreResult& result) {
            "): the device may have changed, and too few have come since to tell. Go on with lively motion, as for a "
            "first calibration";
   }
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < c.step.size() && i < result.parameters.size(); ++i) order.push_back(i);
-  const auto sigmas = [&c](std::size_t i) { return c.sigma[i] > 0 ? std::abs(c.step[i]) / c.sigma[i] : 0; };
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return sigmas(a) > sigmas(b); });
-  constexpr std::size_t kMost = 3;
-  constexpr double kSure = 4;  // sigmas: one of 27 entries reaches that by chance once in 600 changes
-  const bool sure = !order.empty() && sigmas(order[0]) > kSure;
-  std::string words =
-      "the device changed " + when + (sure ? ":" : ": no entry alone is sure, all together are; most of all");
-  for (std::size_t k = 0; k < order.size() && k < kMost && (k == 0 || sigmas(order[k]) > kSure); ++k) {
-    const CoreParameter& p = result.parameters[order[k]];
-    std::snprintf(line, sizeof line, "%s %s by %.3g +- %.2g", k > 0 ? "," : "", p.name.c_str(), c.step[order[k]],
-                  c.sigma[order[k]]);
-    words += line + (p.unit == "-" ? std::string() : " " + p.unit);
-  }
-  return words;
+  const Surest most = surest_of(c.step, c.sigma, result, "");
+  return "the device changed " + when +
+         (most.sure ? ": " : ": no entry alone is sure, all together are; most of all ") + most.words;
 }
 
 }  // namespace host

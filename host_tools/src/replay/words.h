@@ -19,10 +19,19 @@ std::vector<std::string> parameter_names(const Calibration& calibration);
 /// The same of a result, with the terms of effects that were estimated.
 std::vector<std::string> parameter_names(const CoreResult& result, const Calibration& calibration);
 
+/// The surest one of what changed, and up to two more beyond four sigmas: "cam0.fx by 0.31 +- 0.02 px, ...". `per`:
+/// behind each unit.
+struct Surest {
+  std::string words;
+  bool sure = false;  ///< beyond four sigmas
+};
+Surest surest_of(const std::vector<double>& values, const std::vector<double>& sigmas, const CoreResult& result,
+                 const std::string& per);
+
 /// "the device changed between session 1 and 2: cam0.r_CI.x by 0.0087 +- 0.0004 rad, ...": the three surest steps.
 std::string change_words(const CoreChange& change, const CoreResult& result);
 
-/// "over 8 sessions the calibration follows the temperature: cam0.fx by 0.031 +- 0.002 px per degC, ..."; empty where
+/// "over 8 sessions the calibration changes with temperature: cam0.fx by 0.031 +- 0.002 px per degC, ..."; empty where
 /// nothing but the dated changes is to be said.
 std::string course_words(const CoreResult& result);
 

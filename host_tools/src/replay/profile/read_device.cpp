@@ -49,12 +49,11 @@ CoreEpoch epoch_of(const segcal_epoch_t& e) {
 }
 
 CoreCourse course_of(const segcal_course_t& c) {
-  static const char* const kForm[] = {"steps", "trend", "temperature"};
   CoreCourse out;
-  for (unsigned f = 0; f < 3; ++f) {
+  for (unsigned f = 0; f < course_names.size(); ++f) {
     out.ln_odds[f] = c.ln_odds[f];
-    if ((c.courses & 1u << f) != 0) out.courses.push_back(kForm[f]);
-    if (c.rate_of == 1u << f) out.rate_of = kForm[f];
+    if ((c.courses & 1u << f) != 0) out.courses.push_back(course_names[f]);
+    if (c.rate_of == 1u << f) out.rate_of = course_names[f];
   }
   out.sessions = c.sessions;
   out.step_session = c.step_session;
