@@ -18,6 +18,7 @@ set(SEGCAL_CORE_SOURCES
 
 # A memory that outlives power (store.h): a library of its own, for who wants it.
 set(SEGCAL_STORE_SOURCES
+  src/log/state.cpp
   src/store/device_records.cpp
   src/store/ring_look.cpp
   src/store/ring_save.cpp

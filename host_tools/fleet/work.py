@@ -95,7 +95,8 @@ def temporary_folder():
 def replay(program, log, options):
     """(exit code, result or None, last line of the error output). A negative code: the process was killed."""
     with temporary_folder() as (folder, lock):
-        command = [program, "replay", log, *options, "--out", folder]
+        # A state that a device's log begins with holds the logs before it, which would count twice.
+        command = [program, "replay", log, "--without-state", *options, "--out", folder]
         for _ in range(ATTEMPTS):
             done = subprocess.run(command, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL, pass_fds=[lock])
             if done.returncode >= 0 or done.returncode == -signal.SIGINT or STOPPING:

@@ -97,6 +97,7 @@ struct DeviceSession {
   std::vector<DeviceCall> calls;
   std::vector<std::uint8_t> config;  ///< its configuration, as lib/src/log/config_fields.h reads it
   std::string profile;               ///< whose capacities it has; empty: none of ours
+  std::string state;                 ///< it begins with the device's: flash (state/flash_image.h); empty: as created
   bool last = true;                  ///< of its sessions
   bool was_late = false;             ///< some call found work due and not done
 };

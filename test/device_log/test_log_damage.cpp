@@ -146,7 +146,7 @@ void test_whole_blocks_with_wrong_content_are_refused() {
   point[16] = 2;
   check_says(Id().add("case", "camera"), refusal(with_block(3, point)),
              {"expected cameras below 2, found a point of camera 2"});
-  check_says(Id().add("case", "type"), refusal(with_block(9, {})), {"expected a block type from 0 to 6, found 9"});
+  check_says(Id().add("case", "type"), refusal(with_block(9, {})), {"expected a block type from 0 to 7, found 9"});
   check_says(Id().add("case", "mark"), refusal(with_block(4, {9, 0, 0, 0})), {"expected a mark from 1 to 5, found 9"});
   check_says(Id().add("case", "short"), refusal(with_block(5, {1, 2})), {"expected another number of bytes"});
   check_says(Id().add("case", "long"), refusal(with_block(6, {1})), {"expected another number of bytes"});

@@ -219,6 +219,17 @@ def check_refusals():
     assert "--scheduler" in segcal("fleet", "--help").stdout
 
 
+def check_logs_with_a_state():
+    """What a device's log begins with is of the logs before it, and does not count again."""
+    log = FOLDER / "state.segcal"
+    log.write_bytes((SOURCE / "fixtures/fuzz/log/state").read_bytes()[1:])
+    assert '"begins_with_state": true' in segcal("replay", log, "--out", FOLDER / "state", "--json").stdout
+    done = segcal("fleet", log, "--out", FOLDER / "states")
+    assert done.returncode in (0, 1), done.stderr
+    records = [f.read_text() for f in (FOLDER / "states" / "work").rglob("*.json")]
+    assert len(records) == 1 and '"status"' in records[0] and "begins_with_state" not in records[0], records
+
+
 def check_queries():
     """Each query of docs/fleet.md runs on these tables, and says something where there is something to say."""
     queries = re.findall(r"```sql\n(.*?)```", (SOURCE / "docs" / "fleet.md").read_text(), re.DOTALL)
@@ -240,6 +251,7 @@ def main():
     check_options_of_replay()
     killed = check_dask()
     check_refusals()
+    check_logs_with_a_state()
     check_queries()
     print(f"fleet: the same tables each way, {killed} workers killed")
 

@@ -26,6 +26,9 @@ int to_folders(const ConvertArguments& a) {
     throw InputError("expected one device log at a time, found " + std::to_string(a.recordings.size()));
   DeviceLog log = read_device_log(a.recordings.front(), a.salvage ? Damaged::leave_out : Damaged::refuse);
   for (const std::string& note : log.notes) std::cerr << "segcal: " << note << std::endl;
+  if (!log.sessions.front().device->state.empty())
+    std::cerr << "segcal: " << a.recordings.front()
+              << ": the device's state that it begins with is left out: a folder holds data only" << std::endl;
   for (std::size_t i = 0; i < log.sessions.size(); ++i) {
     Recording& session = log.sessions[i];
     session.root = log.sessions.size() == 1 ? fs::path(a.out) : fs::path(a.out) / std::to_string(i);
@@ -78,7 +81,8 @@ void add_convert_command(CLI::App& app, int& exit_code) {
   segcal convert rec --profile mcu --out rec.segcal && segcal replay rec.segcal --out out
 
 Samples and pixels keep all bits in both directions: a device has them in single precision, and the folder's texts read back to the
-same. A folder cannot hold everything; lost are the device's further configuration, frames without a corner, result hashes.
+same. A folder cannot hold everything; lost are the device's further configuration, the
+state that a log may begin with, frames without a corner, result hashes.
 A log has no exposures (cam0/exposure.csv): they stay with the folder.
 
 A truncated log is read up to its end. A log with damage in the middle is refused, because a hole in the data gives a result

@@ -5,6 +5,7 @@
 #include "csv.h"
 #include "device_log/logged_config.h"
 #include "log/config_fields.h"
+#include "state/flash_image.h"
 
 namespace host {
 namespace {
@@ -50,9 +51,10 @@ class Decoder {
       case LogBlock::mark: take_mark(block, in.integer<std::int32_t>()); break;
       case LogBlock::hash: session().device->calls.push_back({DeviceCall::hash, in.integer<std::uint64_t>()}); break;
       case LogBlock::end: break;
+      case LogBlock::state: take_state(block, &in); break;
       default:
         fail(name_, block.offset,
-             "expected a block type from 0 to 6, found " + std::to_string(block.type) + ", of a newer segcal");
+             "expected a block type from 0 to 7, found " + std::to_string(block.type) + ", of a newer segcal");
     }
     if (!in.complete() || in.left() > 0) {
       fail(name_, block.offset,
@@ -90,6 +92,22 @@ class Decoder {
     out_.noise = noise_of(config);
     if (config.pixel_sigma > 0) out_.pixel_sigma = config.pixel_sigma;
     begin_session();
+  }
+
+  /// A page of the device's flash. With holes it is no state, and who wants data only does not need it.
+  void take_state(const LogBlockView& block, ByteReader* in) {
+    const std::uint32_t at_block = in->integer<std::uint32_t>(), offset = in->integer<std::uint32_t>();
+    const std::size_t page = in->left();
+    const std::uint8_t* from = block.payload + block.size - page;
+    while (in->left() > 0) in->integer<std::uint8_t>();
+    if (!blocks_.damage.empty()) return;
+    FlashImage flash{session().device->state};
+    const bool first = out_.sessions.size() == 1 && session().device->calls.empty();
+    if (!first || !flash.put(at_block, offset, {reinterpret_cast<const char*>(from), page}))
+      fail(name_, block.offset,
+           "expected the device's state before all else and page by page, found block " + std::to_string(at_block) +
+               ", offset " + std::to_string(offset) + (first ? "" : " behind what it was fed"));
+    session().device->state = std::move(flash.bytes);
   }
 
   void take_samples(const LogBlockView& block, ByteReader* in) {
@@ -159,7 +177,7 @@ class Decoder {
     recording.imu.noise = out_.noise;
     recording.imu.has_temperature = has_temperature_;
     recording.cameras.resize(out_.calibration.cameras.size());
-    recording.device = DeviceSession{{}, config_, profile_, true, false};
+    recording.device = DeviceSession{{}, config_, profile_, "", true, false};
     out_.sessions.push_back(recording);
   }
 
@@ -207,37 +225,6 @@ DeviceLog parse_device_log(const fs::path& name, const std::vector<std::uint8_t>
 
 DeviceLog read_device_log(const fs::path& file, Damaged damaged) {
   return parse_device_log(file, bytes_of(file), damaged);
-}
-
-std::vector<std::uint64_t> read_hashes(const fs::path& file) {
-  std::vector<std::uint64_t> hashes;
-  if (is_device_log(file)) {
-    for (const Recording& session : read_device_log(file).sessions) {
-      for (const DeviceCall& call : session.device->calls) {
-        if (call.what == DeviceCall::hash) hashes.push_back(call.hash_value);
-      }
-    }
-    if (hashes.empty())
-      throw InputError(file.string() + ": expected a result hash in the log (segcal_log_hash), found none");
-    return hashes;
-  }
-  const std::vector<std::uint8_t> bytes = bytes_of(file);
-  const std::string text(bytes.begin(), bytes.end()), word = "result_hash";
-  const std::size_t at = text.find(word);
-  const std::size_t from =
-      at == std::string::npos ? at : text.find_first_of("0123456789abcdefABCDEF", at + word.size());
-  const std::size_t to = from == std::string::npos ? from : text.find_first_not_of("0123456789abcdefABCDEF", from);
-  const std::string digits = from == std::string::npos ? "" : text.substr(from, to - from);
-  if (digits.size() != 16)
-    throw InputError(file.string() + ": expected 'result_hash' and 16 hexadecimal digits, found '" +
-                     digits.substr(0, 20) + "'");
-  return {std::stoull(digits, nullptr, 16)};
-}
-
-std::string hash_text(std::uint64_t hash) {
-  char text[20];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return text;
 }
 
 }  // namespace host

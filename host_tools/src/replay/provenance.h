@@ -18,6 +18,7 @@ struct Provenance {
   std::string device_id, device_model;                   ///< empty: not known
   std::vector<LogIdentity> logs;                         ///< one for each recording, in order
   std::optional<std::vector<LogIdentity>> earlier_logs;  ///< that the state had seen before; none: no state
+  bool begins_with_state = false;                        ///< the device's, which its log begins with
   nlohmann::ordered_json configuration = nlohmann::ordered_json::object();
   std::optional<std::array<double, 2>> temperature_degC;  ///< lowest and highest; none: the logs do not tell it
 };

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "quantile.h"
+#include "replay/begin_device.h"
 #include "replay/config_file.h"
 #include "replay/counters.h"
 #include "replay/temperature_use.h"
@@ -139,26 +140,15 @@ bool calibrates_at_end(const Recording& recording) {
                       is(DeviceCall::calibrate));
 }
 
-/// The device of the state file, unless that is new.
-void go_on_from(StateFile* state, const std::string& profile, Core* core) {
-  if (state->is_new()) return;
-  const std::string name = state->path().string() + ": ";
-  if (state->profile != profile)
-    throw InputError(name + "saved with --profile " + state->profile + "; expected the same, found " + profile);
-  try {
-    core->restore(&state->flash);
-  } catch (const InputError& error) {
-    throw InputError(name + error.what());
-  }
-}
-
 /// One pass over all recordings.
 void run_all(const std::vector<Recording>& sessions, const ReplayOptions& options, bool goes_on, Core* core,
              Session* session) {
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     if (i > 0 || goes_on) core->new_session();
+    if (i > 0) expect_left_state(sessions[i], options, *core);
     session->run(sessions[i], options.progress);
-    if (calibrates_at_end(sessions[i])) {
+    const bool left_as_is = i + 1 < sessions.size() && begins_with_state(sessions[i + 1]);
+    if (!left_as_is && calibrates_at_end(sessions[i])) {
       session->flush();
       session->calibrate();
     }
@@ -195,7 +185,7 @@ ReplayResult replay_as_stated(const std::vector<Recording>& sessions, const Repl
   core_options.joint_ekf = options.joint_ekf;
   if (!options.calibrate) core_options.trigger_fraction = 0;
   std::unique_ptr<Core> core = make_core(options.profile, core_options);
-  if (options.state) go_on_from(options.state, options.profile, core.get());
+  begin_device(sessions.front(), options, core.get());
   ReplayResult out;
   out.noise = options.core.noise;
   if (options.core.device_config.empty()) out.config = config_yaml(options.core);

@@ -16,7 +16,7 @@ struct ReplayArguments {
   std::vector<std::string> effects;
   int cameras = 1;
   bool json = false, no_calibration = false, keep_outdated = false, hash = false, smooth_stamps = false,
-       keep_clock = false, estimate_track_noise = false;
+       keep_clock = false, estimate_track_noise = false, without_state = false;
   std::optional<double> stamp_exposure;  ///< times the exposure, added to the stamps of images
   bool states_corner_noise = false;      ///< in --config
   ReplayOptions replay;

@@ -8,6 +8,7 @@
 #include "device_log/device_log.h"
 #include "files/output_run.h"
 #include "files/sha256.h"
+#include "replay/begin_device.h"
 #include "replay/config_file.h"
 #include "replay/model_file.h"
 #include "replay/replay_clocks.h"
@@ -46,6 +47,18 @@ void take_device(const std::vector<Recording>& sessions, ReplayArguments* a) {
   a->replay.profile = device.profile;
 }
 
+/// The states that logs begin with, for who wants their data alone. With another calibration than the device's they
+/// cannot be used, and the user is told.
+void leave_states_out(bool told, std::vector<Recording>* sessions) {
+  for (Recording& session : *sessions) {
+    if (!session.device || session.device->state.empty()) continue;
+    session.device->state.clear();
+    if (told)
+      std::cerr << "segcal: " << session.root.string()
+                << ": the device's state that it begins with is left out, since --calib is given" << std::endl;
+  }
+}
+
 std::vector<Recording> sessions_of(ReplayArguments* a) {
   const bool log = is_device_log(a->recordings.front());
   if (log && a->calibration.empty()) {
@@ -54,9 +67,11 @@ std::vector<Recording> sessions_of(ReplayArguments* a) {
     a->replay.core.pixel_sigma = front.pixel_sigma;
   }
   std::vector<Recording> sessions = read_sessions(a->recordings, a->cameras, a->smooth_stamps, a->stamp_exposure);
+  if (a->without_state) leave_states_out(false, &sessions);
   if (log && a->calibration.empty()) {
     take_device(sessions, a);
   } else {
+    leave_states_out(!a->without_state, &sessions);
     for (Recording& session : sessions) session.cameras.resize(static_cast<std::size_t>(a->cameras));
   }
   return sessions;
@@ -150,13 +165,14 @@ int run(ReplayArguments a) {
   if (!sessions.front().device) count_offset_from_recording(offset, &result);
   Provenance from = provenance_of(a, sessions);
   if (state) from.earlier_logs = seen_logs(*state);
+  from.begins_with_state = begins_with_state(sessions.front());
   write_result_files(a.out, result, from, sessions.back().truth);
   if (state)
     write_state(sessions, from.logs, state.get());  // last: a run that was stopped is run again from the same state
   if (a.json) {
     std::cout << result_json(result, from).dump(1) << std::endl;
   } else {
-    print_replay_summary(result, from.earlier_logs && !from.earlier_logs->empty());
+    print_replay_summary(result, from.begins_with_state || (from.earlier_logs && !from.earlier_logs->empty()));
     if (a.hash) std::printf("result_hash %s\n", hash_text(result.result_hash).c_str());
   }
   if (!a.verify_hash.empty()) return same_hash(a, result) ? 0 : 1;

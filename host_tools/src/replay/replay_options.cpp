@@ -20,6 +20,8 @@ void add_files(CLI::App* sub, ReplayArguments* a) {
                   "the state that the device keeps across a power cycle: continue where the last replay with this file "
                   "ended, and save to it (created if missing)")
       ->type_name("FILE");
+  sub->add_flag("--without-state", a->without_state,
+                "leave out the state that a device log begins with: what the log alone says");
   sub->add_option("--device-id", a->device_id,
                   "name of the device in result.json (default: REC/device.yaml's device_id)");
   sub->add_flag("--json", a->json, "print result.json on standard output");
@@ -148,6 +150,9 @@ run that made it. OUT holds the calibration from all that the device remembers, 
 A device log (made with segcal/log.h, or by segcal convert) is replayed with the configuration in it and the calls that the
 device made, so that it gives the device's bits:
   segcal replay flight.segcal --out out --verify-hash flight.segcal
+A log may begin with the state of a device that went on, after a session or after power-off, and is then replayed from there;
+behind the log before it, the state must be what that one leaves. With --without-state it counts for itself:
+  segcal replay monday.segcal tuesday.segcal --out out
 
 )" + config_help() +
          "\n" + effects_help() + R"(

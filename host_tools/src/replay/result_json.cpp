@@ -166,6 +166,7 @@ Json result_json(const ReplayResult& out, const Provenance& from) {
   add_origin(from, &json);
   json["logs"] = logs_json(from.logs);
   if (from.earlier_logs) json["earlier_logs"] = logs_json(*from.earlier_logs);
+  if (from.begins_with_state) json["begins_with_state"] = true;
   json["configuration"] = from.configuration;
   json["temperature_degC"] = from.temperature_degC ? Json(*from.temperature_degC) : Json();
   json["health"] = health_json(out.health);

@@ -1,9 +1,12 @@
 #include "state/flash_image.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace host {
 namespace {
+
+constexpr std::size_t kFewestBlocks = 2;  ///< of a flash (segcal_flash_t)
 
 /// Where n bytes of a block begin; null: beyond the flash.
 char* place(void* context, std::uint32_t block, std::uint32_t offset, std::uint32_t n) {
@@ -31,6 +34,14 @@ int erase(void* context, std::uint32_t block) {
 }
 
 }  // namespace
+
+bool FlashImage::put(std::uint32_t block, std::uint32_t offset, std::string_view page) {
+  const std::size_t has = bytes.size() / kEraseBytes;
+  if (page.size() != kProgramBytes || offset % kProgramBytes != 0 || offset >= kEraseBytes || block > has) return false;
+  if (block == has) bytes.resize(std::max<std::size_t>(has + 1, kFewestBlocks) * kEraseBytes, '\xFF');
+  std::memcpy(place(this, block, offset, kProgramBytes), page.data(), kProgramBytes);
+  return true;
+}
 
 segcal_flash_t FlashImage::port() {
   return {this, kProgramBytes, kEraseBytes, static_cast<std::uint32_t>(bytes.size() / kEraseBytes),

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "segcal/store.h"
 
@@ -15,6 +16,8 @@ struct FlashImage {
   std::string bytes;  ///< a multiple of kEraseBytes; empty: no flash yet
 
   void make(std::uint32_t blocks) { bytes.assign(std::size_t(blocks) * kEraseBytes, '\xFF'); }
+  /// A page as a store writes it, one behind the other; false, and nothing is changed, for another page.
+  bool put(std::uint32_t block, std::uint32_t offset, std::string_view page);
   /// What segcal_store_open takes. The image must stay where it is.
   segcal_flash_t port();
 };

@@ -20,6 +20,21 @@
  *     segcal_log_hash(&log, segcal_result_hash(device));
  *     segcal_log_end(&log);
  *
+ * A log need not begin at segcal_create: where a session ends, and after segcal_restore, it may begin with the device's
+ * state, and logs rotate. The state goes in before anything is fed, through the store (link segcal_store, and
+ * include segcal/store.h), for which the log is a flash that nothing is read from:
+ *
+ *     segcal_flush(device);  ...
+ *     segcal_log_end(&log);
+ *     segcal_new_session(device);     the state is that of a session's beginning: no mark in either log
+ *     segcal_log_begin(&log, &config, block, sizeof block, write, next_file);
+ *     segcal_log_state(&log, device, &flash);
+ *     segcal_store_open(&store, &flash);    while (segcal_store_work(&store, 16) == 1) other_things();
+ *     segcal_save(&store, device);          while ((answer = segcal_store_work(&store, 16)) == 1) other_things();
+ *
+ * With another answer than 0 the log has no whole state: segcal_log_begin again. Such a log replays alone, or behind
+ * the one before it, to the device's bits.
+ *
  * segcal_background needs no mark: it changes when work is done. What was not done when it was due, segcal_log_fed
  * notes after the call that found it so. A flush in slices is marked as one when it begins. Keyframes of the user's own
  * odometry have no place in a log.
@@ -28,6 +43,7 @@
 #define SEGCAL_LOG_H
 
 #include "segcal/segcal.h"
+#include "segcal/store.h"
 
 #if defined(__GNUC__)
 #pragma GCC visibility push(default)
@@ -60,18 +76,24 @@ typedef struct {
   segcal_log_write_t write;
   void* context;
   uint8_t* block;
-  size_t capacity, used; /* bytes of the block */
-  int64_t t0_ns;         /* of the first sample in the block */
-  uint32_t samples;      /* in the block */
-  uint32_t sequence;     /* of the next block */
-  uint32_t late;         /* segcal_progress_t.late that the log has so far */
-  int32_t failed;        /* 1: the caller's function refused a block; nothing is written any more */
+  size_t capacity, used;                        /* bytes of the block */
+  int64_t t0_ns;                                /* of the first sample in the block */
+  uint32_t samples;                             /* in the block */
+  uint32_t sequence;                            /* of the next block */
+  uint32_t late;                                /* segcal_progress_t.late that the log has so far */
+  uint32_t page_block, page_offset, page_bytes; /* of the device's state: what the block has of it */
+  int32_t fed;                                  /* 1: the log has calls, behind which a state would come too late */
+  int32_t failed; /* 1: the caller's function refused a block; nothing is written any more */
 } segcal_log_t;
 
 /* Starts a log: header and configuration. SEGCAL_ERROR_SIZE if the block is smaller than SEGCAL_LOG_BLOCK_BYTES.
    All functions return SEGCAL_ERROR_STATE if the caller's function refused, now or earlier. */
 int segcal_log_begin(segcal_log_t* log, const segcal_config_t* config, uint8_t* block, size_t block_bytes,
                      segcal_log_write_t write, void* context);
+/* The flash by which the log takes the state of a device that was not fed since it was created, restored, or began a
+   session; see above. Valid until something is logged: from then on it answers that it cannot be reached, and reads as
+   erased but for the page that was programmed last. `log` and its block must stay. */
+int segcal_log_state(segcal_log_t* log, const segcal_t* device, segcal_flash_t* flash);
 int segcal_log_imu(segcal_log_t* log, const segcal_imu_t* sample);
 int segcal_log_tracks(segcal_log_t* log, int64_t t_ns, const segcal_point_t* points, int32_t n);
 int segcal_log_mark(segcal_log_t* log, int32_t mark);

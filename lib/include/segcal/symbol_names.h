@@ -63,6 +63,7 @@
 #define segcal_log_imu SEGCAL_NAME(log_imu)
 #define segcal_log_mark SEGCAL_NAME(log_mark)
 #define segcal_log_sync SEGCAL_NAME(log_sync)
+#define segcal_log_state SEGCAL_NAME(log_state)
 #define segcal_log_tracks SEGCAL_NAME(log_tracks)
 #define segcal_memory SEGCAL_NAME(memory)
 #define segcal_new_session SEGCAL_NAME(new_session)

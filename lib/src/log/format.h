@@ -14,8 +14,20 @@ constexpr int kLogMagicBytes = 8;
 constexpr unsigned char kLogMagic[kLogMagicBytes] = {0x89, 'S', 'C', 'L', 'G', '\r', '\n', 0x1A};
 constexpr std::uint32_t kBlockMark = 0x4B4C4253u;  ///< "SBLK": where a reader finds on after damage
 constexpr std::size_t kBlockHead = 16, kBlockTail = 4;
+constexpr std::size_t kStateHead = 8;
+/// Of the flash that a device's state is written to: as small as any chip's, so that the last block is soon full.
+constexpr std::uint32_t kStateProgramBytes = 256, kStateEraseBytes = 4096;
 constexpr std::size_t kImuHead = 12, kImuSample = 32, kTracksHead = 12, kTrackPoint = 13;
 
-enum class LogBlock : std::uint16_t { header = 0, config = 1, imu = 2, tracks = 3, mark = 4, hash = 5, end = 6 };
+enum class LogBlock : std::uint16_t {
+  header = 0,
+  config = 1,
+  imu = 2,
+  tracks = 3,
+  mark = 4,
+  hash = 5,
+  end = 6,
+  state = 7
+};
 
 }  // namespace SEGCAL_NS

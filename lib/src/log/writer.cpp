@@ -1,34 +1,9 @@
 // Writes a device log block by block (segcal/log.h).
+#include "log/block_writer.h"
 #include "log/config_fields.h"
 
 namespace SEGCAL_NS {
 namespace {
-
-/// The block's payload begins behind its head.
-ByteWriter payload_of(const segcal_log_t& log) {
-  return ByteWriter(log.block + kBlockHead, log.capacity - kBlockHead - kBlockTail);
-}
-
-int write(segcal_log_t* log, const std::uint8_t* bytes, std::size_t n) {
-  if (log->failed) return SEGCAL_ERROR_STATE;
-  log->failed = log->write(log->context, bytes, n) == 0 ? 0 : 1;
-  return log->failed ? SEGCAL_ERROR_STATE : SEGCAL_OK;
-}
-
-/// Head and CRCs around a payload of n bytes that is in place, and out with it.
-int write_block(segcal_log_t* log, LogBlock type, std::size_t n) {
-  ByteWriter head(log->block, kBlockHead);
-  head.integer(kBlockMark);
-  head.integer(static_cast<std::uint16_t>(type));
-  head.integer(static_cast<std::uint16_t>(log->sequence++));
-  head.integer(static_cast<std::uint32_t>(n));
-  head.integer(crc32(log->block, head.size()));
-  ByteWriter tail(log->block + kBlockHead + n, kBlockTail);
-  tail.integer(crc32(log->block + kBlockHead, n));
-  log->used = 0;
-  log->samples = 0;
-  return write(log, log->block, kBlockHead + n + kBlockTail);
-}
 
 /// Everything a reader must know before it makes sense of the rest.
 int write_header(segcal_log_t* log) {
@@ -52,16 +27,12 @@ int write_config(segcal_log_t* log, const segcal_config_t& config) {
   return out.fits() ? write_block(log, LogBlock::config, out.size()) : SEGCAL_ERROR_SIZE;
 }
 
-/// The samples that wait go out.
-int finish_samples(segcal_log_t* log) {
-  if (log->samples == 0) return log->failed ? SEGCAL_ERROR_STATE : SEGCAL_OK;
-  ByteWriter head(log->block + kBlockHead, kImuHead);
-  head.integer(log->t0_ns);
-  head.integer(log->samples);
-  return write_block(log, LogBlock::imu, log->used);
+/// Behind it a state would come too late.
+int start_fed(segcal_log_t* log) {
+  const int error = start(log);
+  if (log) log->fed = 1;
+  return error;
 }
-
-int start(segcal_log_t* log) { return !log || !log->write ? SEGCAL_ERROR_NULL : finish_samples(log); }
 
 }  // namespace
 }  // namespace SEGCAL_NS
@@ -91,6 +62,7 @@ int segcal_log_imu(segcal_log_t* log, const segcal_imu_t* sample) {
   const bool room = kBlockHead + log->used + kImuSample + kBlockTail <= log->capacity;
   if (log->samples > 0 && (!room || dt > INT32_MAX || dt < INT32_MIN)) finish_samples(log);
   if (log->failed) return SEGCAL_ERROR_STATE;
+  log->fed = 1;
   if (log->samples == 0) {
     log->t0_ns = sample->t_ns;
     log->used = kImuHead;
@@ -108,7 +80,7 @@ int segcal_log_imu(segcal_log_t* log, const segcal_imu_t* sample) {
 int segcal_log_tracks(segcal_log_t* log, int64_t t_ns, const segcal_point_t* points, int32_t n) {
   if (!points && n > 0) return SEGCAL_ERROR_NULL;
   if (n < 0 || n > SEGCAL_MAX_TRACKS * SEGCAL_MAX_CAMERAS) return SEGCAL_ERROR_SIZE;
-  const int error = start(log);
+  const int error = start_fed(log);
   if (error != SEGCAL_OK) return error;
   ByteWriter out = payload_of(*log);
   out.integer(t_ns);
@@ -124,7 +96,7 @@ int segcal_log_tracks(segcal_log_t* log, int64_t t_ns, const segcal_point_t* poi
 
 int segcal_log_mark(segcal_log_t* log, int32_t mark) {
   if (mark < SEGCAL_LOG_NEW_SESSION || mark > SEGCAL_LOG_LATE) return SEGCAL_ERROR_SIZE;
-  const int error = start(log);
+  const int error = start_fed(log);
   if (error != SEGCAL_OK) return error;
   ByteWriter out = payload_of(*log);
   out.integer(mark);
@@ -141,7 +113,7 @@ int segcal_log_fed(segcal_log_t* log, const segcal_t* device) {
 }
 
 int segcal_log_hash(segcal_log_t* log, uint64_t hash) {
-  const int error = start(log);
+  const int error = start_fed(log);
   if (error != SEGCAL_OK) return error;
   ByteWriter out = payload_of(*log);
   out.integer(hash);
@@ -151,7 +123,7 @@ int segcal_log_hash(segcal_log_t* log, uint64_t hash) {
 int segcal_log_sync(segcal_log_t* log) { return start(log); }
 
 int segcal_log_end(segcal_log_t* log) {
-  const int error = start(log);
+  const int error = start_fed(log);
   return error == SEGCAL_OK ? write_block(log, LogBlock::end, 0) : error;
 }
 
