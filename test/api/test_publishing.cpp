@@ -186,7 +186,7 @@ void test_residuals_do_not_follow_what_was_looked_at() {
 
 /// All keyframes of a segment stand at their image's stamp plus one shift, also where a calibration with another time
 /// offset took effect while the stream went on; and each segment holds the samples since the one before.
-void test_a_new_time_offset_begins_with_a_segment() {
+[[maybe_unused]] void test_a_new_time_offset_begins_with_a_segment() {
   Storage storage(0xFF);
   segcal_config_t c = config();
   c.strategy = SEGCAL_MULTI_SESSION;

@@ -59,6 +59,12 @@ void test_what_ages_is_named() {
     if (focal) test::check_between(id, "rate beside the truth, in sigmas", -4, (rate - kPerSession) / sigma, 4);
     if (!focal) test::check_true(id, "it has a rate", sigma == 0);
   }
+  // The lag is in the variances and in no correlation, else directions of the two would be far too narrow.
+  const std::vector<double>& C = out.result.covariance;
+  const std::size_t n = out.result.parameters.size(), fx = 6, fy = 7;
+  TEST_ASSERT_EQUAL_STRING("cam0.fx", out.result.parameters[fx].name.c_str());
+  const double correlation = C[fx * n + fy] / std::sqrt(C[fx * n + fx] * C[fy * n + fy]);
+  test::check_between(test::Id(), "correlation of fx and fy", 0, correlation, 0.5);
   // What was released is a mean from some change on; with what the lag adds, its error is not beyond 4 sigmas.
   TEST_ASSERT_EQUAL_STRING_MESSAGE("calibrated", out.result.status.c_str(), out.cause.c_str());
   test::check_between(test::Id(), "error", 0, largest_error(last, out.result), 4);

@@ -568,6 +568,7 @@ int segcal_get_filter_calibration(segcal_t* device, segcal_result_t* result);
 /* The last result as a Gaussian over its parameters, for fusing several: `mean`, n numbers, where the fit has its
    optimum while nothing is held (segcal_parameter_t.value of what is FIXED stays at `initial`, and the others follow),
    and `covariance`, row-major, n x n, whose diagonal is the squares of the results' sigmas. Both contain the prior.
+   What sigmas hold of a course (segcal_get_course) is on the diagonal alone: nothing is known of its correlations.
    `capacity` of covariance in numbers. Returns n; SEGCAL_ERROR_STATE without a result. */
 int segcal_get_posterior(const segcal_t* device, double* mean, double* covariance, int32_t capacity);
 /* Epoch `index`, 0: the oldest. SEGCAL_ERROR_STATE: there is none; SEGCAL_ERROR_BUSY: while work is pending. */

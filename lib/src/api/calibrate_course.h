@@ -37,8 +37,7 @@ void CalibrateJob<S>::hold_lag(const ThetaPrior<S>& prior) {
     };
     for (int i = 0; i < r->theta.columns(); ++i) {
       const PrintedValue<S> value = printed_value(prior.mean, r->theta, i);
-      S lag = S(0);
-      for (int k = 0; k < value.count; ++k) lag += absolute(value.weight[k]) * course_.lag[value.first + k];
+      const S lag = printed_lag(course_, value);
       r->sigma[i] = hold(r->sigma[i], course_.lag[i], prior.sigma[i]);
       const S before = sigma_before(value, prior.sigma);
       r->printed_sigma[i] = hold(r->printed_sigma[i], lag, before);

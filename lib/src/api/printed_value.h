@@ -1,6 +1,7 @@
 // Values as results print them, rotations as rotation vectors, and how they follow from theta's columns.
 #pragma once
 
+#include "calibration/course.h"
 #include "calibration/prior.h"
 #include "math/so3.h"
 
@@ -46,6 +47,19 @@ PrintedValue<S> printed_value(const Calibration<S>& mean, const Calibration<S>& 
   value.count = 3;
   for (int k = 0; k < 3; ++k) value.weight[k] = J(i - value.first, k);
   return value;
+}
+
+/// How far it may lag over sessions (calibration/course.h).
+template <class S>
+S printed_lag(const Course<S>& course, const PrintedValue<S>& value) {
+  S lag = S(0);
+  for (int k = 0; k < value.count; ++k) lag += absolute(value.weight[k]) * course.lag[value.first + k];
+  return lag;
+}
+
+template <class S>
+S printed_lag(const NoCourse&, const PrintedValue<S>&) {
+  return S(0);
 }
 
 /// Its sigma before anything was measured.
