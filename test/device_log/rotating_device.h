@@ -26,6 +26,7 @@ inline segcal_config_t rotating_config() {
   segcal_config_t c = SyntheticStream::config();
   c.strategy = SEGCAL_MULTI_SESSION;
   c.keep_segments = 3;
+  c.segment_s = 1;
   c.condense = SEGCAL_MAX_EPOCHS > 0 ? 1 : 0;
   return c;
 }

@@ -1,7 +1,5 @@
 // A device whose logs rotate, across power-off: each begins with its state, and replays
 // alone or behind the ones before it to the device's bits; what is no such log is refused.
-#include <functional>
-
 #include "../replay/program.h"
 #include "../replay/temporary_folder.h"
 #include "device_log/device_log.h"
@@ -76,7 +74,7 @@ std::vector<Stretch> blocks_of(const Bytes& log, SEGCAL_NS::LogBlock type) {
 }
 
 void test_each_log_replays_alone_and_behind_others() {
-  for (const int slices : {1000000, 1}) {
+  for (const int slices : {1000000, 3, 1}) {
     const std::vector<Bytes> logs = slices > 1 ? quick_logs() : logs_of_devices(slices);
     for (int s = 0; s < kSessions; ++s)
       expect_bits(Id().add("slices", slices).add("log alone", s), {logs[static_cast<std::size_t>(s)]});
@@ -122,13 +120,16 @@ void test_a_state_that_is_not_whole_is_refused() {
     expect_refusal({Bytes(log.begin(), end)}, "begins with a device's state: expected the state of a device");
     expect_refusal({Bytes(log.begin(), end + 100)}, "begins with a device's state: expected the state of a device");
   }
-  // The second page of the flash names block 9, with a right checksum.
-  Bytes forged = log;
-  std::uint8_t* payload = forged.data() + pages[1].at + SEGCAL_NS::kBlockHead;
-  payload[0] = 9;
-  const std::uint32_t crc = SEGCAL_NS::crc32(payload, kPage + SEGCAL_NS::kStateHead);
-  std::memcpy(payload + kPage + SEGCAL_NS::kStateHead, &crc, 4);
-  expect_refusal({forged}, "expected the device's state before all else and page by page, found block 9, offset 256");
+  // With right checksums: the second page names block 9; then it is the first one's again.
+  const std::pair<std::size_t, std::uint8_t> forgeries[] = {{0, 9}, {5, 0}};
+  for (const auto& [at, value] : forgeries) {
+    Bytes forged = log;
+    std::uint8_t* payload = forged.data() + pages[1].at + SEGCAL_NS::kBlockHead;
+    payload[at] = value;
+    const std::uint32_t crc = SEGCAL_NS::crc32(payload, kPage + SEGCAL_NS::kStateHead);
+    std::memcpy(payload + kPage + SEGCAL_NS::kStateHead, &crc, 4);
+    expect_refusal({forged}, "expected the device's state before all else and page by page, found block ");
+  }
 }
 
 /// What can be saved of a damaged log is its data: a state with a hole is none.
@@ -155,34 +156,46 @@ void test_program_replays_a_log_with_a_state() {
   TEST_ASSERT_TRUE(alone.out.find("begins_with_state") == std::string::npos);
 }
 
-/// The log takes a state only where a reader could use it, and says so through the store.
-void test_a_state_comes_first() {
+/// A session that left no log is missed although it changed no result; logs out of order would count twice.
+void test_logs_are_in_order() {
   const segcal_config_t c = rotating_config();
   Storage storage(0xA5);
   segcal_t* device = created(&storage, c);
-  segcal_flash_t flash;
-  segcal_store_t store;
-  const auto refuses = [&](const std::function<void(Writer*)>& call) {
-    Writer log(c);
-    TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_log_state(&log.log, device, &flash));
-    finish(&store, segcal_store_open(&store, &flash));
-    TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_save(&store, device));
-    TEST_ASSERT_EQUAL_INT(1, segcal_store_work(&store, 3));
-    call(&log);
-    TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STORAGE, finish(&store, 1));
-    TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_log_state(&log.log, device, &flash));
-  };
-  refuses([](Writer* log) { segcal_log_imu(&log->log, &session(0).imu[0]); });
-  refuses([](Writer* log) { segcal_log_tracks(&log->log, 0, nullptr, 0); });
-  refuses([](Writer* log) { segcal_log_mark(&log->log, SEGCAL_LOG_NEW_SESSION); });
-  refuses([](Writer* log) { segcal_log_hash(&log->log, 1); });
-  Writer log(c);
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_log_state(nullptr, device, &flash));
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_NULL, segcal_log_state(&log.log, device, nullptr));
-  TEST_ASSERT_LESS_THAN_INT(0, segcal_log_state(&log.log, nullptr, &flash));
-  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, log.state(device));  // of a device as created
-  segcal_log_end(&log.log);
-  TEST_ASSERT_EQUAL_INT(SEGCAL_ERROR_STATE, segcal_log_state(&log.log, device, &flash));
+  Writer first(c), second(c);
+  first.feed(device, 0, 1000000);
+  first.end(device, true);
+  segcal_new_session(device);
+  segcal_new_session(device);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, second.state(device));
+  second.feed(device, 1, 1000000);
+  second.end(device, true);
+  expect_refusal({first.bytes, second.bytes}, "begins with another state than the logs before it leave");
+  expect_bits(Id(), {second.bytes});
+  expect_refusal({second.bytes, first.bytes}, "begins without a state, behind a log that begins with one");
+}
+
+/// What a restored device does with work that is due is decided by who calls it, not by the restore: scores that were
+/// in time, before the first late one, are so in the replay.
+void test_work_is_late_behind_a_state_as_it_was() {
+  const segcal_config_t c = rotating_config();
+  Storage storage(0xA5);
+  segcal_t* device = created(&storage, c);
+  Writer first(c), second(c);
+  first.feed(device, 0, 3);
+  first.end(device, true);
+  segcal_new_session(device);
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, second.state(device));
+  for (int s = 1; s < kSessions; ++s) {
+    second.feed(device, s, 3);
+    segcal_log_hash(&second.log, segcal_result_hash(device));
+    segcal_log_mark(&second.log, SEGCAL_LOG_NEW_SESSION);
+    segcal_new_session(device);
+    segcal_log_hash(&second.log, segcal_result_hash(device));
+  }
+  segcal_log_end(&second.log);
+  const host::ReplayResult result = replayed({second.bytes});
+  TEST_ASSERT_EQUAL_size_t(2 * (kSessions - 1), result.hash_checks.size());
+  for (const host::HashCheck& check : result.hash_checks) TEST_ASSERT_TRUE(check.expected == check.found);
 }
 
 }  // namespace
@@ -197,6 +210,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_a_state_that_is_not_whole_is_refused);
   RUN_TEST(test_salvage_leaves_a_damaged_state_out);
   RUN_TEST(test_program_replays_a_log_with_a_state);
-  RUN_TEST(test_a_state_comes_first);
+  RUN_TEST(test_logs_are_in_order);
+  RUN_TEST(test_work_is_late_behind_a_state_as_it_was);
   return UNITY_END();
 }

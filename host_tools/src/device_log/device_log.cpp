@@ -13,6 +13,9 @@ namespace {
 namespace fs = std::filesystem;
 using namespace SEGCAL_NS;
 
+static_assert(FlashImage::kProgramBytes == kStateProgramBytes && FlashImage::kEraseBytes == kStateEraseBytes,
+              "a logged state is put into such flash page by page");
+
 std::vector<std::uint8_t> bytes_of(const fs::path& file) {
   expect_regular_file(file);
   std::ifstream in(file, std::ios::binary);
@@ -100,14 +103,19 @@ class Decoder {
     const std::size_t page = in->left();
     const std::uint8_t* from = block.payload + block.size - page;
     while (in->left() > 0) in->integer<std::uint8_t>();
-    if (!blocks_.damage.empty()) return;
-    FlashImage flash{session().device->state};
+    if (!blocks_.damage.empty()) {
+      out_.left_state_out = true;
+      return;
+    }
+    FlashImage flash;
+    flash.bytes.swap(session().device->state);  // and back: a copy for each page would take seconds
     const bool first = out_.sessions.size() == 1 && session().device->calls.empty();
-    if (!first || !flash.put(at_block, offset, {reinterpret_cast<const char*>(from), page}))
-      fail(name_, block.offset,
-           "expected the device's state before all else and page by page, found block " + std::to_string(at_block) +
-               ", offset " + std::to_string(offset) + (first ? "" : " behind what it was fed"));
-    session().device->state = std::move(flash.bytes);
+    const bool fits = first && flash.append(at_block, offset, {reinterpret_cast<const char*>(from), page}, &last_page_);
+    flash.bytes.swap(session().device->state);
+    if (fits) return;
+    fail(name_, block.offset,
+         "expected the device's state before all else and page by page, found block " + std::to_string(at_block) +
+             ", offset " + std::to_string(offset) + (first ? "" : " behind what it was fed"));
   }
 
   void take_samples(const LogBlockView& block, ByteReader* in) {
@@ -189,6 +197,7 @@ class Decoder {
   std::string profile_;
   std::vector<std::uint8_t> config_;
   bool has_config_ = false, has_temperature_ = false;
+  std::int64_t last_page_ = -1;  ///< of the state
 };
 
 }  // namespace
@@ -219,6 +228,8 @@ DeviceLog parse_device_log(const fs::path& name, const std::vector<std::uint8_t>
                     ": expected the end mark of a log, found the end of the file: the device did not close it");
   }
   DeviceLog log = Decoder(name, blocks).run();
+  if (log.left_state_out)
+    notes.push_back(name.string() + ": the device's state that it begins with is left out, since blocks are missing");
   log.notes = notes;
   return log;
 }

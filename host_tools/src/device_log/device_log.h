@@ -11,6 +11,7 @@ struct DeviceLog {
   Calibration calibration;          ///< where the device started from
   ImuNoise noise;
   double pixel_sigma = 0.5;        ///< px
+  bool left_state_out = false;     ///< it begins with the device's state, of which blocks may be missing
   std::vector<std::string> notes;  ///< what a user should know: a torn end, a log that was not closed, damage left out
 };
 

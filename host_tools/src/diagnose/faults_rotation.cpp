@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "angles.h"
+#include "diagnose/accel_axes.h"
 #include "diagnose/axis_orders.h"
 #include "diagnose/clock.h"
 #include "diagnose/compared_rates.h"
@@ -23,13 +24,8 @@ constexpr double other_order_fits = 0.9;  // correlation of another order of axe
 // that is turned about and holds a fortieth of the power, 0.95.
 constexpr double as_is_fits = 0.95;
 constexpr double better_by = 0.35;  // what is not explained, over that as it is
-// Share of gravity that is lost as it is. Right axes lose less than 0.0015 in all
-// scenarios, in euroc_mh01 and along five real recordings of drones and hands;
-// wrong ones 0.008 to 0.06 in calm use (arvr, nav), 0.4 where the device is shaken.
-constexpr double gravity_lost = 0.006;
 // Times the image's rates, half of what deg/s make: no range or scale error is so large.
 constexpr double least_unit = 28;
-constexpr double gravity_found = 0.05;  // how far from g the mean may be with the axes that are better
 constexpr double farthest_offset_s = 1.5, offset_step_s = 0.02;
 // An offset below this is an effect (time_offset), above it the
 // log is put together wrongly: the core's clock search ends here.
@@ -98,56 +94,6 @@ void check_gyro_scale(const Recording& recording, const ComparedRates& rates, co
   out.push_back(fault);
 }
 
-/// Mean of the specific force over a window, each sample turned by the gyroscope into the window's first attitude, if
-/// the accelerometer's axes are P times what they are said to be; m/s^2 over g. The velocity changes little in eight
-/// seconds, so what remains is gravity: 1, if P is right.
-std::vector<double> turned_means(const std::vector<ImuSample>& samples, std::size_t begin, std::size_t end,
-                                 const GyroPath& gyro, const Eigen::Vector3d& bias, const Eigen::Matrix3d& M) {
-  constexpr std::size_t block = 10;
-  std::vector<Eigen::Vector3d> sums(axis_orders().size(), Eigen::Vector3d::Zero());
-  const auto time = [&](std::size_t k) { return static_cast<double>(samples[k].t_ns - samples.front().t_ns) * 1e-9; };
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  std::size_t n = 0;
-  for (std::size_t k = begin; k + block <= end; k += block, ++n) {
-    Eigen::Vector3d f = Eigen::Vector3d::Zero();
-    for (std::size_t i = k; i < k + block; ++i)
-      f += Eigen::Vector3d(samples[i].accel[0], samples[i].accel[1], samples[i].accel[2]) / block;
-    if (k > begin) R = R * gyro.reordered_rotation(time(k - block / 2), time(k + block / 2), bias, M);
-    for (std::size_t j = 0; j < sums.size(); ++j) sums[j] += R * axis_orders()[j].P * f;
-  }
-  std::vector<double> out;
-  for (const Eigen::Vector3d& sum : sums) out.push_back(sum.norm() / static_cast<double>(n) / 9.80665);
-  return out;
-}
-
-/// Wrong axes turn gravity about and shorten its mean; the sign of all three cannot be told this way. Against the
-/// longest mean, window by window, so that scale errors and changes of velocity drop out.
-void check_accel_axes(const Recording& recording, const GyroPath& gyro, const Eigen::Vector3d& bias,
-                      const Eigen::Matrix3d& M, std::vector<Fault>& out) {
-  const auto n = static_cast<std::size_t>(8 * recording.imu.noise.rate_hz);
-  std::vector<std::vector<double>> means(axis_orders().size());
-  for (std::size_t begin = 0; begin + n <= recording.imu.samples.size(); begin += n / 2) {
-    const std::vector<double> window = turned_means(recording.imu.samples, begin, begin + n, gyro, bias, M);
-    for (std::size_t j = 0; j < window.size(); ++j) means[j].push_back(window[j]);
-  }
-  if (means[0].size() < 3) return;
-  std::size_t best = 0;
-  for (std::size_t j = 0; j < means.size(); ++j)
-    if (quantile(means[j], 0.5) > quantile(means[best], 0.5)) best = j;
-  std::vector<double> lost;
-  for (std::size_t k = 0; k < means[0].size(); ++k) lost.push_back(1 - means[0][k] / means[best][k]);
-  const double share = quantile(lost, 0.5);
-  if (share < gravity_lost || std::abs(quantile(means[best], 0.5) - 1) > gravity_found) return;
-  Fault fault = whole(recording, "axes", "accel");
-  fault.value = share;
-  fault.limit = gravity_lost;
-  fault.unit = "-";
-  fault.words = formatted("accelerometer: turned by the gyroscope it loses %.1f %% of gravity, ", 100 * share) +
-                "which it does not when its axes are read as " + axis_orders()[best].name +
-                " (or as that with all signs changed). Correct the axes in the driver.";
-  out.push_back(fault);
-}
-
 /// Offset of the clocks on a grid, by the correlation of the rates; 0 where none is clearly better.
 double coarse_offset(const Recording& recording, const std::vector<FramePair>& pairs,
                      const std::vector<Eigen::Vector3d>& image, const GyroPath& gyro, const Eigen::Matrix3d& R,
@@ -193,8 +139,8 @@ void check_drift(const Recording& recording, const std::vector<FramePair>& pairs
   out.push_back(fault);
 }
 
-/// Mean of gyroscope minus image over the frames: with the images'
-/// translation averaged out, good to a hundredth of a rad/s.
+/// Mean of gyroscope minus image over the frames: with the images' translation averaged out, good to a hundredth of a
+/// rad/s, and to a tenth where the camera moves one way and the lens is not known.
 Eigen::Vector3d rough_bias(const std::vector<FramePair>& pairs, const std::vector<Eigen::Vector3d>& image,
                            const GyroPath& gyro, const Eigen::Matrix3d& R) {
   std::vector<double> off[3];
@@ -224,7 +170,7 @@ std::vector<Fault> rotation_faults(const Recording& recording, const Calibration
   check_gyro_scale(recording, rates, R, out);
   const bool in_degrees = std::any_of(out.begin(), out.end(), [](const Fault& f) { return f.kind == "unit"; });
   const Eigen::Vector3d bias = rough_bias(pairs, image, gyro, R);
-  if (!in_degrees) check_accel_axes(recording, gyro, bias, order.P, out);
+  if (!in_degrees) accel_axes_fault(recording, gyro, bias, order.P, &out);
   if (!out.empty()) return out;  // clocks are compared on sound rates only
   const double offset = coarse_offset(recording, pairs, image, gyro, R, out);
   if (out.empty()) check_drift(recording, pairs, gyro, R_CI, offset, out);

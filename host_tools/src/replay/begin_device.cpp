@@ -1,24 +1,51 @@
 #include "replay/begin_device.h"
 
+#include <memory>
+
 namespace host {
 namespace {
 
-void restore(const std::string& name, FlashImage* flash, Core* core) {
+void restore_logged(const Recording& session, Core* core) {
+  FlashImage flash{session.device->state};
   try {
-    core->restore(flash);
+    core->restore(&flash);
   } catch (const InputError& error) {
-    throw InputError(name + ": " + error.what());
+    throw InputError(session.root.string() + ": begins with a device's state: " + error.what() +
+                     "; with --without-state its data alone are replayed");
   }
 }
 
-void restore_logged(const Recording& session, Core* core) {
-  FlashImage flash{session.device->state};
-  restore(session.root.string() + ": begins with a device's state", &flash, core);
+/// A device as it would be stored now.
+std::string stored(Core* core) {
+  FlashImage flash;
+  core->save(&flash);
+  return flash.bytes;
 }
 
 }  // namespace
 
 bool begins_with_state(const Recording& session) { return session.device && !session.device->state.empty(); }
+
+void check_states(const std::vector<Recording>& sessions, const ReplayOptions& options) {
+  bool behind_state = false;
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    const Recording& session = sessions[i];
+    const std::string name = session.root.string();
+    const bool has_state = begins_with_state(session);
+    const bool begins_log = session.device && (i == 0 || !sessions[i - 1].device || sessions[i - 1].device->last);
+    if (begins_log && !has_state && behind_state)
+      throw InputError(name +
+                       ": begins without a state, behind a log that begins with one: expected logs in the order of "
+                       "time; with --without-state their data alone are replayed");
+    behind_state |= has_state;
+    if (i == 0 || !has_state) continue;
+    if (!options.calibrate)
+      throw InputError(name +
+                       ": begins with a state that calibrations made: expected --without-state beside "
+                       "--no-calibration, or this log alone");
+    restore_logged(session, make_core(options.profile, options.core).get());
+  }
+}
 
 void begin_device(const Recording& first, const ReplayOptions& options, Core* core) {
   if (begins_with_state(first)) return restore_logged(first, core);
@@ -28,14 +55,18 @@ void begin_device(const Recording& first, const ReplayOptions& options, Core* co
   if (state->profile != options.profile)
     throw InputError(name + ": saved with --profile " + state->profile + "; expected the same, found " +
                      options.profile);
-  restore(name, &state->flash, core);
+  try {
+    core->restore(&state->flash);
+  } catch (const InputError& error) {
+    throw InputError(name + ": " + error.what());
+  }
 }
 
-void expect_left_state(const Recording& session, const ReplayOptions& options, const Core& core) {
+void expect_left_state(const Recording& session, const ReplayOptions& options, Core* core) {
   if (!begins_with_state(session)) return;
-  const std::unique_ptr<Core> stored = make_core(options.profile, options.core);
-  restore_logged(session, stored.get());
-  if (stored->result_hash() == core.result_hash()) return;
+  const std::unique_ptr<Core> logged = make_core(options.profile, options.core);
+  restore_logged(session, logged.get());
+  if (stored(logged.get()) == stored(core)) return;
   throw InputError(session.root.string() +
                    ": begins with another state than the logs before it leave: expected the next log of the same "
                    "device, found one after a missing or torn log; replay it alone, from its own state");

@@ -145,7 +145,7 @@ void run_all(const std::vector<Recording>& sessions, const ReplayOptions& option
              Session* session) {
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     if (i > 0 || goes_on) core->new_session();
-    if (i > 0) expect_left_state(sessions[i], options, *core);
+    if (i > 0) expect_left_state(sessions[i], options, core);
     session->run(sessions[i], options.progress);
     const bool left_as_is = i + 1 < sessions.size() && begins_with_state(sessions[i + 1]);
     if (!left_as_is && calibrates_at_end(sessions[i])) {
@@ -185,6 +185,7 @@ ReplayResult replay_as_stated(const std::vector<Recording>& sessions, const Repl
   core_options.joint_ekf = options.joint_ekf;
   if (!options.calibrate) core_options.trigger_fraction = 0;
   std::unique_ptr<Core> core = make_core(options.profile, core_options);
+  check_states(sessions, options);
   begin_device(sessions.front(), options, core.get());
   ReplayResult out;
   out.noise = options.core.noise;

@@ -47,18 +47,6 @@ void take_device(const std::vector<Recording>& sessions, ReplayArguments* a) {
   a->replay.profile = device.profile;
 }
 
-/// The states that logs begin with, for who wants their data alone. With another calibration than the device's they
-/// cannot be used, and the user is told.
-void leave_states_out(bool told, std::vector<Recording>* sessions) {
-  for (Recording& session : *sessions) {
-    if (!session.device || session.device->state.empty()) continue;
-    session.device->state.clear();
-    if (told)
-      std::cerr << "segcal: " << session.root.string()
-                << ": the device's state that it begins with is left out, since --calib is given" << std::endl;
-  }
-}
-
 std::vector<Recording> sessions_of(ReplayArguments* a) {
   const bool log = is_device_log(a->recordings.front());
   if (log && a->calibration.empty()) {
@@ -66,12 +54,13 @@ std::vector<Recording> sessions_of(ReplayArguments* a) {
     a->cameras = static_cast<int>(front.calibration.cameras.size());
     a->replay.core.pixel_sigma = front.pixel_sigma;
   }
-  std::vector<Recording> sessions = read_sessions(a->recordings, a->cameras, a->smooth_stamps, a->stamp_exposure);
-  if (a->without_state) leave_states_out(false, &sessions);
-  if (log && a->calibration.empty()) {
+  const bool as_device = log && a->calibration.empty();
+  std::vector<Recording> sessions =
+      read_sessions(a->recordings, a->cameras, a->smooth_stamps, a->stamp_exposure,
+                    as_device && !a->without_state ? LoggedStates::kept : LoggedStates::left_out);
+  if (as_device) {
     take_device(sessions, a);
   } else {
-    leave_states_out(!a->without_state, &sessions);
     for (Recording& session : sessions) session.cameras.resize(static_cast<std::size_t>(a->cameras));
   }
   return sessions;

@@ -35,11 +35,15 @@ int erase(void* context, std::uint32_t block) {
 
 }  // namespace
 
-bool FlashImage::put(std::uint32_t block, std::uint32_t offset, std::string_view page) {
-  const std::size_t has = bytes.size() / kEraseBytes;
-  if (page.size() != kProgramBytes || offset % kProgramBytes != 0 || offset >= kEraseBytes || block > has) return false;
-  if (block == has) bytes.resize(std::max<std::size_t>(has + 1, kFewestBlocks) * kEraseBytes, '\xFF');
+bool FlashImage::append(std::uint32_t block, std::uint32_t offset, std::string_view page, std::int64_t* last) {
+  constexpr std::int64_t pages = kEraseBytes / kProgramBytes;
+  if (page.size() != kProgramBytes || offset % kProgramBytes != 0 || offset >= kEraseBytes) return false;
+  const std::int64_t at = pages * block + offset / kProgramBytes, next = *last + 1;
+  if (at != next && at != (next + pages - 1) / pages * pages) return false;
+  const std::size_t blocks = std::max<std::size_t>(std::size_t(block) + 1, kFewestBlocks);
+  if (bytes.size() < blocks * kEraseBytes) bytes.resize(blocks * kEraseBytes, '\xFF');
   std::memcpy(place(this, block, offset, kProgramBytes), page.data(), kProgramBytes);
+  *last = at;
   return true;
 }
 

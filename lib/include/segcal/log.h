@@ -22,7 +22,7 @@
  *
  * A log need not begin at segcal_create: where a session ends, and after segcal_restore, it may begin with the device's
  * state, and logs rotate. The state goes in before anything is fed, through the store (link segcal_store, and
- * include segcal/store.h), for which the log is a flash that nothing is read from:
+ * include segcal/store.h), for which the log is a flash. Meanwhile the device must not be fed:
  *
  *     segcal_flush(device);  ...
  *     segcal_log_end(&log);
@@ -32,8 +32,10 @@
  *     segcal_store_open(&store, &flash);    while (segcal_store_work(&store, 16) == 1) other_things();
  *     segcal_save(&store, device);          while ((answer = segcal_store_work(&store, 16)) == 1) other_things();
  *
- * With another answer than 0 the log has no whole state: segcal_log_begin again. Such a log replays alone, or behind
- * the one before it, to the device's bits.
+ * Until the save has answered 0, all calls of the log that follow answer SEGCAL_ERROR_STATE; with another answer begin
+ * the log again. Such a log replays alone, or behind the one before it, to the device's bits. What was asked for and
+ * has not begun (segcal_request_calibration) is not in a state: ask after the save. A device with joint_filter has no
+ * state that could be saved (SEGCAL_ERROR_CONFIG).
  *
  * segcal_background needs no mark: it changes when work is done. What was not done when it was due, segcal_log_fed
  * notes after the call that found it so. A flush in slices is marked as one when it begins. Keyframes of the user's own
@@ -82,6 +84,8 @@ typedef struct {
   uint32_t sequence;                            /* of the next block */
   uint32_t late;                                /* segcal_progress_t.late that the log has so far */
   uint32_t page_block, page_offset, page_bytes; /* of the device's state: what the block has of it */
+  uint32_t syncs;                               /* of the save under way: 2 when its state is whole */
+  int32_t awaits_state;                         /* 1: a state was announced and is not whole: no call may come */
   int32_t fed;                                  /* 1: the log has calls, behind which a state would come too late */
   int32_t failed; /* 1: the caller's function refused a block; nothing is written any more */
 } segcal_log_t;
@@ -90,9 +94,10 @@ typedef struct {
    All functions return SEGCAL_ERROR_STATE if the caller's function refused, now or earlier. */
 int segcal_log_begin(segcal_log_t* log, const segcal_config_t* config, uint8_t* block, size_t block_bytes,
                      segcal_log_write_t write, void* context);
-/* The flash by which the log takes the state of a device that was not fed since it was created, restored, or began a
-   session; see above. Valid until something is logged: from then on it answers that it cannot be reached, and reads as
-   erased but for the page that was programmed last. `log` and its block must stay. */
+/* The flash by which the log takes the state of `device`, and of no other, which was not fed since it was created,
+   restored, or began a session; see above. SEGCAL_ERROR_STATE if its odometry runs, or if the log has calls. `log` and
+   its block must stay. It is for one save: each page goes into the log and is read back from the block; all else reads
+   as erased. */
 int segcal_log_state(segcal_log_t* log, const segcal_t* device, segcal_flash_t* flash);
 int segcal_log_imu(segcal_log_t* log, const segcal_imu_t* sample);
 int segcal_log_tracks(segcal_log_t* log, int64_t t_ns, const segcal_point_t* points, int32_t n);

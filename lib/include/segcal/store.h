@@ -99,9 +99,10 @@ int segcal_save(segcal_store_t* store, segcal_t* device);
 /* Begins to restore what was saved last, into a device that was created with the same configuration and has not been
    fed. When segcal_store_work answers 0, the device goes on as if segcal_new_session had been called where the save was
    made (or was called: a save right after it is the same): the same data bring the same bits, at any address. Not
-   restored: the scores of watched effects, the segment scored last, links and ties of the last calibration.
-   SEGCAL_ERROR_STATE: the device was fed. Until then the device must not be used. After an error the store must be
-   opened again before anything is saved, so that what it refused is not overwritten by mistake. */
+   restored: what segcal_work_when_due says, which stays as it is, the scores of watched effects, the segment scored
+   last, links and ties of the last calibration. SEGCAL_ERROR_STATE: the device was fed. Until then the device must not
+   be used. After an error the store must be opened again before anything is saved, so that what it refused is not
+   overwritten by mistake. */
 int segcal_restore(segcal_store_t* store, segcal_t* device);
 
 #ifdef __cplusplus

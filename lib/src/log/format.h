@@ -15,7 +15,7 @@ constexpr unsigned char kLogMagic[kLogMagicBytes] = {0x89, 'S', 'C', 'L', 'G', '
 constexpr std::uint32_t kBlockMark = 0x4B4C4253u;  ///< "SBLK": where a reader finds on after damage
 constexpr std::size_t kBlockHead = 16, kBlockTail = 4;
 constexpr std::size_t kStateHead = 8;
-/// Of the flash that a device's state is written to: as small as any chip's, so that the last block is soon full.
+/// Of the flash that a device's state is written to.
 constexpr std::uint32_t kStateProgramBytes = 256, kStateEraseBytes = 4096;
 constexpr std::size_t kImuHead = 12, kImuSample = 32, kTracksHead = 12, kTrackPoint = 13;
 

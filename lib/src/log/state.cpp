@@ -12,7 +12,7 @@ constexpr std::uint32_t kStateBlocks = SEGCAL_STORAGE_BYTES / (kStateEraseBytes 
 
 segcal_log_t* log_of(void* context) { return static_cast<segcal_log_t*>(context); }
 
-bool takes_state(const segcal_log_t& log) { return !log.failed && !log.fed; }
+bool takes_state(const segcal_log_t& log) { return !log.failed && log.awaits_state; }
 
 int program(void* context, std::uint32_t block, std::uint32_t offset, const void* from, std::uint32_t n) {
   segcal_log_t* log = log_of(context);
@@ -33,7 +33,7 @@ int program(void* context, std::uint32_t block, std::uint32_t offset, const void
 int read(void* context, std::uint32_t block, std::uint32_t offset, void* to, std::uint32_t n) {
   const segcal_log_t& log = *log_of(context);
   const std::uint32_t from = offset - log.page_offset;  // wraps where it is before the page
-  const bool last = takes_state(log) && log.page_bytes >= n && block == log.page_block && from <= log.page_bytes - n;
+  const bool last = log.page_bytes >= n && block == log.page_block && from <= log.page_bytes - n;
   if (last) {
     std::memcpy(to, log.block + kBlockHead + kStateHead + from, n);
   } else {
@@ -42,9 +42,20 @@ int read(void* context, std::uint32_t block, std::uint32_t offset, void* to, std
   return 0;
 }
 
-int erase(void* context, std::uint32_t) { return takes_state(*log_of(context)) ? 0 : -1; }
+/// Each save begins with it.
+int erase(void* context, std::uint32_t) {
+  segcal_log_t* log = log_of(context);
+  log->syncs = 0;
+  return takes_state(*log) ? 0 : -1;
+}
 
-int sync(void* context) { return erase(context, 0); }
+/// A save syncs before the page that makes its state whole, and after it (docs/storage.md, "Saving").
+int sync(void* context) {
+  segcal_log_t* log = log_of(context);
+  if (!takes_state(*log)) return -1;
+  if (++log->syncs == 2) log->awaits_state = 0;
+  return 0;
+}
 
 }  // namespace
 }  // namespace SEGCAL_NS
@@ -56,7 +67,9 @@ extern "C" int segcal_log_state(segcal_log_t* log, const segcal_t* device, segca
   const int error = segcal_progress(device, &progress);
   if (!log || !log->write || !flash) return SEGCAL_ERROR_NULL;
   if (error != SEGCAL_OK) return error;
-  if (!takes_state(*log)) return SEGCAL_ERROR_STATE;
+  segcal_state_t running;
+  if (log->failed || log->fed || segcal_get_state(device, &running) == SEGCAL_OK) return SEGCAL_ERROR_STATE;
+  log->awaits_state = 1;
   log->late = progress.late;  // what was late before is not in this log
   *flash = {log, kStateProgramBytes, kStateEraseBytes, kStateBlocks, read, program, erase, sync};
   return SEGCAL_OK;

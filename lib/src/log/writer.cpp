@@ -27,10 +27,10 @@ int write_config(segcal_log_t* log, const segcal_config_t& config) {
   return out.fits() ? write_block(log, LogBlock::config, out.size()) : SEGCAL_ERROR_SIZE;
 }
 
-/// Behind it a state would come too late.
+/// Behind it a state would come too late; before an announced one is whole, it would be lost.
 int start_fed(segcal_log_t* log) {
-  const int error = start(log);
-  if (log) log->fed = 1;
+  const int error = log && log->awaits_state ? SEGCAL_ERROR_STATE : start(log);
+  if (error == SEGCAL_OK) log->fed = 1;
   return error;
 }
 
@@ -61,7 +61,7 @@ int segcal_log_imu(segcal_log_t* log, const segcal_imu_t* sample) {
       static_cast<std::int64_t>(static_cast<std::uint64_t>(sample->t_ns) - static_cast<std::uint64_t>(log->t0_ns));
   const bool room = kBlockHead + log->used + kImuSample + kBlockTail <= log->capacity;
   if (log->samples > 0 && (!room || dt > INT32_MAX || dt < INT32_MIN)) finish_samples(log);
-  if (log->failed) return SEGCAL_ERROR_STATE;
+  if (log->failed || log->awaits_state) return SEGCAL_ERROR_STATE;
   log->fed = 1;
   if (log->samples == 0) {
     log->t0_ns = sample->t_ns;

@@ -198,7 +198,9 @@ struct StoredFields {
 
   /// Before fields are taken: the device as created, whose results have the cameras and terms of the configuration.
   static void begin(Device<S>* d) {
+    const bool at_once = d->at_once_;  // no data: who calls the device decides it
     d->create(d->d_.options, d->d_.cold);
+    d->work_when_due(at_once);
     d->jobs_.report_ = CalibrationReport<S>{};
     d->jobs_.report_.theta = d->jobs_.report_.release.theta = d->theta_;
     for (Verdict& v : d->jobs_.report_.release.verdict) v = Verdict::fixed;
