@@ -24,7 +24,7 @@ int append(void* context, const void* bytes, std::size_t n) {
 }
 
 /// 24 s with a calibration of its own and one that is asked for; hashes each two seconds and at the end.
-Bytes log_of_device(int slices, bool noted, std::uint32_t* late) {
+Bytes log_of_device(int slices, bool noted, std::uint32_t* late, bool when_due = false) {
   static const SyntheticStream stream(7, 24);
   segcal_config_t config = SyntheticStream::config();
   config.keep_segments = 3;
@@ -37,6 +37,7 @@ Bytes log_of_device(int slices, bool noted, std::uint32_t* late) {
   segcal_t* device;
   segcal_log_begin(&log, &config, block.data(), block.size(), append, &out);
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, segcal_create(&device, &config, storage, room));
+  if (when_due) segcal_work_when_due(device, 1);
   for (std::size_t i = 0; i < stream.imu.size(); ++i) {
     segcal_log_imu(&log, &stream.imu[i]);
     segcal_push_imu(device, &stream.imu[i]);
@@ -92,11 +93,20 @@ void test_a_late_device_replays_to_its_bits() {
   }
 }
 
+/// Without any background, in calls that do what is due: nothing is late, a start in motion neither.
+void test_a_device_that_does_what_is_due() {
+  std::uint32_t late = 1;
+  const Bytes bytes = log_of_device(0, true, &late, true);
+  TEST_ASSERT_EQUAL_UINT(0, late);
+  TEST_ASSERT_EQUAL_INT(0, others(bytes));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   test::select_cases(argc - 1, argv + 1);
   UNITY_BEGIN();
   RUN_TEST(test_a_late_device_replays_to_its_bits);
+  RUN_TEST(test_a_device_that_does_what_is_due);
   return UNITY_END();
 }
