@@ -85,7 +85,7 @@ template <class S>
     forget();
     return collect(t_ns, points, n, imu);
   }
-  if (finish_start(imu) && !options_.late_start_at_once) ++statistics_.late_starts;  // else this call does it: in time
+  if (finish_start(imu)) ++statistics_.late_starts;
   starting_ = false;
   if (!motion_.succeeded()) {
     forget();  // what came meanwhile is missing between its frames and those to come
