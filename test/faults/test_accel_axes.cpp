@@ -51,11 +51,21 @@ void test_a_wrong_order_is_found_beside_a_bias() {
   TEST_ASSERT_TRUE(found[0].words.find("read as z x y") != std::string::npos);
 }
 
+/// Values that are not numbers are no force, and the search ends; neither where there is hardly anything else.
+void test_what_is_not_a_number_ends() {
+  host::Recording r = recording({0, 0, 1}, 0.3, {0, 0, 0.09});
+  for (std::size_t k = 0; k < r.imu.samples.size(); k += 500) r.imu.samples[k].accel[0] = std::nan("");
+  TEST_ASSERT_TRUE(faults(r).empty());
+  for (host::ImuSample& s : r.imu.samples) s.accel[1] = std::nan("");
+  TEST_ASSERT_TRUE(faults(r).empty());
+}
+
 }  // namespace
 
 int main() {
   UNITY_BEGIN();
   RUN_TEST(test_a_bias_is_no_wrong_order);
+  RUN_TEST(test_what_is_not_a_number_ends);
   RUN_TEST(test_a_wrong_order_is_found_beside_a_bias);
   return UNITY_END();
 }

@@ -29,6 +29,7 @@ class GravityWindows {
       Eigen::Vector3d f = Eigen::Vector3d::Zero();
       for (std::size_t i = k; i < k + block; ++i)
         f += Eigen::Vector3d(samples[i].accel[0], samples[i].accel[1], samples[i].accel[2]) / block;
+      if (!f.allFinite()) f = force_.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : force_.back();
       force_.push_back(f);
       t_.push_back(static_cast<double>(samples[k + block / 2].t_ns - samples.front().t_ns) * 1e-9);
     }
@@ -66,7 +67,7 @@ class GravityWindows {
         bias[i / 2] += i % 2 ? step : -step;
         if (std::abs(bias[i / 2] - start[i / 2]) > farthest_bias) continue;
         const double found = quantile(means(as_is, bias), 0.5);
-        if (found <= most) continue;
+        if (!(found > most)) continue;  // nor is what is not a number
         most = found;
         best = bias;
         moved = true;
