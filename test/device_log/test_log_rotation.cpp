@@ -154,6 +154,10 @@ void test_program_replays_a_log_with_a_state() {
   TEST_ASSERT_TRUE(as_it_was.out.find("\"begins_with_state\": true") != std::string::npos);
   TEST_ASSERT_EQUAL_INT(1, alone.code);
   TEST_ASSERT_TRUE(alone.out.find("begins_with_state") == std::string::npos);
+  // Other commands take its data alone, in which nothing is missing.
+  const Outcome diagnosed = run_program("diagnose " + log + " --out " + (folder.path() / "d").string(), folder.path());
+  TEST_ASSERT_EQUAL_INT_MESSAGE(0, diagnosed.code, diagnosed.err.c_str());
+  TEST_ASSERT_TRUE(diagnosed.err.find("state that it begins with is left out") != std::string::npos);
 }
 
 /// A session that left no log is missed although it changed no result; logs out of order would count twice.
