@@ -100,6 +100,19 @@ inline segcal_t* created(Storage* storage, const segcal_config_t& config) {
   return device;
 }
 
+/// A device behind its first session, and that session's log.
+struct AgedDevice {
+  Storage storage = Storage(0xA5);
+  segcal_t* device;
+  Writer first = Writer(rotating_config());
+
+  explicit AgedDevice(int slices) : device(created(&storage, rotating_config())) {
+    first.feed(device, 0, slices);
+    first.end(device, true);
+    segcal_new_session(device);
+  }
+};
+
 /// A log for each session: the first device lives through two, a second one is restored for the third, which does not
 /// calibrate at its end, and for the fourth.
 inline std::vector<Bytes> logs_of_devices(int slices) {

@@ -154,6 +154,13 @@ void test_program_replays_a_log_with_a_state() {
   TEST_ASSERT_TRUE(as_it_was.out.find("\"begins_with_state\": true") != std::string::npos);
   TEST_ASSERT_EQUAL_INT(1, alone.code);
   TEST_ASSERT_TRUE(alone.out.find("begins_with_state") == std::string::npos);
+  // Without their calibrations, logs before it cannot leave that state.
+  const std::string earlier = (folder.path() / "w.segcal").string();
+  write_text(earlier, std::string(quick_logs()[0].begin(), quick_logs()[0].end()));
+  const Outcome odometry = run_program(
+      "replay " + earlier + " " + log + " --no-calibration --out " + (folder.path() / "o").string(), folder.path());
+  TEST_ASSERT_EQUAL_INT(2, odometry.code);
+  TEST_ASSERT_TRUE(odometry.err.find("expected --without-state beside --no-calibration") != std::string::npos);
   // Other commands take its data alone, in which nothing is missing.
   const Outcome diagnosed = run_program("diagnose " + log + " --out " + (folder.path() / "d").string(), folder.path());
   TEST_ASSERT_EQUAL_INT_MESSAGE(0, diagnosed.code, diagnosed.err.c_str());
@@ -162,32 +169,24 @@ void test_program_replays_a_log_with_a_state() {
 
 /// A session that left no log is missed although it changed no result; logs out of order would count twice.
 void test_logs_are_in_order() {
-  const segcal_config_t c = rotating_config();
-  Storage storage(0xA5);
-  segcal_t* device = created(&storage, c);
-  Writer first(c), second(c);
-  first.feed(device, 0, 1000000);
-  first.end(device, true);
-  segcal_new_session(device);
-  segcal_new_session(device);
-  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, second.state(device));
-  second.feed(device, 1, 1000000);
-  second.end(device, true);
-  expect_refusal({first.bytes, second.bytes}, "begins with another state than the logs before it leave");
+  const AgedDevice aged(1000000);
+  const Bytes& first = aged.first.bytes;
+  segcal_new_session(aged.device);
+  Writer second(rotating_config());
+  TEST_ASSERT_EQUAL_INT(SEGCAL_OK, second.state(aged.device));
+  second.feed(aged.device, 1, 1000000);
+  second.end(aged.device, true);
+  expect_refusal({first, second.bytes}, "begins with another state than the logs before it leave");
   expect_bits(Id(), {second.bytes});
-  expect_refusal({second.bytes, first.bytes}, "begins without a state, behind a log that begins with one");
+  expect_refusal({second.bytes, first}, "begins without a state, behind a log that begins with one");
 }
 
 /// What a restored device does with work that is due is decided by who calls it, not by the restore: scores that were
 /// in time, before the first late one, are so in the replay.
 void test_work_is_late_behind_a_state_as_it_was() {
-  const segcal_config_t c = rotating_config();
-  Storage storage(0xA5);
-  segcal_t* device = created(&storage, c);
-  Writer first(c), second(c);
-  first.feed(device, 0, 3);
-  first.end(device, true);
-  segcal_new_session(device);
+  const AgedDevice aged(3);
+  segcal_t* const device = aged.device;
+  Writer second(rotating_config());
   TEST_ASSERT_EQUAL_INT(SEGCAL_OK, second.state(device));
   for (int s = 1; s < kSessions; ++s) {
     second.feed(device, s, 3);

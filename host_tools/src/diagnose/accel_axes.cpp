@@ -36,7 +36,8 @@ class GravityWindows {
     n_ = static_cast<std::size_t>(8 * recording.imu.noise.rate_hz) / block;
   }
 
-  bool enough() const { return n_ > 0 && force_.size() >= 2 * n_; }
+  /// Windows half over each other must move on: some 2.5 samples a second at the least.
+  bool enough() const { return n_ >= 2 && force_.size() >= 2 * n_; }
 
   /// The means' lengths over g, window by window, if the accelerometer's axes are P times what they are said to be: 1,
   /// if P and bias are right.
