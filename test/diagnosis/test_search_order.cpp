@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "../support/cases.h"
-#include "diagnose/catalogue.h"
+#include "diagnose/hypotheses.h"
 #include "diagnose/evidence.h"
 #include "diagnose/rivals.h"
 #include "linear_problem.h"

@@ -6,7 +6,7 @@
 
 #include "../support/cases.h"
 #include "../support/random.h"
-#include "diagnose/catalogue.h"
+#include "diagnose/hypotheses.h"
 #include "diagnose/diagnose.h"
 #include "diagnose/evidence.h"
 #include "diagnose/sensor_gap.h"

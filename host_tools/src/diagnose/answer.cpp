@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "diagnose/catalogue.h"
 #include "diagnose/chi_square.h"
 #include "diagnose/decision.h"
 #include "diagnose/exposure_offset.h"
@@ -67,9 +66,9 @@ std::string sentence_of(const DiagnosedEffect& e) {
   const DiagnosedParameter& p = e.parameters[i];
   const std::string value = in_words(p.value, p.sigma, p.unit);
   if (e.name == "time_offset") return "camera and gyroscope disagree by " + value + ": " + e.name;
-  if (e.name == exposure_effect) return kappa_in_words(p.value, p.sigma, 0);
+  if (e.name == kExposureOffset) return kappa_in_words(p.value, p.sigma, 0);
   const std::string most = e.parameters.size() > 1 ? "most in " + p.name.substr(p.name.find('.') + 1) + ", " : "";
-  return looks_like(e.name) + ", " + most + value + ": " + e.name;
+  return hypothesis(e.name).looks_like + (", " + most) + value + ": " + e.name;
 }
 
 std::string gap_words(const Diagnosis& d) {
@@ -150,17 +149,13 @@ DiagnosedEffect named(const Candidate& candidate, const Accepted& accepted, cons
 
 DiagnosedEffect named(const Shift& shift, const Accepted& accepted) {
   DiagnosedEffect out;
-  out.name = "calibration_shift";
+  out.name = kCalibrationShift;
   out.statistic = accepted.test.statistic;
   out.dof = accepted.test.seen;
   out.log10_p = std::min(0.0, accepted.test.log10_p + std::log10(std::max(1, shift.trials)));
   out.parameters.push_back({"calibration_shift.time", shift.time_s, shift.uncertainty_s, "s"});
   const std::string& block = shift.block.name;
-  const std::string end = block.substr(block.rfind('.') + 1);
-  const std::string unit = end == "r_CI" || end == "r_AI" ? "rad"
-                           : end == "p_CI"                ? "m"
-                           : end == "f" || end == "c"     ? "px"
-                                                          : "-";
+  const std::string unit = step_size(block).unit;
   for (int i = 0; i < shift.block.columns.count; ++i) {
     const std::string axis = i < 3 ? std::string(1, "xyz"[i]) : std::to_string(i);
     out.parameters.push_back(

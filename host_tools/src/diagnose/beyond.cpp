@@ -37,7 +37,7 @@ void Beyond::run(const Fit& fit) {
   for (const Open& o : open) selection_->leftover.take(o.chi2, in_words(o.term.term));
 }
 
-double Beyond::share() const { return decision::kDictionaryShare / static_cast<double>(dictionary_.size()); }
+double Beyond::share() const { return share_of(Kind::term) / static_cast<double>(dictionary_.size()); }
 
 /// Terms that are significant beside what was accepted, at the last fit, the most significant first.
 std::vector<Beyond::Open> Beyond::scan() {
@@ -90,7 +90,7 @@ Problem Beyond::problem_with(const std::vector<TermInfo>& candidates, bool in_pa
 }
 
 Candidate Beyond::candidate_at(std::size_t i, const TermInfo& term) const {
-  return {"unlisted", {static_cast<int>(evidence_->taken().size() + i), 1}, {term.size}, share()};
+  return {kUnlisted, {static_cast<int>(evidence_->taken().size() + i), 1}, {term.size}, share(), Kind::term};
 }
 
 /// What was accepted.
@@ -107,7 +107,8 @@ void Beyond::add(const TermInfo& term) {
     return t.term.kind == term.term.kind && t.term.a == term.term.a && t.term.b == term.term.b &&
            t.term.c == term.term.c;
   }));
-  selection_->candidates.push_back({"unlisted", {static_cast<int>(terms_->size()), 1}, {term.size}, share()});
+  selection_->candidates.push_back(
+      {kUnlisted, {static_cast<int>(terms_->size()), 1}, {term.size}, share(), Kind::term});
   terms_->push_back(term);
   start_->push_back(0);
   selection_->accepted.push_back({static_cast<int>(selection_->candidates.size()) - 1, {}});

@@ -83,7 +83,7 @@ void print_table(const Diagnosis& d) {
 /// Of stamps and exposures, found or stated; 0: none.
 double kappa_of(const DiagnoseArguments& a, const Diagnosis& d) {
   for (const ModelTerm& t : d.model)
-    if (t.effect == diagnosis::exposure_effect) return t.parameter.value;
+    if (t.effect == diagnosis::kExposureOffset) return t.parameter.value;
   return a.stamp_exposure.value_or(0);
 }
 
@@ -91,7 +91,7 @@ double kappa_of(const DiagnoseArguments& a, const Diagnosis& d) {
 void print_next(const DiagnoseArguments& a, const Diagnosis& d) {
   if (!d.judged || d.model.empty()) return;
   const double kappa = kappa_of(a, d);
-  const bool more = d.model.size() > 1 || d.model.front().effect != diagnosis::exposure_effect;
+  const bool more = d.model.size() > 1 || d.model.front().effect != diagnosis::kExposureOffset;
   const std::string model = more ? " --model " + (std::filesystem::path(a.out) / "model.yaml").string() : "";
   std::string replay = "segcal replay";
   for (const std::string& r : a.recordings) replay += " " + r;

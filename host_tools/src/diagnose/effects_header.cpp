@@ -48,14 +48,14 @@ void write_terms(const std::vector<ModelTerm>& model, std::ostringstream& out) {
 std::vector<ModelTerm> of_core(const std::vector<ModelTerm>& model) {
   std::vector<ModelTerm> out;
   for (const ModelTerm& t : model)
-    if (t.effect != diagnosis::exposure_effect) out.push_back(t);
+    if (t.effect != diagnosis::kExposureOffset) out.push_back(t);
   return out;
 }
 
 /// That is done where images are pushed.
 void write_kappa(const Diagnosis& d, std::ostringstream& out) {
   for (const ModelTerm& t : d.model) {
-    if (t.effect != diagnosis::exposure_effect) continue;
+    if (t.effect != diagnosis::kExposureOffset) continue;
     out << "/* Push each image at its stamp plus this times its exposure; +- " << number(t.parameter.sigma)
         << ". */\n#define SEGCAL_STAMP_EXPOSURE " << number(t.parameter.value) << "\n\n";
   }

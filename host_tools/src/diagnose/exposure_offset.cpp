@@ -14,7 +14,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int host_only = -1;  // no kind of the core's
-constexpr double plausible_kappa = 0.5;
 
 /// Columns [.. | k | ..], and under them a row that k alone has; k counted from zero.
 Rows inserted(const Rows& rows, int place, const VectorXd& k, double below, double kappa) {
@@ -40,14 +39,19 @@ double nearest_to(const Exposures& exposures, std::int64_t t_ns) {
 
 int place_of(const SearchedModel& model) {
   for (std::size_t c = 0; c < model.candidates.size(); ++c)
-    if (model.candidates[c].name == exposure_effect) return static_cast<int>(c);
+    if (model.candidates[c].kind == Kind::exposure) return static_cast<int>(c);
   return -1;
 }
 
 }  // namespace
 
 TermInfo exposure_term() {
-  return {{host_only, 0, 0, 0}, exposure_effect, -1, std::string(exposure_effect) + ".kappa", "-", plausible_kappa};
+  return {{host_only, 0, 0, 0},
+          kExposureOffset,
+          -1,
+          std::string(kExposureOffset) + ".kappa",
+          "-",
+          hypothesis(kExposureOffset).size};
 }
 
 ExposureColumn exposure_column(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated,
@@ -55,7 +59,7 @@ ExposureColumn exposure_column(const std::vector<TermInfo>& terms, const std::ve
   ExposureColumn out;
   for (std::size_t i = 0; i < terms.size(); ++i) {
     if (terms[i].effect == "time_offset") out.of = static_cast<int>(i);
-    if (terms[i].effect != exposure_effect) continue;
+    if (terms[i].effect != kExposureOffset) continue;
     out.at = static_cast<int>(i);
     out.kappa = estimated[i] ? start[i] : 0;
   }
@@ -116,13 +120,17 @@ void add_exposure_column(const std::vector<double>& exposure_s, ExposureColumn* 
 
 void add_exposure_offset(SearchedModel* model) {
   for (Candidate& c : model->candidates)
-    if (c.share == decision::kCatalogueShare) c.share = decision::kShareWithExposures;
-  Candidate candidate{exposure_effect, {static_cast<int>(model->terms.size()), 1}, {plausible_kappa}};
-  candidate.share = decision::kShareWithExposures;
+    if (c.kind == Kind::effect) c.share = share_of(Kind::effect, true);
+  const TermInfo kappa = exposure_term();
+  Candidate candidate{kExposureOffset,
+                      {static_cast<int>(model->terms.size()), 1},
+                      {kappa.size},
+                      share_of(Kind::exposure, true),
+                      Kind::exposure};
   for (const Candidate& c : model->candidates)
     if (c.name == "time_offset") candidate.beside = {c.columns};
   model->candidates.push_back(candidate);
-  model->terms.push_back(exposure_term());
+  model->terms.push_back(kappa);
   model->start.push_back(0);
 }
 
@@ -130,18 +138,18 @@ std::string kappa_in_words(double kappa, double sigma, double stated) {
   const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(sigma))), 1, 4);
   return formatted("an image's stamp and the middle of its exposure are %.*f +- %.1g of the exposure apart", digits,
                    kappa, sigma) +
-         (stated != 0 ? formatted(", of which %.3g was stated: ", stated) : std::string(": ")) + exposure_effect;
+         (stated != 0 ? formatted(", of which %.3g was stated: ", stated) : std::string(": ")) + kExposureOffset;
 }
 
 void count_kappa_from_recording(double added, Diagnosis* out) {
   for (DiagnosedEffect& e : out->effects) {
-    if (e.name != exposure_effect) continue;
+    if (e.name != kExposureOffset) continue;
     DiagnosedParameter& p = e.parameters.front();
     p.value += added;
     e.words = kappa_in_words(p.value, p.sigma, added);
   }
   for (ModelTerm& t : out->model)
-    if (t.effect == exposure_effect) t.parameter.value += added;
+    if (t.effect == kExposureOffset) t.parameter.value += added;
   conclude(out);
 }
 

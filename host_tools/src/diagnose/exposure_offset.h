@@ -18,8 +18,6 @@
 
 namespace host::diagnosis {
 
-constexpr const char* exposure_effect = "exposure_offset";
-
 /// Where its column stands among the terms, and at which kappa the stamps are.
 struct ExposureColumn {
   int at = -1;  ///< -1: it is no candidate

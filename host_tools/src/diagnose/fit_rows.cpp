@@ -18,23 +18,15 @@ MatrixXd unpacked(const CoreRows& rows) {
 std::vector<Block> blocks_of(const Calibration& calibration) {
   std::vector<Block> out;
   int at = 0;
-  const auto add = [&out, &at](const std::string& name, int count, double size) {
-    out.push_back({name, {at, count}, std::vector<double>(count, size)});
+  const auto add = [&out, &at](const std::string& of, const StepSize& s, int count) {
+    out.push_back({of + s.block, {at, count}, std::vector<double>(count, s.size)});
     at += count;
   };
   for (std::size_t c = 0; c < calibration.cameras.size(); ++c) {
-    const std::string cam = "cam" + std::to_string(c) + ".";
-    add(cam + "r_CI", 3, 0.05);
-    add(cam + "p_CI", 3, 0.03);
-    add(cam + "f", 2, 10);
-    add(cam + "c", 2, 10);
-    add(cam + "distortion", calibration.cameras[c].model == DistortionModel::fov ? 1 : 4, 0.03);
+    const int lens = calibration.cameras[c].model == DistortionModel::fov ? 1 : 4;
+    for (const StepSize& s : camera_step_sizes()) add("cam" + std::to_string(c) + ".", s, s.count > 0 ? s.count : lens);
   }
-  add("gyro.s", 3, 0.02);
-  add("gyro.m", 3, 0.02);
-  add("accel.s", 3, 0.03);
-  add("accel.m", 3, 0.03);
-  add("accel.r_AI", 3, 0.03);
+  for (const StepSize& s : imu_step_sizes()) add("", s, s.count);
   return out;
 }
 

@@ -4,11 +4,8 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <set>
 
 #include "diagnose/answer.h"
-#include "diagnose/catalogue.h"
-#include "diagnose/exposure_offset.h"
 
 namespace host::diagnosis {
 namespace {
@@ -26,29 +23,23 @@ void tell_sensors(const std::array<SensorGap, kSensors>& gaps, Diagnosis* out) {
   }
 }
 
-enum class Family { lens, timing, gyro, accel, none };
-
-/// What an effect is about. A gyroscope that is late looks like a camera that is early: time_offset counts with both.
-std::set<Family> families_of(const std::string& effect, const CoreTerm& term) {
-  if (effect == "time_offset") return {Family::timing, Family::gyro};
-  if (effect == "rolling_shutter" || effect == exposure_effect) return {Family::timing};
-  if (effect == "gyro_lag") return {Family::gyro};
-  if (effect == "accel_axis_offset") return {Family::accel};
-  if (effect == "calibration_shift") return {Family::none};
-  return {term.kind < 3 ? Family::gyro : term.kind < 6 ? Family::accel : Family::lens};
+/// What an effect with a name, or a term without one, is about.
+unsigned about(const std::string& effect, const CoreTerm& term) {
+  if (effect != kUnlisted) return hypothesis(effect).about;
+  return term.kind < 3 ? of_gyro : term.kind < 6 ? of_accel : of_lens;
 }
 
 /// Whose effects would make residuals follow this. A turn, and a moment other than the stated one, shift an image and
 /// do not zoom it: above and below the middle its radial parts are opposite. What is radial and follows anything is the
 /// lens, as one whose focus moves with the force on it.
-std::set<Family> families_behind(const Structure& s) {
-  if (s.axis == "radial") return {Family::lens};
+unsigned families_behind(const Structure& s) {
+  if (s.axis == "radial") return of_lens;
   const auto begins = [&s](const char* words) { return s.against.rfind(words, 0) == 0; };
-  if (begins("force")) return {Family::accel};
+  if (begins("force")) return of_accel;
   if (begins("image motion") || begins("image line") || begins("rate") || begins("change of rate"))
-    return {Family::gyro, Family::timing};
-  if (begins("image") || begins("distance")) return {Family::lens};
-  return {};
+    return of_gyro | of_timing;
+  if (begins("image") || begins("distance")) return of_lens;
+  return of_nothing;
 }
 
 std::string why_no_name(const Gap& gap, const Leftover& leftover, bool closes) {
@@ -71,7 +62,7 @@ std::vector<bool> confirmed_effects(const Selection& s, const std::vector<Fold>&
   std::vector<bool> out;
   for (std::size_t i = 0; i < s.accepted.size(); ++i) {
     const std::string& name = s.candidates[s.accepted[i].candidate].name;
-    out.push_back(name == "unlisted" || told.has(name) || folds_confirm(s, folds, i));
+    out.push_back(name == kUnlisted || told.has(name) || folds_confirm(s, folds, i));
   }
   return out;
 }
@@ -90,29 +81,28 @@ class Report {
  public:
   Report(const HeldOut& held_out, Diagnosis* out) : h_(held_out), out_(out) {
     for (const Accepted& a : h_.selection.accepted) {
-      if (candidate(a).name != "unlisted") continue;
-      for (Family f : families_of("", first_term(a))) nameless_[f] += a.test.statistic;
+      if (candidate(a).kind == Kind::term) nameless_[about(kUnlisted, first_term(a))] += a.test.statistic;
     }
   }
 
   bool has_catalogue() const {
     return std::any_of(h_.selection.accepted.begin(), h_.selection.accepted.end(),
-                       [this](const Accepted& a) { return candidate(a).name != "unlisted"; });
+                       [this](const Accepted& a) { return candidate(a).kind != Kind::term; });
   }
 
   /// `refused`: why nothing gets a name; empty: it does.
   void add(std::size_t i, const std::string& refused) {
     const Accepted& a = h_.selection.accepted[i];
-    const bool step = candidate(a).name == "calibration_shift";
+    const bool step = candidate(a).kind == Kind::step;
     DiagnosedEffect effect = step ? named(h_.selection.shift, a) : named(candidate(a), a, h_.terms);
     effect.gap_closed = std::clamp(
         held_out_gap_of(h_.selection.problem, h_.selection.candidates, h_.selection.accepted, i).closed(), 0.0, 1.0);
     if (!refused.empty()) {
-      out_->rejected.push_back({effect.name == "unlisted" ? effect.words : effect.name, refused});
+      out_->rejected.push_back({effect.name == kUnlisted ? effect.words : effect.name, refused});
       return;
     }
     if (!step) add_to_model(a, effect);
-    if (!step && effect.name != "unlisted") take_back_name(a, &effect);
+    if (!step && effect.name != kUnlisted) take_back_name(a, &effect);
     find_pairs(a, &effect);
     out_->effects.push_back(effect);
   }
@@ -133,20 +123,19 @@ class Report {
   /// else: the radial and tangential parts of a lens that is decentred in a way that neither says. It keeps its name
   /// only if it explains nine tenths of what both do; it stays in the model in any case.
   void take_back_name(const Accepted& a, DiagnosedEffect* effect) {
-    for (Family f : families_of(effect->name, first_term(a))) {
-      const auto other = nameless_.find(f);
-      if (other == nameless_.end() || a.test.statistic >= decision::kNamesFrom * (a.test.statistic + other->second))
-        continue;
+    for (const auto& [family, statistic] : nameless_) {
+      if ((about(effect->name, first_term(a)) & family) == 0) continue;
+      if (a.test.statistic >= decision::kNamesFrom * (a.test.statistic + statistic)) continue;
       out_->rejected.push_back(
           {effect->name, "it is needed, but only beside a term without a name in the same sensor"});
       effect->words = "unlisted effect, of which " + effect->name + " is a part";
-      effect->name = "unlisted";
+      effect->name = kUnlisted;
       return;
     }
   }
 
   void find_pairs(const Accepted& a, DiagnosedEffect* effect) const {
-    if (effect->name == "unlisted") return;
+    if (effect->name == kUnlisted) return;
     for (const Pair& pair : h_.selection.pairs) {
       if (pair.accepted != a.candidate) continue;
       effect->or_else.push_back(h_.selection.candidates[pair.other].name);
@@ -156,7 +145,7 @@ class Report {
 
   const HeldOut& h_;
   Diagnosis* out_;
-  std::map<Family, double> nameless_;  ///< statistics of terms without a name
+  std::map<unsigned, double> nameless_;  ///< statistics of terms without a name
 };
 
 }  // namespace
@@ -191,17 +180,13 @@ void refuse_where_structure_is_left(const std::vector<Structure>& left, Diagnosi
   for (const DiagnosedEffect& e : out->effects) sum += e.statistic;
   for (const Structure& s : left) {
     if (s.log10_p >= decision::kLog10StructureLeft) continue;
-    const std::set<Family> behind = families_behind(s);
+    const unsigned behind = families_behind(s);
     const double says = -2 * std::log(10.0) * s.log10_p;  // twice the logarithm of its odds, as a statistic is
-    const auto refused = [&behind, says, out](const DiagnosedEffect& e) {
+    const auto refused = [behind, says, out](const DiagnosedEffect& e) {
       if (says <= decision::kMostRest * e.statistic) return false;
       const auto term =
           std::find_if(out->model.begin(), out->model.end(), [&e](const ModelTerm& t) { return t.effect == e.name; });
-      if (term == out->model.end()) return false;
-      for (Family f : families_of(e.name, term->term)) {
-        if (behind.count(f) > 0) return true;
-      }
-      return false;
+      return term != out->model.end() && (about(e.name, term->term) & behind) != 0;
     };
     for (std::size_t i = out->effects.size(); i-- > 0;) {
       const DiagnosedEffect e = out->effects[i];

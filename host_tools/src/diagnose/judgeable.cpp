@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "diagnose/catalogue.h"
+#include "diagnose/hypotheses.h"
 
 namespace host::diagnosis {
 namespace {

@@ -13,7 +13,7 @@ Leftover leftover_of(const Selection& selection) {
   std::vector<TermGroup> free;
   std::vector<bool> asked;  // of a step that was dropped the columns are gone
   for (std::size_t i = 0; i < selection.alone.size(); ++i) {
-    asked.push_back(selection.alone[i].seen > 0 && selection.candidates[i].name != "calibration_shift");
+    asked.push_back(selection.alone[i].seen > 0 && selection.candidates[i].kind != Kind::step);
   }
   for (const Accepted& a : selection.accepted) {
     free.push_back(selection.candidates[a.candidate].columns);

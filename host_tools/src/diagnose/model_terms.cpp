@@ -4,20 +4,12 @@
 
 namespace host::diagnosis {
 
-namespace {
-
-bool is_of_temperature(const SEGCAL_NS::Term& t) {
-  return t.of_warm_camera() || (t.of_imu() && t.a == static_cast<int>(SEGCAL_NS::Signal::warmth));
-}
-
-}  // namespace
-
 Catalogue core_catalogue(bool has_temperature) {
   using namespace SEGCAL_NS;
   Catalogue out;
   for (int e = 0; e < kEffects; ++e) {
     const EffectEntry& entry = effect_entry(e);
-    if (!has_temperature && is_of_temperature(effect_term(e, 0))) continue;
+    if (!has_temperature && hypothesis(entry.name).asks == Asks::temperature) continue;
     out.candidates.push_back(
         {entry.name, {static_cast<int>(out.terms.size()), entry.n}, std::vector<double>(entry.n, entry.prior_sigma)});
     for (int i = 0; i < entry.n; ++i) {

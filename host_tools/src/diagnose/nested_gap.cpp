@@ -41,7 +41,7 @@ std::vector<Candidate> open_candidates(const Selection& selection) {
   for (std::size_t i = 0; i < selection.candidates.size(); ++i) {
     const bool accepted = std::any_of(selection.accepted.begin(), selection.accepted.end(),
                                       [i](const Accepted& a) { return a.candidate == static_cast<int>(i); });
-    if (accepted || selection.candidates[i].name != "calibration_shift") out.push_back(selection.candidates[i]);
+    if (accepted || selection.candidates[i].kind != Kind::step) out.push_back(selection.candidates[i]);
   }
   return out;
 }

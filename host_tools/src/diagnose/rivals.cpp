@@ -40,7 +40,7 @@ std::vector<int> rivals_of(const Problem& problem, const std::vector<Candidate>&
   std::vector<int> out;
   const EffectTest as_it_is = test_effect(problem, candidates[accepted], others);
   for (int b : open) {
-    if (candidates[b].name == "unlisted") continue;
+    if (candidates[b].kind == Kind::term) continue;
     const EffectTest instead = test_effect(problem, candidates[b], others);
     if (instead.seen == 0 || !called(instead.log10_p, candidates[b].share)) continue;
     std::vector<TermGroup> with_b = others;

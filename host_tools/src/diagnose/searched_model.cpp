@@ -39,7 +39,7 @@ void SearchedModel::begin_with(const CoreOptions& given) {
   }
   for (const CoreTerm& term : given.terms) {
     terms.push_back(term_info(term));
-    candidates.push_back({"unlisted", {static_cast<int>(terms.size()) - 1, 1}, {terms.back().size}, 1});
+    candidates.push_back({kUnlisted, {static_cast<int>(terms.size()) - 1, 1}, {terms.back().size}, 1, Kind::term});
     start.push_back(0);
     take(candidates.size() - 1);
   }
@@ -87,7 +87,7 @@ std::vector<bool> SearchedModel::columns_of(const std::vector<int>& accepted) co
 bool SearchedModel::lens_has_no_name(const Selection& selection) const {
   return std::any_of(selection.accepted.begin(), selection.accepted.end(), [this, &selection](const Accepted& a) {
     const Candidate& c = selection.candidates[a.candidate];
-    return c.name == "unlisted" && terms[c.columns.first].term.kind >= static_cast<int>(SEGCAL_NS::TermKind::image_u);
+    return c.kind == Kind::term && terms[c.columns.first].term.kind >= static_cast<int>(SEGCAL_NS::TermKind::image_u);
   });
 }
 

@@ -20,6 +20,7 @@
 
 #include "diagnose/budget.h"
 #include "diagnose/decision.h"
+#include "diagnose/hypotheses.h"
 #include "diagnose/rows.h"
 
 namespace host::diagnosis {
@@ -27,9 +28,10 @@ namespace host::diagnosis {
 struct Candidate {
   std::string name;
   TermGroup columns;
-  std::vector<double> size;                  ///< plausible magnitude of each parameter
-  double share = decision::kCatalogueShare;  ///< of the recording's error level
-  std::vector<TermGroup> beside = {};        ///< what it must show beside, to be told from it
+  std::vector<double> size;               ///< plausible magnitude of each parameter
+  double share = share_of(Kind::effect);  ///< of the recording's error level
+  Kind kind = Kind::effect;
+  std::vector<TermGroup> beside = {};  ///< what it must show beside, to be told from it
 };
 
 /// Is p, of one look, below what a hypothesis of this share has of the recording's error level?

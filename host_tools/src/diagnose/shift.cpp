@@ -66,7 +66,8 @@ EffectTest trial(const Problem& problem, const Sums& sums, std::size_t k, const 
   one.prior = problem.prior;
   one.all = sum_of({&before, &after});
   one.noise = noise;
-  return test_effect(one, {"", {0, block.columns.count}, block.size, decision::kStepsShare}, {});
+  return test_effect(one, {kCalibrationShift, {0, block.columns.count}, block.size, share_of(Kind::step), Kind::step},
+                     {});
 }
 
 /// |residual|^2 of the fit to these rows.
@@ -144,7 +145,7 @@ Problem with_shift(const Problem& problem, const Shift& shift) {
   return out;
 }
 
-double share_of(const Shift& shift) { return decision::kStepsShare / std::max(1, shift.trials); }
+double share_of(const Shift& shift) { return share_of(Kind::step) / std::max(1, shift.trials); }
 
 bool step_holds(const Problem& with, const Candidate& candidate, const Shift& shift,
                 const std::vector<TermGroup>& free) {
@@ -156,7 +157,7 @@ bool step_holds(const Problem& with, const Candidate& candidate, const Shift& sh
 
 Candidate shift_candidate(const Problem& shifted, const Shift& shift) {
   const int first = shifted.all.columns() - shifted.n_theta - shift.block.columns.count;
-  return {"calibration_shift", {first, shift.block.columns.count}, shift.block.size, decision::kStepsShare};
+  return {kCalibrationShift, {first, shift.block.columns.count}, shift.block.size, share_of(Kind::step), Kind::step};
 }
 
 }  // namespace host::diagnosis

@@ -104,7 +104,7 @@ std::string number(const char* format, double value) {
 
 /// kappa is told roughly: an exposure changes within a segment, and only stamps that were moved know that.
 std::string remedy(const Candidate& c, const EffectTest& test) {
-  if (c.name != exposure_effect) return "--enable " + c.name;
+  if (c.kind != Kind::exposure) return "--enable " + c.name;
   return "about " + number("--stamp-exposure %.1f", test.value(0)) + "; segcal diagnose tells it well";
 }
 
@@ -152,7 +152,7 @@ void ask_for_exposures(Core& core, const ReplayResult& result, const std::vector
     if (result.result.parameters[i].name == "time_offset.t_d") column.of = static_cast<int>(i) - problem.n_theta;
   add_exposure_column(exposure_s, &column, &problem);
   asked.terms.push_back(exposure_term());
-  Candidate c{exposure_effect, {column.at, 1}, {asked.terms.back().size}};
+  Candidate c{kExposureOffset, {column.at, 1}, {asked.terms.back().size}, share_of(Kind::exposure), Kind::exposure};
   if (column.at > 0) c.beside = {{0, column.at}};
   asks_for(problem, asked, c, trials, result, out);
 }
