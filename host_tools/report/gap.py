@@ -3,6 +3,7 @@
 import figures
 import numpy as np
 import plotly.graph_objects as go
+import twin_page
 import words
 from page import attempt, document, drawn, heading, joined, note, section, table
 from page import headline as box
@@ -191,7 +192,7 @@ def scores(diagnosis):
     return section("Score statistics", table(("effect", "statistic", "dof", "log10 p"), rows), remark) if rows else ""
 
 
-def render(name, diagnosis, data):
+def render(name, diagnosis, data, twin):
     return document(
         name, heading(f"segcal diagnose: {name}"),
         headline(diagnosis),
@@ -202,6 +203,7 @@ def render(name, diagnosis, data):
         drawn("Worst track, error ten times as large", track, data),
         drawn("Worst window: whitened IMU residuals", imu_windows, data),
         causes(data),
+        twin_page.twin_section(twin),
         listed("Rejected", diagnosis.get("rejected")),
         listed("Cannot tell from this motion", diagnosis.get("cannot_tell")),
         scores(diagnosis))

@@ -71,7 +71,8 @@ def diagnosis_page(folder, name):
     import gap
     diagnosis = read_json(folder / "diagnosis.json", required=True)
     check_diagnosis(diagnosis, folder / "diagnosis.json")
-    return gap.render(name, diagnosis, read_json(folder / "diagnosis_data.json", required=False))
+    return gap.render(name, diagnosis, read_json(folder / "diagnosis_data.json", required=False),
+                      read_json(folder / "twin.json", required=False))
 
 
 def allan_page(folder, name):

@@ -84,6 +84,8 @@ struct Diagnosis {
   std::vector<double> where_after;         ///< correlation that is left with the effects, one per entry of `where`
   std::vector<NotNamed> rejected, cannot_tell;
   std::vector<CandidateScore> scores;
+  /// With a step of the calibration: from the fit's values, which are a mean, to those before it, of the step's block.
+  std::vector<double> before_step;
   std::vector<ModelTerm> model;  ///< effects by bit, then terms of the dictionary
   ImuNoise noise;                ///< with the factors that were found
   double pixel_sigma = 0.5;      ///< px, with the factor that was found
@@ -99,9 +101,11 @@ struct Diagnosis {
 /// Throws InputError where a recording cannot be used at all.
 Diagnosis diagnose(const std::vector<Recording>& sessions, const DiagnoseOptions& options);
 
-/// diagnosis.json, model.yaml, segcal_effects.h, diagnosis_data.json (what the report draws).
+/// diagnosis.json, model.yaml, segcal_effects.h, diagnosis_data.json (what the report draws); `beside`: names and texts
+/// of further files of the same run.
 void write_diagnosis(const std::filesystem::path& folder, const Diagnosis& diagnosis,
-                     const std::vector<Recording>& sessions);
+                     const std::vector<Recording>& sessions,
+                     const std::vector<std::pair<std::string, std::string>>& beside = {});
 std::string diagnosis_json(const Diagnosis& diagnosis);
 
 }  // namespace host

@@ -16,13 +16,14 @@
 #include "replay/model_file.h"
 #include "replay/replay_clocks.h"
 #include "replay/sessions.h"
+#include "twin/twin_report.h"
 
 namespace host {
 namespace {
 
 struct DiagnoseArguments {
   std::vector<std::string> recordings;
-  std::string calibration, model, out;
+  std::string calibration, model, out, twin;
   int cameras = 1;
   bool json = false, smooth_stamps = false;
   std::optional<double> stamp_exposure;
@@ -105,6 +106,8 @@ void print_next(const DiagnoseArguments& a, const Diagnosis& d) {
               (std::filesystem::path(a.out) / "replay").string().c_str());
   std::printf("      segcal simulate --out twin%s%s   a device with the same departure from the model\n", model.c_str(),
               kappa != 0 ? formatted(" --effect exposure_offset=%.3g", kappa).c_str() : "");
+  if (a.twin.empty())
+    std::printf("      the same command with --twin DIR   how much nearer a simulation with it comes to the measurement\n");
   std::printf("      segcal report %s   draws where the model and the measurements disagreed\n", a.out.c_str());
 }
 
@@ -121,6 +124,7 @@ void expect_temperature(const EffectChoice& model, const std::vector<Recording>&
 
 int run(DiagnoseArguments a) {
   expect_output_folder(a.out, "diagnose");
+  if (!a.twin.empty()) expect_output_folder(a.twin, "simulate", true);
   const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras, a.smooth_stamps, a.stamp_exposure);
   a.diagnose.stamp_exposure = a.stamp_exposure.value_or(0);
   a.diagnose.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
@@ -135,12 +139,19 @@ int run(DiagnoseArguments a) {
   }
   a.diagnose.progress = show_progress;
   const Diagnosis d = diagnose(sessions, a.diagnose);
-  write_diagnosis(a.out, d, sessions);
+  twin::Comparison twin;
+  std::vector<std::pair<std::string, std::string>> beside;
+  if (!a.twin.empty()) {
+    twin = twin::compare_with_twin(sessions.front(), d, a.diagnose, a.twin);
+    beside.emplace_back("twin.json", twin::as_json(twin));
+  }
+  write_diagnosis(a.out, d, sessions, beside);
   if (isatty(STDERR_FILENO)) std::cerr << "\n";
   if (a.json) {
     std::cout << diagnosis_json(d) << std::endl;
   } else {
     print_table(d);
+    if (!a.twin.empty()) std::fputs(twin::as_table(twin).c_str(), stdout);
     print_next(a, d);
   }
   return d.judged && d.verdict != "unexplained" ? 0 : 1;
@@ -178,10 +189,15 @@ void add_diagnose_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(-1.0, 1.0));
   sub->add_flag("--accept-faults", a->diagnose.accept_faults,
                 "continue when the samples themselves are faulty (bad_data); the faults are still reported");
+  sub->add_option(
+         "--twin", a->twin,
+         "simulate the recording's twin, the same motion and corners, without effects and with those that were "
+         "found; say how much nearer it comes to the measurement, and leave it in this folder as a recording")
+      ->type_name("DIR");
   sub->add_flag("--json", a->json, "print diagnosis.json on standard output");
   sub->footer(R"(Example:
   segcal simulate --out late --scenario rich --seconds 60 --seed 1 --effect time_offset=0.003
-  segcal diagnose late --out d && segcal report d
+  segcal diagnose late --out d --twin twin && segcal report d
 
 Verdicts: consistent, nothing is missing; explained, the named effects close the gap; partly_explained, some of it stays
 open; unexplained, something is missing that has no name here: `where` says in which sensor and what it follows; bad_data,

@@ -160,7 +160,8 @@ std::string diagnosis_data_json(const Diagnosis& d, const std::vector<Recording>
   return json.dump();
 }
 
-void write_diagnosis(const std::filesystem::path& folder, const Diagnosis& d, const std::vector<Recording>& sessions) {
+void write_diagnosis(const std::filesystem::path& folder, const Diagnosis& d, const std::vector<Recording>& sessions,
+                     const std::vector<std::pair<std::string, std::string>>& beside) {
   OutputRun run(folder, "diagnose");
   const ReplayResult& last = d.fit_after.kept.empty() ? d.fit_before : d.fit_after;
   if (!last.calibration.cameras.empty()) {
@@ -171,6 +172,7 @@ void write_diagnosis(const std::filesystem::path& folder, const Diagnosis& d, co
              model_yaml(d.model.empty() ? d.fit_before : last));  // what got no name is not in it
   write_file(folder / "segcal_effects.h", effects_header(d));
   write_file(folder / "diagnosis_data.json", diagnosis_data_json(d, sessions));
+  for (const auto& [name, text] : beside) write_file(folder / name, text);
   write_file(folder / "diagnosis.json", diagnosis_json(d) + "\n");
   run.finish();
 }

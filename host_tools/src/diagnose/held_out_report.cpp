@@ -101,6 +101,7 @@ class Report {
       out_->rejected.push_back({effect.name == kUnlisted ? effect.words : effect.name, refused});
       return;
     }
+    if (step) tell_before_step();
     if (!step) add_to_model(a, effect);
     if (!step && effect.name != kUnlisted) take_back_name(a, &effect);
     find_pairs(a, &effect);
@@ -110,6 +111,16 @@ class Report {
  private:
   const Candidate& candidate(const Accepted& a) const { return h_.selection.candidates[a.candidate]; }
   const CoreTerm& first_term(const Accepted& a) const { return h_.terms[candidate(a).columns.first].term; }
+
+  /// Theta with the step and all other effects free, counted from the fit.
+  void tell_before_step() {
+    const Problem& p = h_.selection.problem;
+    std::vector<TermGroup> groups;
+    for (const Accepted& a : h_.selection.accepted) groups.push_back(candidate(a).columns);
+    const Eigen::VectorXd x = solve(with_groups(with_prior(p.all, p.prior), p.n_theta, groups)).x;
+    const TermGroup& block = h_.selection.shift.block.columns;
+    out_->before_step.assign(x.data() + block.first, x.data() + block.first + block.count);
+  }
 
   void add_to_model(const Accepted& a, const DiagnosedEffect& effect) {
     const TermGroup& g = candidate(a).columns;

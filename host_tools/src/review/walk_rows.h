@@ -1,5 +1,5 @@
 // A finished calibration's residuals once more, with what each would say of a step in the biases' walk
-// (docs/diagnosis.md, section 9).
+// (docs/diagnosis.md, section 10).
 #pragma once
 
 #include <Eigen/SparseCholesky>

@@ -109,10 +109,12 @@ std::optional<Eigen::Vector2d> project(const CameraCalibration& camera, const Ei
   if (!d) return std::nullopt;
   const Eigen::Vector2d pixel(camera.intrinsics[0] * d->x() + camera.intrinsics[2],
                               camera.intrinsics[1] * d->y() + camera.intrinsics[3]);
-  const bool inside = pixel.x() >= border_px && pixel.x() <= camera.width - 1 - border_px &&  //
-                      pixel.y() >= border_px && pixel.y() <= camera.height - 1 - border_px;
-  if (!inside) return std::nullopt;
-  return pixel;
+  return is_inside(camera, pixel, border_px) ? std::optional(pixel) : std::nullopt;
+}
+
+bool is_inside(const CameraCalibration& camera, const Eigen::Vector2d& pixel, double border_px) {
+  return pixel.x() >= border_px && pixel.x() <= camera.width - 1 - border_px &&  //
+         pixel.y() >= border_px && pixel.y() <= camera.height - 1 - border_px;
 }
 
 std::optional<Eigen::Vector3d> bearing_of(const CameraCalibration& camera, const Eigen::Vector2d& pixel) {

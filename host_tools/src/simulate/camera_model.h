@@ -12,6 +12,8 @@ namespace host::sim {
 /// axis than the model is valid for (80 degrees; equidistant 100; radtan 60 and only while the distorted radius grows
 /// with the true one), or within `border_px` of the image's edge.
 std::optional<Eigen::Vector2d> project(const CameraCalibration& camera, const Eigen::Vector3d& p_C, double border_px);
+/// At least border_px from the edge; negative: at most so far outside.
+bool is_inside(const CameraCalibration& camera, const Eigen::Vector2d& pixel, double border_px);
 
 /// The way back: the unit vector in C that a raw pixel looks along. Empty where the model has none within 88 degrees of
 /// the axis (radtan 75, and only while the distorted radius grows with the true one; equidistant 100).

@@ -9,7 +9,8 @@
 namespace host::sim {
 namespace {
 
-constexpr double border_px = 3;  // so that noise does not carry a corner out of the image
+constexpr double border_px = 3;    // so that noise does not carry a corner out of the image
+constexpr double beyond_px = 200;  // where a lens may still bring points into the image that its model has outside
 constexpr std::size_t grid_columns = 8, grid_rows = 6;
 
 /// Counts tracks per cell of the image, so that new ones fill the empty places first.
@@ -42,15 +43,18 @@ CameraSimulator::CameraSimulator(const CameraCalibration& camera, std::size_t in
       warm_up_(warm_up),
       choices_(seed, Stream::tracks),
       noise_(seed, Stream::pixels),
-      in_use_(scene.size(), false) {}
+      in_use_(scene.size(), false) {
+  const bool moves = std::any_of(effects.begin(), effects.end(), [](const auto& e) { return e->moves_pixels(); });
+  ideal_border_px_ = moves ? -beyond_px : border_px;
+}
 
 std::optional<Eigen::Vector2d> CameraSimulator::project_from(const CameraCalibration& camera, const BodyState& state,
-                                                             const Eigen::Vector3d& landmark_G) const {
+                                                             const Eigen::Vector3d& landmark_G, double border) const {
   const Eigen::Vector3d p_I = state.R_GI.transpose() * (landmark_G - state.p_GI);
   const Eigen::Vector3d p_C = camera.R_CI * p_I + camera.p_CI;
   const double distance = p_C.norm();
   if (distance < options_.depth.near || distance > options_.depth.far) return std::nullopt;
-  return project(camera, p_C, border_px);
+  return project(camera, p_C, border);
 }
 
 CameraCalibration CameraSimulator::camera_at(double t) const {
@@ -63,17 +67,17 @@ CameraCalibration CameraSimulator::camera_at(double t) const {
 /// line: two rounds are plenty, the motion during the read-out is small.
 std::optional<Eigen::Vector2d> CameraSimulator::observe(const BodyState& state, double t,
                                                         const Eigen::Vector3d& landmark_G) const {
-  if (effects_.empty()) return project_from(camera_, state, landmark_G);
+  if (effects_.empty()) return project_from(camera_, state, landmark_G, border_px);
   const CameraCalibration camera = camera_at(t);
-  std::optional<Eigen::Vector2d> pixel = project_from(camera, state, landmark_G);
+  std::optional<Eigen::Vector2d> pixel = project_from(camera, state, landmark_G, ideal_border_px_);
   for (int round = 0; round < 3 && pixel; ++round) {
     double t_exposed = t;
     for (const auto& effect : effects_) t_exposed = effect->exposure_time(camera, t_exposed, camera.line_of(*pixel));
-    pixel = project_from(camera, truth_.at(t_exposed), landmark_G);
+    pixel = project_from(camera, truth_.at(t_exposed), landmark_G, ideal_border_px_);
   }
   if (!pixel) return pixel;
   for (const auto& effect : effects_) effect->on_pixel(camera, t, *pixel);
-  return pixel;
+  return is_inside(camera, *pixel, border_px) ? pixel : std::nullopt;
 }
 
 std::vector<TrackPoint> CameraSimulator::next_frame(double t, std::uint32_t& next_track_id) {
@@ -166,7 +170,10 @@ void CameraSimulator::start_tracks(double t, std::uint32_t& next_track_id, std::
 }
 
 void CameraSimulator::start_track(const Sighting& sighting, std::uint32_t id, std::vector<TrackPoint>& points) {
-  const int life = choices_.integer(options_.shortest, options_.longest);
+  const std::vector<int>& lives = options_.lives;
+  const int life = lives.empty()
+                       ? choices_.integer(options_.shortest, options_.longest)
+                       : lives[static_cast<std::size_t>(choices_.integer(0, static_cast<int>(lives.size()) - 1))];
   tracks_.push_back({id, sighting.landmark, life - 1, sighting.pixel, {0, 0}});
   in_use_[sighting.landmark] = true;
   points.push_back(measured(tracks_.back()));

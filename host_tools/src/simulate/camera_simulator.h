@@ -16,8 +16,9 @@ namespace host::sim {
 struct TrackOptions {
   int count = 60;                  ///< tracks alive at a time, as far as the view offers them
   int shortest = 6, longest = 45;  ///< life span of a track, frames
-  double pixel_noise_px = 0.5;     ///< white, standard deviation per axis
-  double walk_px_per_sqrt_s = 0;   ///< of a random walk along each track, per axis
+  std::vector<int> lives = {};    ///< life spans to draw from, as often as they are listed; empty: evenly between these
+  double pixel_noise_px = 0.5;    ///< white, standard deviation per axis
+  double walk_px_per_sqrt_s = 0;  ///< of a random walk along each track, per axis
   DepthRange depth;
 };
 
@@ -61,7 +62,7 @@ class CameraSimulator {
 
   std::optional<Eigen::Vector2d> observe(const BodyState& state, double t, const Eigen::Vector3d& landmark_G) const;
   std::optional<Eigen::Vector2d> project_from(const CameraCalibration& camera, const BodyState& state,
-                                              const Eigen::Vector3d& landmark_G) const;
+                                              const Eigen::Vector3d& landmark_G, double border) const;
   CameraCalibration camera_at(double t) const;
   bool stays_visible(std::size_t landmark) const;
   std::vector<Sighting> free_sightings(double t);
@@ -80,6 +81,7 @@ class CameraSimulator {
   TrackOptions options_;
   double period_;
   WarmUp warm_up_;
+  double ideal_border_px_ = 0;  ///< how far from the edge the ideal pixel must be; negative: it may lie outside
   Random choices_, noise_;
   std::vector<Track> tracks_;
   const CameraSimulator* first_camera_ = nullptr;

@@ -74,6 +74,9 @@ class Effect {
   /// Moves an ideal pixel to where the real lens puts it. `t` in s since the first frame.
   virtual void on_pixel(const CameraCalibration&, double /*t*/, Eigen::Vector2d& /*pixel*/) const {}
 
+  /// Does it? What is ideally outside of the image may be inside then.
+  virtual bool moves_pixels() const { return false; }
+
   /// What has become of the device by then: a shock, another temperature.
   virtual void on_camera_calibration(const CameraMoment&, CameraCalibration&) const {}
   virtual void on_imu_calibration(double /*t, s*/, ImuCalibration&) const {}

@@ -35,6 +35,7 @@ class RadialResidual : public Effect {
   explicit RadialResidual(double k) : k_(k) {}
   EffectTruth truth() const override { return {"radial_residual", {{"k", k_, "-"}}}; }
   void on_pixel(const CameraCalibration& camera, double t, Eigen::Vector2d& pixel) const override;
+  bool moves_pixels() const override { return true; }
 
  private:
   double k_;
@@ -47,6 +48,7 @@ class TangentialResidual : public Effect {
   TangentialResidual(double p1, double p2) : p1_(p1), p2_(p2) {}
   EffectTruth truth() const override { return {"tangential_residual", {{"p1", p1_, "-"}, {"p2", p2_, "-"}}}; }
   void on_pixel(const CameraCalibration& camera, double t, Eigen::Vector2d& pixel) const override;
+  bool moves_pixels() const override { return true; }
 
  private:
   double p1_, p2_;

@@ -61,6 +61,7 @@ class DecentredDistortion : public Effect {
     return {"outside:decentred_distortion", {{"k", k_, "-"}, {"cx", centre_.x(), "-"}, {"cy", centre_.y(), "-"}}};
   }
   void on_pixel(const CameraCalibration& camera, double t, Eigen::Vector2d& pixel) const override;
+  bool moves_pixels() const override { return true; }
 
  private:
   double k_;

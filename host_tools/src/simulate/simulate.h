@@ -12,6 +12,7 @@
 #include "../recording.h"
 #include "camera_simulator.h"
 #include "imu_simulator.h"
+#include "replica.h"
 #include "trajectory.h"
 
 namespace host {
@@ -37,6 +38,8 @@ struct SimulationOptions {
   std::optional<sim::WarmUp> temperature;  ///< of the IMU; empty: recorded only if an effect needs it
   std::filesystem::path trajectory_file;   ///< recorded poses to follow instead of `scenario`; empty: none
   std::filesystem::path imu_file;          ///< real IMU samples instead of simulated ones, needs `trajectory_file`
+  std::optional<sim::Replica> replica;     ///< motion, scene and device of a recording; scenario and seed of the device
+                                           ///< then count for nothing
 };
 
 /// The truth at one moment.

@@ -39,21 +39,37 @@ Eigen::Vector3d angles_from_rotation(const Eigen::Matrix3d& R) {
   return {std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))};
 }
 
-Trajectory::Trajectory(Spline position, Spline angles, const Eigen::Matrix3d& R_reference)
-    : position_(std::move(position)), angles_(std::move(angles)), R_reference_(R_reference) {}
+Trajectory::Trajectory(Spline position, Spline q_vector, Spline q_scalar)
+    : position_(std::move(position)),
+      q_vector_(std::move(q_vector)),
+      q_scalar_(std::move(q_scalar)),
+      has_quaternion_(true) {}
 
 Trajectory::Trajectory(double t0, double step, const std::vector<MotionSample>& samples)
     : position_(spline_of(t0, step, samples, &MotionSample::position)),
       angles_(spline_of(t0, step, samples, &MotionSample::roll_pitch_yaw)) {}
 
+/// As the splines have it, not of unit length.
+Eigen::Quaterniond Trajectory::quaternion(double t, int order) const {
+  const Eigen::Vector3d v = q_vector_.evaluate(t, order);
+  return {q_scalar_.evaluate(t, order).x(), v.x(), v.y(), v.z()};
+}
+
 BodyState Trajectory::at(double t) const {
-  const Eigen::Vector3d angles = angles_.evaluate(t, 0);
   BodyState state;
-  state.R_GI = rotation_from_angles(angles) * R_reference_;
   state.p_GI = position_.evaluate(t, 0);
   state.v_GI = position_.evaluate(t, 1);
   state.a_GI = position_.evaluate(t, 2);
-  state.w_GI = R_reference_.transpose() * rate_from_angles(angles, angles_.evaluate(t, 1));
+  if (has_quaternion_) {
+    // With q = Q / |Q|: w = 2 vec(q* dq/dt), to which the part of dq/dt along Q adds nothing.
+    const Eigen::Quaterniond Q = quaternion(t, 0);
+    state.R_GI = Q.normalized().toRotationMatrix();
+    state.w_GI = 2 * (Q.conjugate() * quaternion(t, 1)).vec() / Q.squaredNorm();
+    return state;
+  }
+  const Eigen::Vector3d angles = angles_.evaluate(t, 0);
+  state.R_GI = rotation_from_angles(angles);
+  state.w_GI = rate_from_angles(angles, angles_.evaluate(t, 1));
   return state;
 }
 

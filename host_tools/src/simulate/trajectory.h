@@ -1,7 +1,7 @@
 // The true motion: position and attitude as smooth functions of time, with exact rates and accelerations.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "spline.h"
@@ -23,13 +23,14 @@ struct MotionSample {
   Eigen::Vector3d roll_pitch_yaw = Eigen::Vector3d::Zero();  ///< rad; R = Rz(yaw) Ry(pitch) Rx(roll) R_reference
 };
 
-/// R_GI(t) = Rz(yaw) Ry(pitch) Rx(roll) R_reference. The map from angles to attitude
-/// and rate is smooth everywhere, so large tilts are no trouble; only the way back
-/// from attitude to angles would be singular, and a simulation goes forward.
+/// R_GI(t) = Rz(yaw) Ry(pitch) Rx(roll) in scenarios: the map from angles to attitude and rate is smooth everywhere,
+/// and only the way back would be singular. Where a motion was recorded, R_GI(t) is that of a quaternion whose four
+/// numbers are splines, q / |q|: no attitude is singular.
 class Trajectory {
  public:
   Trajectory() = default;
-  Trajectory(Spline position, Spline angles, const Eigen::Matrix3d& R_reference = Eigen::Matrix3d::Identity());
+  /// `q_scalar`: w in the first of its three numbers.
+  Trajectory(Spline position, Spline q_vector, Spline q_scalar);
   /// Samples at t0 + k * step, s.
   Trajectory(double t0, double step, const std::vector<MotionSample>& samples);
 
@@ -39,8 +40,10 @@ class Trajectory {
   double last_time() const { return position_.last_time(); }
 
  private:
-  Spline position_, angles_;
-  Eigen::Matrix3d R_reference_ = Eigen::Matrix3d::Identity();
+  Eigen::Quaterniond quaternion(double t, int order) const;
+
+  Spline position_, angles_, q_vector_, q_scalar_;
+  bool has_quaternion_ = false;
 };
 
 /// Rz(yaw) Ry(pitch) Rx(roll).

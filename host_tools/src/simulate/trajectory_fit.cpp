@@ -14,18 +14,10 @@ namespace {
 
 constexpr double longest_step = 0.1;       // s between poses, above it is a hole
 constexpr double shortest_recording = 3;   // s
-constexpr double steepest_pitch = 1.48;    // rad, 85 degrees
 constexpr double roughness_weight = 1e-3;  // per pose weight of 1; decides in holes only
 
-struct Poses {
-  std::vector<double> t;  ///< s since the first
-  std::vector<Eigen::Vector3d> p;
-  std::vector<Eigen::Matrix3d> R;
-  std::int64_t first_ns = 0;
-};
-
-Poses read_poses(const std::filesystem::path& file) {
-  Poses poses;
+PoseSeries read_poses(const std::filesystem::path& file) {
+  PoseSeries poses;
   CsvReader csv(file, "timestamp [ns], p_x, p_y, p_z [m], q_w, q_x, q_y, q_z (, more)", 8, 64);
   while (csv.next_row()) {
     const std::int64_t t_ns = csv.integer(0);
@@ -35,29 +27,38 @@ Poses read_poses(const std::filesystem::path& file) {
     const Eigen::Quaterniond q(csv.number(4), csv.number(5), csv.number(6), csv.number(7));
     if (!(std::abs(q.norm() - 1) < 0.01)) csv.fail("a quaternion of unit length");
     poses.t.push_back(t);
-    poses.p.emplace_back(csv.number(1), csv.number(2), csv.number(3));
-    poses.R.push_back(q.normalized().toRotationMatrix());
+    poses.p_GI.emplace_back(csv.number(1), csv.number(2), csv.number(3));
+    poses.R_GI.push_back(q.normalized().toRotationMatrix());
   }
-  if (poses.t.back() < shortest_recording) csv.fail("at least 3 s of poses");
   return poses;
 }
 
-/// Angles of R R_reference^T, without jumps of a full turn.
-std::vector<Eigen::Vector3d> unwrapped_angles(const Poses& poses, const Eigen::Matrix3d& R_reference,
-                                              const std::filesystem::path& file) {
-  std::vector<Eigen::Vector3d> angles;
-  for (const Eigen::Matrix3d& R : poses.R) {
-    Eigen::Vector3d now = angles_from_rotation(R * R_reference.transpose());
-    if (std::abs(now.y()) > steepest_pitch)
-      throw InputError(file.string() + ": the device tilts by more than 85 degrees, which this fit cannot follow");
-    if (!angles.empty())
-      for (int i : {0, 2}) now[i] -= two_pi * std::round((now[i] - angles.back()[i]) / two_pi);
-    angles.push_back(now);
+/// Quaternions without jumps of their sign.
+std::vector<Eigen::Quaterniond> quaternions(const PoseSeries& poses) {
+  std::vector<Eigen::Quaterniond> out;
+  for (const Eigen::Matrix3d& R : poses.R_GI) {
+    Eigen::Quaterniond q(R);
+    if (!out.empty() && q.dot(out.back()) < 0) q.coeffs() *= -1;
+    out.push_back(q);
   }
-  return angles;
+  return out;
 }
 
-/// Least squares of the poses, and a very small weight on third differences that bridges holes.
+void measure_fit(const PoseSeries& poses, FittedTrajectory& fit) {
+  double p2 = 0, r2 = 0;
+  for (std::size_t k = 0; k < poses.t.size(); ++k) {
+    const BodyState state = fit.trajectory.at(poses.t[k]);
+    p2 += (state.p_GI - poses.p_GI[k]).squaredNorm();
+    r2 += std::pow(Eigen::AngleAxisd(Eigen::Matrix3d(state.R_GI.transpose() * poses.R_GI[k])).angle(), 2);
+    if (k > 0 && poses.t[k] - poses.t[k - 1] > longest_step) fit.holes.push_back({poses.t[k - 1], poses.t[k]});
+  }
+  const auto n = static_cast<double>(poses.t.size());
+  fit.position_rms_m = std::sqrt(p2 / n);
+  fit.rotation_rms_rad = std::sqrt(r2 / n);
+}
+
+}  // namespace
+
 Spline fit_spline(const std::vector<double>& t, const std::vector<Eigen::Vector3d>& values, double step) {
   const double t0 = -2 * step;
   const auto n = static_cast<Eigen::Index>(std::ceil(t.back() / step)) + 6;
@@ -87,31 +88,23 @@ Spline fit_spline(const std::vector<double>& t, const std::vector<Eigen::Vector3
   return Spline(t0, step, std::move(control_points));
 }
 
-void measure_fit(const Poses& poses, FittedTrajectory& fit) {
-  double p2 = 0, r2 = 0;
-  for (std::size_t k = 0; k < poses.t.size(); ++k) {
-    const BodyState state = fit.trajectory.at(poses.t[k]);
-    p2 += (state.p_GI - poses.p[k]).squaredNorm();
-    r2 += std::pow(Eigen::AngleAxisd(Eigen::Matrix3d(state.R_GI.transpose() * poses.R[k])).angle(), 2);
-    if (k > 0 && poses.t[k] - poses.t[k - 1] > longest_step) fit.holes.push_back({poses.t[k - 1], poses.t[k]});
+FittedTrajectory fit_trajectory(const PoseSeries& poses, const std::string& of, double knot_step) {
+  if (poses.t.empty() || poses.t.back() < shortest_recording) throw InputError(of + ": expected at least 3 s of poses");
+  std::vector<Eigen::Vector3d> vector, scalar;
+  for (const Eigen::Quaterniond& q : quaternions(poses)) {
+    vector.push_back(q.vec());
+    scalar.emplace_back(q.w(), 0, 0);
   }
-  const auto n = static_cast<double>(poses.t.size());
-  fit.position_rms_m = std::sqrt(p2 / n);
-  fit.rotation_rms_rad = std::sqrt(r2 / n);
-}
-
-}  // namespace
-
-FittedTrajectory fit_trajectory(const std::filesystem::path& file, double knot_step) {
-  const Poses poses = read_poses(file);
-  const Eigen::Matrix3d R_reference = poses.R[poses.R.size() / 2];
-  const std::vector<Eigen::Vector3d> angles = unwrapped_angles(poses, R_reference, file);
   FittedTrajectory fit;
   fit.first_pose_ns = poses.first_ns;
-  fit.trajectory =
-      Trajectory(fit_spline(poses.t, poses.p, knot_step), fit_spline(poses.t, angles, knot_step), R_reference);
+  fit.trajectory = Trajectory(fit_spline(poses.t, poses.p_GI, knot_step), fit_spline(poses.t, vector, knot_step),
+                              fit_spline(poses.t, scalar, knot_step));
   measure_fit(poses, fit);
   return fit;
+}
+
+FittedTrajectory fit_trajectory(const std::filesystem::path& file, double knot_step) {
+  return fit_trajectory(read_poses(file), file.string(), knot_step);
 }
 
 }  // namespace host::sim

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "trajectory.h"
@@ -22,10 +23,24 @@ struct FittedTrajectory {
   double rotation_rms_rad = 0;
 };
 
+/// Poses of the IMU, in order of time.
+struct PoseSeries {
+  std::int64_t first_ns = 0;
+  std::vector<double> t;  ///< s since the first
+  std::vector<Eigen::Vector3d> p_GI;
+  std::vector<Eigen::Matrix3d> R_GI;
+};
+
+/// Least squares of the values, and a very small weight on third differences that bridges holes; a knot each `step`, s,
+/// from t = 0 on.
+Spline fit_spline(const std::vector<double>& t, const std::vector<Eigen::Vector3d>& values, double step);
+
+/// Fits quintic splines with a knot each `knot_step`, s: 0.1 keeps motion up to about 3 Hz, 0.05 up to about 6 Hz.
+/// `of`: where the poses are from, for messages. Throws InputError for less than 3 s of poses.
+FittedTrajectory fit_trajectory(const PoseSeries& poses, const std::string& of, double knot_step);
+
 /// Reads a groundtruth.csv (timestamp [ns], p_xyz [m], q_wxyz, more columns ignored) and fits
-/// quintic splines with a knot each `knot_step`, s: 0.1 keeps motion up to about 3 Hz, 0.05
-/// up to about 6 Hz. Throws InputError for a malformed file, stamps that do not increase,
-/// less than 3 s of poses, or a tilt of 85 degrees away from the attitude in the middle.
+/// them. Throws InputError for a malformed file or stamps that do not increase, too.
 FittedTrajectory fit_trajectory(const std::filesystem::path& file, double knot_step);
 
 }  // namespace host::sim

@@ -1,0 +1,139 @@
+#include "twin/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "diagnose/residuals.h"
+#include "diagnose/structure.h"
+#include "replay/track_residuals.h"
+
+namespace host::twin {
+namespace {
+
+using diagnosis::Structure;
+
+constexpr std::size_t kMostCauses = 4;
+constexpr double kAll = 1e9;  ///< log10 p: structure of every kind
+
+/// Sums over the tracks of one segment: squares, and products of points `lag` keyframes apart.
+struct TrackSums {
+  double square = 0, count = 0, product = 0, square_of_pairs = 0;
+};
+
+TrackSums sums_of(const CoreKept& kept, const CoreModel& model, std::size_t lag) {
+  TrackSums out;
+  for (const auto& [key, track] : tracks_of_segment(kept)) {
+    const std::vector<Eigen::Vector2d> r = residuals_px(track, model);
+    for (std::size_t i = 0; i < r.size(); ++i) {
+      out.square += 0.5 * r[i].squaredNorm();
+      out.count += 1;
+      if (i + lag >= r.size()) continue;
+      out.product += r[i].dot(r[i + lag]);
+      out.square_of_pairs += 0.5 * (r[i].squaredNorm() + r[i + lag].squaredNorm());
+    }
+  }
+  return out;
+}
+
+TrackSums sum(const std::vector<TrackSums>& parts, std::size_t without) {
+  TrackSums out;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i == without) continue;
+    out.square += parts[i].square;
+    out.count += parts[i].count;
+    out.product += parts[i].product;
+    out.square_of_pairs += parts[i].square_of_pairs;
+  }
+  return out;
+}
+
+struct Figure {
+  double value = 0, sigma = 0;
+};
+
+/// Of all segments, with the jackknife over them.
+Figure over_segments(const ReplayResult& fit, std::size_t lag, const std::function<double(const TrackSums&)>& of) {
+  std::vector<TrackSums> parts;
+  for (const CoreKept& k : fit.kept) parts.push_back(sums_of(k, fit.model, lag));
+  Figure out{of(sum(parts, parts.size())), 0};
+  double mean = 0, square = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const double one = of(sum(parts, i));
+    mean += one / static_cast<double>(parts.size());
+    square += one * one;
+  }
+  const auto n = static_cast<double>(parts.size());
+  if (n > 1) out.sigma = std::sqrt(std::max(0.0, (square - n * mean * mean) * (n - 1) / n));
+  return out;
+}
+
+double rms_px(const TrackSums& s) { return s.count > 0 ? std::sqrt(s.square / s.count) : 0; }
+double autocorrelation(const TrackSums& s) { return s.square_of_pairs > 0 ? s.product / s.square_of_pairs : 0; }
+
+Figure density(const SensorNoise& noise) { return {noise.factor * noise.stated, noise.sigma * noise.stated}; }
+
+std::vector<Structure> structure_of(const Recording& session, const Diagnosis& d) {
+  const ReplayResult& fit = d.fit_before;
+  return find_structure(diagnosis::residual_lists(fit.kept, fit.model, fit.calibration, {session.imu}), kAll,
+                        diagnosis::kCauses);
+}
+
+/// Without the sign: what is no straight line has none (diagnose/structure.h).
+std::string words_of(const Structure& s) { return s.sensor + " " + s.axis + " follows " + s.against; }
+double size_of(const Structure& s) { return std::abs(s.correlation); }
+
+/// A correlation's own chance, from the probability that chance alone makes one as large: twice the logarithm of that
+/// is the square of its sigmas.
+double sigma_of(const Structure& s) {
+  const double squared = -2 * std::log(10.0) * s.log10_p;
+  return squared > 1 ? size_of(s) / std::sqrt(squared) : size_of(s);
+}
+
+void add(const char* name, const char* unit, const Figure& f, std::vector<Statistic>* out) {
+  out->push_back({name, unit, f.value, f.sigma, 0, 0});
+}
+
+/// All but what residuals follow.
+std::vector<Statistic> plain_statistics(const Diagnosis& d) {
+  std::vector<Statistic> out;
+  add("corners: residual with the plain model", "px", over_segments(d.fit_before, 1, rms_px), &out);
+  add("corners: autocorrelation, next keyframe", "-", over_segments(d.fit_before, 1, autocorrelation), &out);
+  add("corners: autocorrelation, fifth keyframe", "-", over_segments(d.fit_before, 5, autocorrelation), &out);
+  add("excess of the camera", "-", {d.before.camera, d.gap_sigma.camera}, &out);
+  add("excess of the gyroscope", "-", {d.before.gyro, d.gap_sigma.gyro}, &out);
+  add("excess of the accelerometer", "-", {d.before.accel, d.gap_sigma.accel}, &out);
+  add("gyroscope: noise of the samples", "rad/s/sqrt(Hz)", density(d.raw_noise.gyro), &out);
+  add("accelerometer: noise of the samples", "m/s^2/sqrt(Hz)", density(d.raw_noise.accel), &out);
+  return out;
+}
+
+}  // namespace
+
+std::vector<Statistic> statistics_of(const Diagnosis& found) {
+  std::vector<Statistic> out = plain_statistics(found);
+  for (std::size_t i = 0; i < std::min(kMostCauses, found.where.size()); ++i) {
+    const Structure& s = found.where[i];
+    out.push_back({words_of(s), "-", size_of(s), sigma_of(s), 0, 0});
+  }
+  return out;
+}
+
+std::vector<double> same_of(const std::vector<Statistic>& statistics, const Recording& session,
+                            const Diagnosis& other) {
+  const std::vector<Statistic> own = plain_statistics(other);
+  const std::vector<Structure> structure = structure_of(session, other);
+  std::vector<double> out;
+  for (std::size_t i = 0; i < statistics.size(); ++i) {
+    if (i < own.size()) {
+      out.push_back(own[i].measured);
+      continue;
+    }
+    const auto same = std::find_if(structure.begin(), structure.end(),
+                                   [&](const Structure& s) { return words_of(s) == statistics[i].name; });
+    out.push_back(same == structure.end() ? 0 : size_of(*same));
+  }
+  return out;
+}
+
+}  // namespace host::twin
