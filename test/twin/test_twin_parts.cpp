@@ -116,6 +116,7 @@ void test_effects_as_the_simulator_takes_them() {
              {{"calibration_shift.time", 12}, {"calibration_shift.cam0.c.x", 3}, {"calibration_shift.cam0.c.y", -1}}),
       effect("unlisted", {{"gyro_x:fy*wz", 1}}), effect("gyro_lag", {{"gyro_lag.tau", -0.001}}),
       effect("imu_noise", {{"gyro_noise.factor", 7}})};
+  found.pixels.factor = 0.8;  // of 0.5 px; nothing says that tracks drift
   found.raw_noise.gyro.factor = 2;
   found.raw_noise.gyro.verdict = host::SensorNoise::Verdict::above;
   found.raw_noise.accel.factor = 9;  // motion fills the band: not known
@@ -124,10 +125,11 @@ void test_effects_as_the_simulator_takes_them() {
   plain.replica->poses.first_ns = session.recording.cameras.front().frames.front().t_ns + 2'000'000'000;
   host::twin::Comparison said;
   const host::SimulationOptions with = host::twin::with_effects(plain, session.recording, found, options, &said);
-  TEST_ASSERT_EQUAL_INT(3, static_cast<int>(said.effects.size()));
+  TEST_ASSERT_EQUAL_INT(4, static_cast<int>(said.effects.size()));
   TEST_ASSERT_EQUAL_STRING("time_offset=0.003", said.effects[0].c_str());
   TEST_ASSERT_EQUAL_STRING("calibration_shift=cam0.c,10,3,-1", said.effects[1].c_str());
-  TEST_ASSERT_EQUAL_STRING("imu_noise=2,1", said.effects[2].c_str());
+  TEST_ASSERT_EQUAL_STRING("corners of 0.4 px and 0 px/sqrt(s)", said.effects[2].c_str());
+  TEST_ASSERT_EQUAL_STRING("imu_noise=2,1", said.effects[3].c_str());
   TEST_ASSERT_EQUAL_INT(3, static_cast<int>(with.effects.size()));
   TEST_ASSERT_EQUAL_INT(2, static_cast<int>(said.not_simulated.size()));
   TEST_ASSERT_EQUAL_STRING("a sentence", said.not_simulated[0].c_str());

@@ -33,15 +33,15 @@ std::string as_option(const DiagnosedEffect& e, double stated_offset_s, double l
   return text;
 }
 
-/// As samples and tracks show it, named or not; of tracks that drift what the diagnosis weighed them by.
-void add_noise(const Diagnosis& found, SimulationOptions* out, Comparison* said) {
-  const TrackNoise& tracks = found.tracks.points > 0 ? found.tracks : last_fit(found).track_noise;
-  if (tracks.points > 0) {
-    out->tracks.pixel_noise_px = tracks.white_px;
-    out->tracks.walk_px_per_sqrt_s = tracks.walk_px_per_sqrt_s;
-    said->effects.push_back(
-        formatted("corners of %.3g px and %.3g px/sqrt(s)", tracks.white_px, tracks.walk_px_per_sqrt_s));
-  }
+/// As samples and corners show it, named or not. A walk along tracks only where the diagnosis says that they drift:
+/// what a fit leaves of a step, or of what has no name, walks as well.
+void add_noise(const Diagnosis& found, double stated_px, SimulationOptions* out, Comparison* said) {
+  out->tracks.pixel_noise_px = found.tracks.points > 0   ? found.tracks.white_px
+                               : found.pixels.factor > 0 ? found.pixels.factor * stated_px
+                                                         : stated_px;
+  out->tracks.walk_px_per_sqrt_s = found.tracks.points > 0 ? found.tracks.walk_px_per_sqrt_s : 0;
+  said->effects.push_back(
+      formatted("corners of %.3g px and %.3g px/sqrt(s)", out->tracks.pixel_noise_px, out->tracks.walk_px_per_sqrt_s));
   const auto factor = [](const SensorNoise& n) {
     return n.verdict == SensorNoise::Verdict::cannot_tell || n.factor <= 0 ? 1 : n.factor;
   };
@@ -84,7 +84,7 @@ SimulationOptions with_effects(SimulationOptions out, const Recording& session, 
       said->not_simulated.push_back(e.name == diagnosis::kUnlisted ? e.words : e.name);
     }
   }
-  add_noise(found, &out, said);
+  add_noise(found, options.core.pixel_sigma, &out, said);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "diagnose/hypotheses.h"
 #include "diagnose/residuals.h"
 #include "diagnose/structure.h"
 #include "replay/track_residuals.h"
@@ -94,15 +95,26 @@ void add(const char* name, const char* unit, const Figure& f, std::vector<Statis
   out->push_back({name, unit, f.value, f.sigma, 0, 0});
 }
 
+/// A sensor's excess beyond that of its noise, which has figures of its own and counts in the gap where it has a name
+/// (noise_effects.h): it is only named, and only counts, where the band is free of motion.
+double beyond_noise(const Diagnosis& d, double excess, const char* sensor) {
+  for (const DiagnosedEffect& e : d.effects) {
+    if (diagnosis::hypothesis(e.name).kind != diagnosis::Kind::noise) continue;
+    for (const DiagnosedParameter& p : e.parameters)
+      if (p.name.rfind(sensor, 0) == 0) excess -= std::abs(p.value * p.value - 1);
+  }
+  return excess;
+}
+
 /// All but what residuals follow.
 std::vector<Statistic> plain_statistics(const Diagnosis& d) {
   std::vector<Statistic> out;
   add("corners: residual with the plain model", "px", over_segments(d.fit_before, 1, rms_px), &out);
   add("corners: autocorrelation, next keyframe", "-", over_segments(d.fit_before, 1, autocorrelation), &out);
   add("corners: autocorrelation, fifth keyframe", "-", over_segments(d.fit_before, 5, autocorrelation), &out);
-  add("excess of the camera", "-", {d.before.camera, d.gap_sigma.camera}, &out);
-  add("excess of the gyroscope", "-", {d.before.gyro, d.gap_sigma.gyro}, &out);
-  add("excess of the accelerometer", "-", {d.before.accel, d.gap_sigma.accel}, &out);
+  add("excess of the camera", "-", {beyond_noise(d, d.before.camera, "pixel_noise"), d.gap_sigma.camera}, &out);
+  add("excess of the gyroscope", "-", {beyond_noise(d, d.before.gyro, "gyro_noise"), d.gap_sigma.gyro}, &out);
+  add("excess of the accelerometer", "-", {beyond_noise(d, d.before.accel, "accel_noise"), d.gap_sigma.accel}, &out);
   add("gyroscope: noise of the samples", "rad/s/sqrt(Hz)", density(d.raw_noise.gyro), &out);
   add("accelerometer: noise of the samples", "m/s^2/sqrt(Hz)", density(d.raw_noise.accel), &out);
   return out;

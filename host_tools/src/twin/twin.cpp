@@ -19,6 +19,7 @@ struct Asked {
 Asked ask(const SimulationOptions& simulation, DiagnoseOptions options) {
   Asked out{simulate(simulation), {}};
   options.core.calibration = out.simulated.nominal;
+  options.accept_faults = true;  // samples are as they are made: what looks like a fault is for the reader to weigh
   options.dictionary = false;  // words for what has no name: no figure here needs them
   options.stamp_exposure = 0;
   out.diagnosis = diagnose({out.simulated.recording}, options);
