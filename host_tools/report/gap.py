@@ -94,6 +94,11 @@ def gap_table(diagnosis):
     if isinstance(tracks, dict):
         closed += (f' Corner tracks drift: points were weighed by {tracks.get("white_px", 0):.2f} px of white noise and a walk of '
                    f'{tracks.get("walk_px_per_sqrt_s", 0):.2f} px/sqrt(s) along each track, not by the stated noise.')
+    for sensor in ("gyro", "accel"):
+        told = noise.get(sensor) if isinstance(noise, dict) else None
+        if isinstance(told, dict) and told.get("grows_with_motion"):
+            closed += (f' {sensor}: its noise grows with motion, {told["factor"]:.1f} times the stated one where it is quiet and '
+                       f'{told["lively_factor"]:.1f} where it shakes most.')
     sensors = note("On segments that were used neither to choose the effects nor to fit them. Camera: images against each other. Gyro: rates against the turns in "
                    "the images. Accel: forces against the motion that both see. Bars of error: two sigmas of chance.") if sigmas else ""
     return joined(table(header, rows), note(closed), sensors)

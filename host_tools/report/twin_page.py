@@ -36,9 +36,11 @@ def twin_section(twin):
         return section(title, note(f'None was made: {twin["why_not"]}.'))
     rows = [(s["name"] + ("" if s["unit"] == "-" else f' [{s["unit"]}]'), f'{s["measured"]:.4g}', f'{s["sigma"]:.2g}', f'{s["without"]:.4g}', f'{s["with"]:.4g}',
              "as it was" if s.get("left") is None else f'{100 * s["left"]:.0f} ± {100 * s["left_sigma"]:.0f} %') for s in twin.get("statistics") or []]
-    header = ("statistic", "measured", "± chance", "simulated without", "simulated with", "difference left")
+    header = ("statistic", "measured", "chance", "simulated without", "simulated with", "difference left")
     what = (f'{twin.get("seconds", 0):.0f} s of the same motion and corners, in a simulator that was written apart from the fit: with the stated noise and no effect, '
             f'and with {", ".join(twin.get("effects") or ["nothing"])}. As it was: the two do not differ by more than chance.')
+    if twin.get("seconds", 0) < 0.8 * twin.get("recorded_s", 0):
+        what += f' The measured figures are of all {twin["recorded_s"]:.0f} s of the recording: elsewhere the odometry stops or jumps.'
     missing = [note(f"Not simulated: {text}.") for text in twin.get("not_simulated") or []]
     told = [note(f'The simulation {k}, diagnosed: {twin[f"{k}_diagnosed"]}.') for k in ("without", "with") if twin.get(f"{k}_diagnosed")]
     return section(title, attempt(twin_figure, twin), table(header, rows), note(what), *missing, *told)

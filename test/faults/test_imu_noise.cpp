@@ -98,6 +98,26 @@ void vibration_that_comes_and_goes_is_not_called_noise() {
   TEST_ASSERT_TRUE(noise.gyro.verdict == Verdict::as_stated);
 }
 
+/// White, and larger where it moves: said so, by about its size. A motion alone, however quick, is not called that, nor
+/// is a noise that is the same throughout.
+void noise_that_grows_with_motion_is_told() {
+  for (std::uint64_t seed : {11, 12, 13}) {
+    const auto id = test::Id().add("seed", seed);
+    for (const char* effect : {"", "imu_noise=3"}) {
+      for (const char* scenario : {"rich", "arvr", "nav"}) {
+        const auto sound = noise_of(scenario, seed, effect);
+        test::check_true(id, sound.gyro.words.c_str(), !sound.gyro.grows);
+        test::check_true(id, sound.accel.words.c_str(), !sound.accel.grows);
+      }
+    }
+    const auto noise = noise_of("rich", seed, "outside:noise_with_motion=0,4");
+    test::check_true(id, noise.accel.words.c_str(), noise.accel.grows);
+    test::check_true(id, noise.gyro.words.c_str(), !noise.gyro.grows);
+    // rates of 1 to 5 rad/s in the lively quarter: sqrt(1 + (4 w)^2)
+    test::check_between(id, "lively factor", 4, noise.accel.lively_factor, 20);
+  }
+}
+
 void too_little_says_so() {
   const auto noise = noise_of("rich", 10, "", 1);
   TEST_ASSERT_TRUE(noise.gyro.verdict == Verdict::cannot_tell);
@@ -118,6 +138,7 @@ int main(int argc, char** argv) {
   RUN_TEST(the_stated_uncertainty_is_honest);
   RUN_TEST(allan_deviation_at_rest_agrees);
   RUN_TEST(vibration_that_comes_and_goes_is_not_called_noise);
+  RUN_TEST(noise_that_grows_with_motion_is_told);
   RUN_TEST(too_little_says_so);
   return UNITY_END();
 }

@@ -33,7 +33,7 @@ Comparison compared(const Case& c) {
   diagnose.core.calibration = session.nominal;
   diagnose.core.noise = session.recording.imu.noise;
   const host::Diagnosis found = host::diagnose({session.recording}, diagnose);
-  return host::twin::compare_with_twin(session.recording, found, diagnose, {});
+  return host::twin::compare_with_twin(session.recording, found, diagnose);
 }
 
 /// The goal: each statistic's difference is at most a third of what it was. What chance does to it is allowed for with

@@ -16,6 +16,7 @@
 #include "replay/model_file.h"
 #include "replay/replay_clocks.h"
 #include "replay/sessions.h"
+#include "twin/twin_folder.h"
 #include "twin/twin_report.h"
 
 namespace host {
@@ -78,6 +79,8 @@ void print_table(const Diagnosis& d) {
         "noise\n",
         d.tracks.white_px, d.tracks.walk_px_per_sqrt_s);
   }
+  for (const SensorNoise* n : {&d.raw_noise.gyro, &d.raw_noise.accel})
+    if (n->grows) std::printf("%s\n", n->words.c_str());
   std::printf("%s: %s\n", d.judged ? d.verdict.c_str() : "cannot tell", d.sentence.c_str());
 }
 
@@ -104,10 +107,11 @@ void print_next(const DiagnoseArguments& a, const Diagnosis& d) {
     replay += formatted(" --pixel-sigma %.3g --track-walk %.3g", d.tracks.white_px, d.tracks.walk_px_per_sqrt_s);
   std::printf("\nnext: %s%s --out %s   calibrates with what was found\n", replay.c_str(), model.c_str(),
               (std::filesystem::path(a.out) / "replay").string().c_str());
-  std::printf("      segcal simulate --out twin%s%s   a device with the same departure from the model\n", model.c_str(),
-              kappa != 0 ? formatted(" --effect exposure_offset=%.3g", kappa).c_str() : "");
+  std::printf("      segcal simulate --out alike%s%s   a device with the same departure from the model\n",
+              model.c_str(), kappa != 0 ? formatted(" --effect exposure_offset=%.3g", kappa).c_str() : "");
   if (a.twin.empty())
-    std::printf("      the same command with --twin DIR   how much nearer a simulation with it comes to the measurement\n");
+    std::printf(
+        "      the same command with --twin DIR   how much nearer a simulation with it comes to the measurement\n");
   std::printf("      segcal report %s   draws where the model and the measurements disagreed\n", a.out.c_str());
 }
 
@@ -124,7 +128,12 @@ void expect_temperature(const EffectChoice& model, const std::vector<Recording>&
 
 int run(DiagnoseArguments a) {
   expect_output_folder(a.out, "diagnose");
-  if (!a.twin.empty()) expect_output_folder(a.twin, "simulate", true);
+  if (!a.twin.empty()) {
+    if (a.recordings.size() > 1)
+      throw InputError("--twin: expected one recording, found " + std::to_string(a.recordings.size()) +
+                       "; a twin is of one session");
+    twin::expect_twin_folder(a.twin, {a.out, a.recordings.front()});
+  }
   const std::vector<Recording> sessions = read_sessions(a.recordings, a.cameras, a.smooth_stamps, a.stamp_exposure);
   a.diagnose.stamp_exposure = a.stamp_exposure.value_or(0);
   a.diagnose.core.calibration = find_calibration(a.recordings.front(), a.calibration, a.cameras);
@@ -142,11 +151,13 @@ int run(DiagnoseArguments a) {
   twin::Comparison twin;
   std::vector<std::pair<std::string, std::string>> beside;
   if (!a.twin.empty()) {
-    twin = twin::compare_with_twin(sessions.front(), d, a.diagnose, a.twin);
+    twin = twin::compare_with_twin(sessions.front(), d, a.diagnose);
     beside.emplace_back("twin.json", twin::as_json(twin));
   }
   write_diagnosis(a.out, d, sessions, beside);
+  if (twin.twin) twin::write_twin(*twin.twin, a.twin);
   if (isatty(STDERR_FILENO)) std::cerr << "\n";
+  if (a.json && !twin.why_not.empty()) std::cerr << "no twin: " << twin.why_not << "\n";
   if (a.json) {
     std::cout << diagnosis_json(d) << std::endl;
   } else {
@@ -192,7 +203,8 @@ void add_diagnose_command(CLI::App& app, int& exit_code) {
   sub->add_option(
          "--twin", a->twin,
          "simulate the recording's twin, the same motion and corners, without effects and with those that were "
-         "found; say how much nearer it comes to the measurement, and leave it in this folder as a recording")
+         "found; say how much nearer it comes to the measurement (also in twin.json), and leave it in this folder as a "
+         "recording. One recording only; takes twice as long again")
       ->type_name("DIR");
   sub->add_flag("--json", a->json, "print diagnosis.json on standard output");
   sub->footer(R"(Example:

@@ -75,7 +75,11 @@ Json scores_json(const std::vector<CandidateScore>& scores) {
 Json noise_json(const Diagnosis& d) {
   const auto sensor = [](const SensorNoise& n) {
     static const char* const kVerdict[] = {"as_stated", "above", "below", "cannot_tell"};
-    return Json{{"factor", n.factor}, {"sigma", n.sigma}, {"verdict", kVerdict[static_cast<int>(n.verdict)]}};
+    return Json{{"factor", n.factor},
+                {"sigma", n.sigma},
+                {"verdict", kVerdict[static_cast<int>(n.verdict)]},
+                {"lively_factor", n.lively_factor},
+                {"grows_with_motion", n.grows}};
   };
   Json tracks;
   if (d.tracks.points > 0)

@@ -31,7 +31,7 @@ std::array<Axis, 6> columns(const std::vector<ImuSample>& samples) {
 
 /// Levels of one axis' windows: power in the noise band and below it, in units of density^2.
 struct Levels {
-  std::vector<double> noise, motion;
+  std::vector<double> noise, lower, upper, motion;  ///< lower and upper: halves of the noise band
 };
 
 /// Windows of the least power below the band. They are chosen by other frequencies than those that are measured, so
@@ -45,6 +45,19 @@ std::vector<double> quiet_quarter(const Levels& levels) {
   std::vector<double> out;
   for (std::size_t i : order) out.push_back(levels.noise[i]);
   return out;
+}
+
+/// Medians over the quarter of the windows with the most power below the band: noise, and its two halves.
+std::array<double, 3> of_lively_quarter(const Levels& levels) {
+  const double limit = quantile(levels.motion, 0.75);
+  std::vector<double> of[3];
+  for (std::size_t i = 0; i < levels.motion.size(); ++i) {
+    if (levels.motion[i] < limit) continue;
+    of[0].push_back(levels.noise[i]);
+    of[1].push_back(levels.lower[i]);
+    of[2].push_back(levels.upper[i]);
+  }
+  return {quantile(of[0], 0.5), quantile(of[1], 0.5), quantile(of[2], 0.5)};
 }
 
 AxisNoise axis_noise(const Levels& levels, double* unsteady) {
@@ -61,7 +74,7 @@ AxisNoise axis_noise(const Levels& levels, double* unsteady) {
 }
 
 std::string sentence(const SensorNoise& noise, const char* sensor) {
-  char text[240];
+  char text[360];
   const char* const end =
       noise.verdict == SensorNoise::Verdict::above       ? "more noise than stated: state it, or look for vibration"
       : noise.verdict == SensorNoise::Verdict::below     ? "less than stated: stated on purpose, or the sensor filters"
@@ -69,7 +82,15 @@ std::string sentence(const SensorNoise& noise, const char* sensor) {
                                                          : "motion fills the band: no more than this";
   std::snprintf(text, sizeof text, "%s noise %.2f +- %.2f times the stated density (%.2e): %s", sensor, noise.factor,
                 noise.sigma, noise.stated, end);
-  return text;
+  std::string out = text;
+  if (noise.grows) {
+    std::snprintf(
+        text, sizeof text,
+        "; %.1f times where it shakes most, alike at all frequencies: it grows with motion, as vibration does",
+        noise.lively_factor);
+    out += text;
+  }
+  return out;
 }
 
 /// Noise that only the spectrum shows and rest does not is vibration of something else than the sensor.
@@ -95,19 +116,26 @@ SensorNoise sensor_noise(const Axis* axes, const Span& rest, double rate_hz, dou
   SensorNoise noise;
   noise.stated = stated;
   double unsteady = 0, squares = 0, variance = 0;
+  std::array<double, 3> lively{};
   for (std::size_t i = 0; i < 3; ++i) {
-    Levels levels{band_levels(axes[i], rate_hz, noise_band), band_levels(axes[i], rate_hz, motion_band)};
+    const Levels levels{band_levels(axes[i], rate_hz, noise_band), band_levels(axes[i], rate_hz, lower_noise_band),
+                        band_levels(axes[i], rate_hz, upper_noise_band), band_levels(axes[i], rate_hz, motion_band)};
     if (levels.noise.size() < least_windows) {
       noise.words = std::string(sensor) + " noise: too few samples to tell";
       return noise;
     }
     noise.axes[i] = axis_noise(levels, &unsteady);
     squares += noise.axes[i].density * noise.axes[i].density / 3;
+    const std::array<double, 3> most = of_lively_quarter(levels);
+    for (std::size_t k = 0; k < 3; ++k) lively[k] += most[k] / 3;
     variance += noise.axes[i].sigma * noise.axes[i].sigma / 9;
   }
   noise.factor = std::sqrt(squares) / stated;
   noise.sigma = std::sqrt(variance) / stated;
   noise.steady = unsteady < most_unsteady;
+  noise.lively_factor = std::sqrt(lively[0]) / stated;
+  noise.grows =
+      noise.lively_factor > noise_factor_high * std::max(1.0, noise.factor) && lively[2] > least_whiteness * lively[1];
   noise.allan = allan_deviation(axes, rest, rate_hz);
   for (std::size_t i = 0; i < 3; ++i)
     noise.axes[i].allan_density = white_density(noise.allan, i, allan_from_s, allan_to_s);

@@ -35,6 +35,8 @@ struct SensorNoise {
   double stated = 0;             ///< density of sensor.yaml
   double factor = 1, sigma = 0;  ///< density over the stated one, root mean square of the axes
   bool steady = false;           ///< false: the band holds motion that comes and goes, `factor` is an upper bound
+  double lively_factor = 0;      ///< the same over the quarter of the windows that shakes most; 0: too few samples
+  bool grows = false;            ///< with motion: `lively_factor` is well above `factor`, and alike at all frequencies
   Verdict verdict = Verdict::cannot_tell;
   std::vector<AllanPoint> allan;  ///< empty where the device does not rest long enough
   std::string words;              ///< one sentence
@@ -51,6 +53,10 @@ constexpr double noise_factor_high = 1.6;
 /// Below this the sensor is said to be better than stated; no fault: stating ten times the noise is a habit of many,
 /// and a filter inside the sensor looks the same.
 constexpr double noise_factor_low = 0.3;
+
+/// Power that falls to less than this from the lower half of the band to the upper one is motion: a sensor's reading of
+/// it falls with the fourth power of the frequency and more, a fifth; what rattles beside it is alike at both.
+constexpr double least_whiteness = 0.5;
 
 /// Over the samples within the span of the cameras' frames (all samples where there are none).
 RawNoise raw_imu_noise(const Recording& recording);

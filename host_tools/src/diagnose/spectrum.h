@@ -10,7 +10,8 @@ struct Band {
   double from, to;
 };
 
-constexpr Band noise_band{0.2, 0.45};    // 40 to 90 Hz at 200 Hz
+constexpr Band noise_band{0.2, 0.45};  // 40 to 90 Hz at 200 Hz
+constexpr Band lower_noise_band{0.2, 0.325}, upper_noise_band{0.325, 0.45};
 constexpr Band motion_band{0.04, 0.15};  // 8 to 30 Hz at 200 Hz: shaking; slow motion has no part in either
 
 /// Windows of 128 samples, half of each shared with the next, tapered by Blackman and Harris (side lobes of -92 dB:

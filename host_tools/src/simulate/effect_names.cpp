@@ -149,6 +149,11 @@ Made make_lag(const Values& v) {
   return std::make_shared<GyroLag>(tau);
 }
 
+Made make_noise_with_motion(const Values& v) {
+  expect(v, 2, 2);
+  return std::make_shared<NoiseWithMotion>(number(v[0]), number(v[1]));
+}
+
 Made make_decentred(const Values& v) {
   expect(v, 3, 3);
   return std::make_shared<DecentredDistortion>(number(v[0]), number(v[1]), number(v[2]));
@@ -191,6 +196,7 @@ const std::vector<EffectEntry>& effect_entries() {
       {K::outside, "outside:vibration_rectification", "k [s^2/m] times the variance of the force over 0.5 s", "0.02", make_one<VibrationRectification>},
       {K::outside, "outside:attitude_error", "k [m/s^2] times sin 2 roll, sin 2 pitch", "0.1", make_one<AttitudeError>},
       {K::outside, "outside:heading_error", "k [rad/s] times cos yaw, sin yaw, sin 2 yaw", "0.01", make_one<HeadingError>},
+      {K::outside, "outside:noise_with_motion", "gyro,accel [s/rad]: white noise beside the stated one, so many times it for each rad/s", "1,4", make_noise_with_motion},
       {K::outside, "outside:decentred_distortion", "k,cx,cy [-]: k r^6 about (cx, cy)", "0.02,0.2,-0.1", make_decentred},
       {K::outside, "outside:focus_hunting", "k [-]: f (1 + k sin(2 pi t / 7 s))", "0.002", make_one<FocusHunting>},
       {K::outside, "outside:loose_mount", "angle [rad] to either side, drawn every 1.7 s", "0.002", make_one<LooseMount>},

@@ -5,6 +5,7 @@
 
 #include "effects_camera.h"
 #include "imu_simulator.h"
+#include "random.h"
 
 namespace host::sim {
 namespace {
@@ -32,6 +33,17 @@ void VibrationRectification::on_imu(const ImuMoment& moment, ImuReading& reading
     squares += f.cwiseAbs2();
   }
   reading.accel += k_ * (squares / variance_samples - (sum / variance_samples).cwiseAbs2());
+}
+
+void NoiseWithMotion::on_log(Recording& recording, std::uint64_t seed) const {
+  const ImuNoise& stated = recording.imu.noise;
+  const double root = std::sqrt(stated.rate_hz);
+  Random random(seed + 7, Stream::imu);
+  for (ImuSample& s : recording.imu.samples) {
+    const double rate = Eigen::Vector3d(s.gyro[0], s.gyro[1], s.gyro[2]).norm();
+    for (double& w : s.gyro) w += gyro_ * rate * stated.gyro_noise_density * root * random.normal();
+    for (double& f : s.accel) f += accel_ * rate * stated.accel_noise_density * root * random.normal();
+  }
 }
 
 void AttitudeError::on_imu(const ImuMoment& moment, ImuReading& reading) const {

@@ -53,6 +53,20 @@ class HeadingError : public ImuEffect {
   double k_;
 };
 
+/// White noise beside the sensors' own that grows with the rate, as what rattles does: standard deviation k times the
+/// sensor's own for each rad/s.
+class NoiseWithMotion : public Effect {
+ public:
+  NoiseWithMotion(double gyro, double accel) : gyro_(gyro), accel_(accel) {}
+  EffectTruth truth() const override {
+    return {"outside:noise_with_motion", {{"gyro", gyro_, "s/rad"}, {"accel", accel_, "s/rad"}}};
+  }
+  void on_log(Recording& recording, std::uint64_t seed) const override;
+
+ private:
+  double gyro_, accel_;
+};
+
 /// d += k |d - c|^6 (d - c) about an offset centre c on distorted normalised coordinates.
 class DecentredDistortion : public Effect {
  public:

@@ -19,7 +19,7 @@ struct Replica {
   std::vector<std::pair<double, double>> exposures_s;        ///< empty: the recording has none
 };
 
-/// The value at or before t, the first one where there is none before.
+/// The value at or before t, the first one where there is none before; `values` in order of time, not empty.
 double latest(const std::vector<std::pair<double, double>>& values, double t);
 
 }  // namespace host::sim

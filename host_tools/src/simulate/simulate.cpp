@@ -13,8 +13,7 @@
 namespace host {
 namespace {
 
-constexpr double imu_lead = 0.05;    // s of IMU samples before the first frame and after the last
-constexpr double fit_margin = 0.35;  // s at the ends of a fitted trajectory that are left out
+constexpr double imu_lead = 0.05;  // s of IMU samples before the first frame and after the last
 constexpr std::uint64_t seed_step_per_camera = 1000003;
 
 void require(bool condition, const char* message) {

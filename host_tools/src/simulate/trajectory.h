@@ -20,7 +20,7 @@ struct BodyState {
 /// One sample of a motion, before it is made smooth.
 struct MotionSample {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();        ///< m, in G
-  Eigen::Vector3d roll_pitch_yaw = Eigen::Vector3d::Zero();  ///< rad; R = Rz(yaw) Ry(pitch) Rx(roll) R_reference
+  Eigen::Vector3d roll_pitch_yaw = Eigen::Vector3d::Zero();  ///< rad; R = Rz(yaw) Ry(pitch) Rx(roll)
 };
 
 /// R_GI(t) = Rz(yaw) Ry(pitch) Rx(roll) in scenarios: the map from angles to attitude and rate is smooth everywhere,

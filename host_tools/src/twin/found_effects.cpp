@@ -10,10 +10,12 @@
 namespace host::twin {
 namespace {
 
-/// Where clocks were stated to be apart the twin has what is left beyond that, and states nothing.
-double value_of(const DiagnosedEffect& e, std::size_t i, double stated_offset_s, double later_s) {
+/// Values count from the recording's own stamps. The twin has what is left beyond the stated offset and the stated
+/// share of the exposure, and states neither.
+double value_of(const DiagnosedEffect& e, std::size_t i, const DiagnoseOptions& options, double later_s) {
   const double value = e.parameters[i].value;
-  if (e.name == "time_offset") return value - stated_offset_s;
+  if (e.name == "time_offset") return value - options.core.calibration.cameras.front().timeshift_cam_imu;
+  if (e.name == diagnosis::kExposureOffset) return value - options.stamp_exposure;
   return e.name == diagnosis::kCalibrationShift && i == 0 ? value - later_s : value;
 }
 
@@ -24,17 +26,17 @@ std::string block_of(const DiagnosedEffect& e) {
 }
 
 /// "NAME=v1,v2", as `segcal simulate --effect` takes it.
-std::string as_option(const DiagnosedEffect& e, double stated_offset_s, double later_s) {
+std::string as_option(const DiagnosedEffect& e, const DiagnoseOptions& options, double later_s) {
   std::string text = e.name + "=";
   if (e.name == diagnosis::kCalibrationShift) text += block_of(e) + ",";
   for (std::size_t i = 0; i < e.parameters.size(); ++i) {
-    text += formatted(i > 0 ? ",%.6g" : "%.6g", value_of(e, i, stated_offset_s, later_s));
+    text += formatted(i > 0 ? ",%.6g" : "%.6g", value_of(e, i, options, later_s));
   }
   return text;
 }
 
-/// As samples and corners show it, named or not. A walk along tracks only where the diagnosis says that they drift:
-/// what a fit leaves of a step, or of what has no name, walks as well.
+/// As samples and corners show it, named or not. A walk along tracks only where the diagnosis weighed them by one: what
+/// a fit leaves of a step, or of what has no name, walks as well, and the diagnosis tells the two apart by neighbours.
 void add_noise(const Diagnosis& found, double stated_px, SimulationOptions* out, Comparison* said) {
   out->tracks.pixel_noise_px = found.tracks.points > 0   ? found.tracks.white_px
                                : found.pixels.factor > 0 ? found.pixels.factor * stated_px
@@ -70,14 +72,13 @@ void put_before_step(const Diagnosis& found, Calibration* device) {
 
 SimulationOptions with_effects(SimulationOptions out, const Recording& session, const Diagnosis& found,
                                const DiagnoseOptions& options, Comparison* said) {
-  const double stated = options.core.calibration.cameras.front().timeshift_cam_imu,
-               later = 1e-9 *
-                       static_cast<double>(out.replica->poses.first_ns - session.cameras.front().frames.front().t_ns);
+  const double later =
+      1e-9 * static_cast<double>(out.replica->poses.first_ns - session.cameras.front().frames.front().t_ns);
   for (const DiagnosedEffect& e : found.effects) {
     if (diagnosis::hypothesis(e.name).kind == diagnosis::Kind::noise) continue;
     try {
       if (e.name == diagnosis::kUnlisted) throw InputError("terms without a name have no model");
-      const std::string text = as_option(e, stated, later);
+      const std::string text = as_option(e, options, later);
       out.effects.push_back(sim::parse_effect(text));
       said->effects.push_back(text);
     } catch (const InputError&) {

@@ -1,7 +1,6 @@
 // The options that simulate a recording's twin.
 #pragma once
 
-#include "simulate/simulate.h"
 #include "twin/twin.h"
 
 namespace host::twin {

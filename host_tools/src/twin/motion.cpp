@@ -32,7 +32,7 @@ Matrix3d attitude_of(const CoreState& x) {
       .toRotationMatrix();
 }
 
-/// States [first, last) without a gap or a jump between them, the longest such row.
+/// The longest row of states without a gap or a jump between them.
 std::vector<CoreState> longest_row(const std::vector<CoreState>& states) {
   std::size_t first = 0, best = 0, length = 0;
   const auto breaks = [&states](std::size_t i) {

@@ -105,11 +105,15 @@ void take_conditions(const Recording& session, sim::Replica* out) {
   const auto seconds = [first_ns = out->poses.first_ns](std::int64_t t_ns) {
     return 1e-9 * static_cast<double>(t_ns - first_ns);
   };
+  using Values = std::vector<std::pair<double, double>>;
+  const auto add = [&seconds](std::int64_t t_ns, double value, Values* values) {
+    const bool later = values->empty() || seconds(t_ns) > values->back().first;  // faulty stamps go back
+    if (later) values->emplace_back(seconds(t_ns), value);
+  };
   for (const Frame& frame : session.cameras.front().frames)
-    if (frame.exposure_s > 0) out->exposures_s.emplace_back(seconds(frame.t_ns), frame.exposure_s);
+    if (frame.exposure_s > 0) add(frame.t_ns, frame.exposure_s, &out->exposures_s);
   if (!session.imu.has_temperature) return;
-  for (const ImuSample& s : session.imu.samples)
-    out->temperatures_degC.emplace_back(seconds(s.t_ns), s.temperature_degC);
+  for (const ImuSample& s : session.imu.samples) add(s.t_ns, s.temperature_degC, &out->temperatures_degC);
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ namespace {
 using diagnosis::Structure;
 
 constexpr std::size_t kMostCauses = 4;
-constexpr double kAll = 1e9;  ///< log10 p: structure of every kind
+constexpr double kMostSquared = 1e4;  ///< a correlation is known to a hundredth of itself at best
+constexpr double kAll = 1e9;          ///< log10 p: structure of every kind
 
 /// Sums over the tracks of one segment: squares, and products of points `lag` keyframes apart.
 struct TrackSums {
@@ -72,7 +73,17 @@ Figure over_segments(const ReplayResult& fit, std::size_t lag, const std::functi
 double rms_px(const TrackSums& s) { return s.count > 0 ? std::sqrt(s.square / s.count) : 0; }
 double autocorrelation(const TrackSums& s) { return s.square_of_pairs > 0 ? s.product / s.square_of_pairs : 0; }
 
-Figure density(const SensorNoise& noise) { return {noise.factor * noise.stated, noise.sigma * noise.stated}; }
+/// Where motion fills the band it is an upper bound, and no figure: its sigma is zero.
+Figure density(const SensorNoise& noise) {
+  const bool told = noise.verdict != SensorNoise::Verdict::cannot_tell;
+  return {noise.factor * noise.stated, told ? noise.sigma * noise.stated : 0};
+}
+
+/// The spread of noise alone, and what a large excess adds to it: of a chi-square of n degrees of freedom with the mean
+/// n (1 + x) the variance is 2 n (1 + 2 x).
+Figure excess(double x, double sigma, double dof) {
+  return {x, std::sqrt(sigma * sigma + 4 * std::max(0.0, x) / std::max(1.0, dof))};
+}
 
 std::vector<Structure> structure_of(const Recording& session, const Diagnosis& d) {
   const ReplayResult& fit = d.fit_before;
@@ -87,7 +98,7 @@ double size_of(const Structure& s) { return std::abs(s.correlation); }
 /// A correlation's own chance, from the probability that chance alone makes one as large: twice the logarithm of that
 /// is the square of its sigmas.
 double sigma_of(const Structure& s) {
-  const double squared = -2 * std::log(10.0) * s.log10_p;
+  const double squared = std::min(-2 * std::log(10.0) * s.log10_p, kMostSquared);
   return squared > 1 ? size_of(s) / std::sqrt(squared) : size_of(s);
 }
 
@@ -112,11 +123,14 @@ std::vector<Statistic> plain_statistics(const Diagnosis& d) {
   add("corners: residual with the plain model", "px", over_segments(d.fit_before, 1, rms_px), &out);
   add("corners: autocorrelation, next keyframe", "-", over_segments(d.fit_before, 1, autocorrelation), &out);
   add("corners: autocorrelation, fifth keyframe", "-", over_segments(d.fit_before, 5, autocorrelation), &out);
-  add("excess of the camera", "-", {beyond_noise(d, d.before.camera, "pixel_noise"), d.gap_sigma.camera}, &out);
-  add("excess of the gyroscope", "-", {beyond_noise(d, d.before.gyro, "gyro_noise"), d.gap_sigma.gyro}, &out);
-  add("excess of the accelerometer", "-", {beyond_noise(d, d.before.accel, "accel_noise"), d.gap_sigma.accel}, &out);
-  add("gyroscope: noise of the samples", "rad/s/sqrt(Hz)", density(d.raw_noise.gyro), &out);
-  add("accelerometer: noise of the samples", "m/s^2/sqrt(Hz)", density(d.raw_noise.accel), &out);
+  add("excess of the camera", "-",
+      excess(beyond_noise(d, d.before.camera, "pixel_noise"), d.gap_sigma.camera, d.gap_dof.camera), &out);
+  add("excess of the gyroscope", "-",
+      excess(beyond_noise(d, d.before.gyro, "gyro_noise"), d.gap_sigma.gyro, d.gap_dof.gyro), &out);
+  add("excess of the accelerometer", "-",
+      excess(beyond_noise(d, d.before.accel, "accel_noise"), d.gap_sigma.accel, d.gap_dof.accel), &out);
+  add("gyroscope: noise", "rad/s/sqrt(Hz)", density(d.raw_noise.gyro), &out);
+  add("accelerometer: noise", "m/s^2/sqrt(Hz)", density(d.raw_noise.accel), &out);
   return out;
 }
 

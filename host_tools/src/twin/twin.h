@@ -8,17 +8,19 @@
 // tracks show. Terms without a name have no model in the simulator: they are left out, and said so.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "diagnose/diagnose.h"
+#include "simulate/simulate.h"
 
 namespace host::twin {
 
 /// One figure of the measurement, and of the two simulations.
 struct Statistic {
   std::string name, unit;
-  double measured = 0, sigma = 0;  ///< sigma: what chance does to it
+  double measured = 0, sigma = 0;  ///< sigma: what chance does to it; 0: not known
   double plain = 0, with_effects = 0;
 
   /// Is the plain simulation another one than the measurement, by more than chance?
@@ -34,12 +36,11 @@ struct Comparison {
   std::vector<std::string> not_simulated;  ///< names or words of what the simulator has no model of
   std::vector<Statistic> statistics;
   std::string said_of_plain, said_of_twin;  ///< what diagnosis says of the two simulations
-  double seconds = 0;                       ///< of the twin's motion
+  double seconds = 0, recorded_s = 0;       ///< of the twin's motion; of the recording that the measured figures are of
+  std::optional<SimulationResult> twin;     ///< with effects; empty: there is none
 };
 
-/// `options`: those of the diagnosis `found` of `session`. Where `folder` is given, the twin with effects is written
-/// there as a recording.
-Comparison compare_with_twin(const Recording& session, const Diagnosis& found, const DiagnoseOptions& options,
-                             const std::filesystem::path& folder);
+/// `options`: those of the diagnosis `found` of `session` alone.
+Comparison compare_with_twin(const Recording& session, const Diagnosis& found, const DiagnoseOptions& options);
 
 }  // namespace host::twin

@@ -15,19 +15,19 @@ std::string left_of(const Statistic& s) {
   return formatted("%.0f +- %.0f %%", 100 * s.left(), 100 * s.left_sigma());
 }
 
-std::string listed(const std::vector<std::string>& texts) {
-  std::string out;
-  for (const std::string& t : texts) out += (out.empty() ? "" : ", ") + t;
-  return out;
-}
+/// Less than four fifths.
+bool covers_little(const Comparison& c) { return c.seconds < 0.8 * c.recorded_s; }
 
 }  // namespace
 
 std::string as_table(const Comparison& c) {
   if (!c.why_not.empty()) return "no twin: " + c.why_not + "\n";
   std::string out =
-      formatted("\ntwin: %.0f s of the same motion and corners, simulated without effects and with ", c.seconds) +
-      listed(c.effects) + "\n";
+      formatted("\ntwin: %.0f s of the same motion and corners, simulated without effects and with\n", c.seconds);
+  for (const std::string& e : c.effects) out += "  " + e + "\n";
+  if (covers_little(c))
+    out += formatted("  the figures that were measured are of all %.0f s: elsewhere the odometry stops or jumps\n",
+                     c.recorded_s);
   out += formatted("%-50s %10s %9s %10s %10s %12s\n", "", "measured", "+- chance", "without", "with", "left");
   for (const Statistic& s : c.statistics) {
     const std::string name = s.name + (s.unit == "-" ? "" : " [" + s.unit + "]");
@@ -54,6 +54,7 @@ std::string as_json(const Comparison& c) {
   out["format"] = 1;
   out["why_not"] = c.why_not;
   out["seconds"] = c.seconds;
+  out["recorded_s"] = c.recorded_s;
   out["effects"] = c.effects;
   out["not_simulated"] = c.not_simulated;
   out["statistics"] = statistics;

@@ -7,7 +7,7 @@
 
 namespace host::twin {
 
-/// A table for a terminal, 100 columns wide.
+/// A table for a terminal, 107 columns wide.
 std::string as_table(const Comparison& comparison);
 /// twin.json (docs/formats.md).
 std::string as_json(const Comparison& comparison);
