@@ -78,6 +78,7 @@ void test_bent_lens_fills_the_image() {
   host::SimulationOptions options;
   options.seconds = 10;
   options.device_scale = 0;
+  options.tracks.fills_image = true;
   options.tracks.pixel_noise_px = 0;
   options.effects.push_back(host::sim::parse_effect("radial_residual=-0.05"));
   const host::SimulationResult session = host::simulate(options);

@@ -45,7 +45,8 @@ CameraSimulator::CameraSimulator(const CameraCalibration& camera, std::size_t in
       noise_(seed, Stream::pixels),
       in_use_(scene.size(), false) {
   const bool moves = std::any_of(effects.begin(), effects.end(), [](const auto& e) { return e->moves_pixels(); });
-  ideal_border_px_ = moves ? -beyond_px : border_px;
+  fills_image_ = moves && options.fills_image;
+  ideal_border_px_ = fills_image_ ? -beyond_px : border_px;
 }
 
 std::optional<Eigen::Vector2d> CameraSimulator::project_from(const CameraCalibration& camera, const BodyState& state,
@@ -77,7 +78,7 @@ std::optional<Eigen::Vector2d> CameraSimulator::observe(const BodyState& state, 
   }
   if (!pixel) return pixel;
   for (const auto& effect : effects_) effect->on_pixel(camera, t, *pixel);
-  return is_inside(camera, *pixel, border_px) ? pixel : std::nullopt;
+  return !fills_image_ || is_inside(camera, *pixel, border_px) ? pixel : std::nullopt;
 }
 
 std::vector<TrackPoint> CameraSimulator::next_frame(double t, std::uint32_t& next_track_id) {

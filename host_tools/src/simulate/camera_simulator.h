@@ -20,6 +20,9 @@ struct TrackOptions {
   double pixel_noise_px = 0.5;    ///< white, standard deviation per axis
   double walk_px_per_sqrt_s = 0;  ///< of a random walk along each track, per axis
   DepthRange depth;
+  /// An effect that moves pixels may bring in points that are ideally outside of the image, and take out what it moves
+  /// across the edge; false: the ideal pixel decides, and what the effect moves out stays.
+  bool fills_image = false;
 };
 
 /// As the corner tracks of a real camera (euroc_mh01): hardly
@@ -81,6 +84,7 @@ class CameraSimulator {
   TrackOptions options_;
   double period_;
   WarmUp warm_up_;
+  bool fills_image_ = false;
   double ideal_border_px_ = 0;  ///< how far from the edge the ideal pixel must be; negative: it may lie outside
   Random choices_, noise_;
   std::vector<Track> tracks_;
