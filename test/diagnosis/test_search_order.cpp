@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "../support/cases.h"
-#include "diagnose/hypotheses.h"
 #include "diagnose/evidence.h"
+#include "diagnose/hypotheses.h"
 #include "diagnose/rivals.h"
 #include "linear_problem.h"
 #include "simulate/simulate.h"

@@ -6,9 +6,9 @@
 
 #include "../support/cases.h"
 #include "../support/random.h"
-#include "diagnose/hypotheses.h"
 #include "diagnose/diagnose.h"
 #include "diagnose/evidence.h"
+#include "diagnose/hypotheses.h"
 #include "diagnose/sensor_gap.h"
 #include "simulate/effect_names.h"
 #include "simulate/simulate.h"
