@@ -41,15 +41,20 @@ void test_motion_of_a_recording_is_the_true_one() {
   const host::sim::PoseSeries poses = host::twin::motion_of(session.recording, fit);
   TEST_ASSERT_TRUE(!poses.t.empty() && poses.t.back() > 14);
   const host::sim::Trajectory motion = host::sim::fit_trajectory(poses, "test", 0.025).trajectory;
-  double w2 = 0, a2 = 0, n = 0;
+  double w2 = 0, a2 = 0, p2 = 0, n = 0;
   for (double t = 1; t < poses.t.back() - 1; t += 0.01, ++n) {
     const host::sim::BodyState truth = session.state_at(poses.first_ns + std::llround(1e9 * t)).body,
                                twin = motion.at(t);
     w2 += (twin.w_GI - truth.w_GI).squaredNorm();
     // each in its own attitude: yaw and place of the odometry's world are free
     a2 += (twin.R_GI.transpose() * twin.a_GI - truth.R_GI.transpose() * truth.a_GI).squaredNorm();
+    const host::sim::BodyState truth_later = session.state_at(poses.first_ns + std::llround(1e9 * (t + 0.9))).body,
+                               later = motion.at(t + 0.9);
+    p2 += (twin.R_GI.transpose() * (later.p_GI - twin.p_GI) - truth.R_GI.transpose() * (truth_later.p_GI - truth.p_GI))
+              .squaredNorm();
   }
   TEST_ASSERT_DOUBLE_WITHIN(0.03, 0, std::sqrt(w2 / n));
+  TEST_ASSERT_DOUBLE_WITHIN(0.05, 0, std::sqrt(p2 / n));  // m over 0.9 s: integrated without the poses it drifts
   TEST_ASSERT_DOUBLE_WITHIN(0.2, 0, std::sqrt(a2 / n));
 }
 
