@@ -57,6 +57,23 @@ void test_an_effect_counts_in_the_sigmas_of_now() {
   }
 }
 
+/// 3.2 sigmas that nobody is sure of: held, as above, and no reason to refuse.
+void test_an_uncertain_effect_refuses_nothing() {
+  host::ReplayResult earlier = calibrated(1e-3), now = calibrated(1e-3 * 2 / 3.2);
+  earlier.health.suspects.push_back(suspect("gyro_lag", 2));
+  earlier.health.suspects.front().certain = false;
+  host::review::keep_suspects(earlier, &now);
+  TEST_ASSERT_EQUAL_STRING("calibrated", now.result.status.c_str());
+  TEST_ASSERT_TRUE(now.health.suspects.at(0).in_sigmas);
+  TEST_ASSERT_DOUBLE_WITHIN(1e-12, std::sqrt(1 + 3.2 * 3.2) * 1e-3 * 2 / 3.2, now.result.parameters.at(0).sigma);
+  TEST_ASSERT_NULL(host::review::most_moving(now.health.suspects));
+  host::Suspect step = suspect("bias_step.gyro", 4);
+  TEST_ASSERT_FALSE(host::review::explains_more(now.health.suspects, step));
+  now.health.suspects.front().certain = true;
+  now.health.suspects.front().statistic = 1;
+  TEST_ASSERT_TRUE(host::review::explains_more(now.health.suspects, step));
+}
+
 /// It was looked for again.
 void test_a_step_is_only_said() {
   for (const char* name : {"bias_step.gyro", "calibration_shift.cam0.r_CI"}) {
@@ -162,6 +179,7 @@ void test_the_cause_is_what_moves_most() {
 int main() {
   UNITY_BEGIN();
   RUN_TEST(test_an_effect_counts_in_the_sigmas_of_now);
+  RUN_TEST(test_an_uncertain_effect_refuses_nothing);
   RUN_TEST(test_a_step_is_only_said);
   RUN_TEST(test_the_cause_is_what_moves_most);
   RUN_TEST(test_sigmas_grow_by_what_is_suspected);

@@ -74,6 +74,7 @@ struct Suspect {
   double move = 0;            ///< of that value, in its unit; 0: not known
   std::vector<double> moved;  ///< of each parameter, in its unit, without what chance makes of it; empty: not known
   bool in_sigmas = false;     ///< sigmas and covariance have grown by that
+  bool certain = true;        ///< false: too few segments to be sure; it counts in the sigmas and refuses nothing
 };
 
 /// An effect of the catalogue that the data do not ask for, and what it may move all the same.

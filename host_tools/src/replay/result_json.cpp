@@ -96,6 +96,7 @@ Json health_json(const Health& h) {
                         {"bias_sigmas", s.bias_sigmas},
                         {"moves", s.moves},
                         {"in_sigmas", s.in_sigmas},
+                        {"certain", s.certain},
                         {"words", s.words}});
   }
   Json notes = Json::array();

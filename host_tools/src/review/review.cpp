@@ -116,7 +116,7 @@ class Review {
   std::string stepping_bias(const std::vector<Suspect>& missing) {
     const std::optional<Suspect> step = bias_step(sessions_, out_);
     if (!step) return "";
-    const bool second = !missing.empty() && missing.front().statistic > step->statistic;
+    const bool second = explains_more(missing, *step);
     const std::size_t place = second ? faults_ + missing.size() : faults_;
     health_.suspects.insert(health_.suspects.begin() + static_cast<std::ptrdiff_t>(place), *step);
     const bool effect_refuses = second && refusing(missing);
@@ -126,7 +126,7 @@ class Review {
   /// Not asked where an effect explains more: a lens that is not of its model, a warm sensor look like steps.
   std::string stepping_calibration(const std::vector<Suspect>& missing) {
     const std::optional<Suspect> step = calibration_step(sessions_, core_, out_);
-    if (!step || (!missing.empty() && missing.front().statistic > step->statistic)) return "";
+    if (!step || explains_more(missing, *step)) return "";
     health_.suspects.insert(health_.suspects.begin() + static_cast<std::ptrdiff_t>(faults_), *step);
     return step->bias_sigmas > kMostStepBias ? step->words : "";
   }

@@ -28,6 +28,17 @@ double beyond_chance(double d, double s) {
   return left > 0 ? std::copysign(std::sqrt(left), d) : 0;
 }
 
+const Suspect* most_moving(const std::vector<Suspect>& suspects) {
+  const Suspect* out = nullptr;
+  for (const Suspect& s : suspects)
+    if (s.certain && (!out || s.bias_sigmas > out->bias_sigmas)) out = &s;
+  return out;
+}
+
+bool explains_more(const std::vector<Suspect>& missing, const Suspect& step) {
+  return !missing.empty() && missing.front().certain && missing.front().statistic > step.statistic;
+}
+
 void find_largest(const std::vector<CoreParameter>& parameters, const Eigen::VectorXd& moved,
                   const std::function<bool(const CoreParameter&)>& counts, Suspect* out) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(moved.size()); ++i) {

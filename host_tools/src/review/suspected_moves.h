@@ -18,6 +18,12 @@ double beyond_chance(double d, double s);
 void find_largest(const std::vector<CoreParameter>& parameters, const Eigen::VectorXd& moved,
                   const std::function<bool(const CoreParameter&)>& counts, Suspect* out);
 
+/// The certain one that moves a released value by most of its sigmas; null without any.
+const Suspect* most_moving(const std::vector<Suspect>& suspects);
+
+/// Is there an effect that explains more than a step, so that the step may be its work? `missing`: in their order.
+bool explains_more(const std::vector<Suspect>& missing, const Suspect& step);
+
 /// Sigmas and covariance with what a suspect would move, so that they hold whether it is right or not: sigma_i is at
 /// least sqrt(n_i^2 + d_i^2), n being the noise's sigmas and d the suspect's `moved`. The larger counts, of this, of
 /// how segments scatter (an effect makes them) and of other suspects (they explain the same residuals). The covariance

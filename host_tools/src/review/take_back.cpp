@@ -58,7 +58,7 @@ void keep_suspects(const ReplayResult& earlier, ReplayResult* now) {
       s.words += formatted(" (by the noise that was stated; %.1f sigma by what tracks show)", bias_sigmas);
     }
     kept.push_back(s);
-    if (now->result.status == "calibrated" && !s.moved.empty() && s.bias_sigmas > kMostBias)
+    if (now->result.status == "calibrated" && s.certain && !s.moved.empty() && s.bias_sigmas > kMostBias)
       take_back("failed", s.words, now);
   }
   if (now->result.status != "calibrated") return;

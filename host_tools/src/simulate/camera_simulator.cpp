@@ -9,8 +9,9 @@
 namespace host::sim {
 namespace {
 
-constexpr double border_px = 3;    // so that noise does not carry a corner out of the image
-constexpr double beyond_px = 200;  // where a lens may still bring points into the image that its model has outside
+constexpr double border_px = 3;     // so that noise does not carry a corner out of the image
+constexpr double least_area = 0.1;  // of a pixel, as effects image it, over what it was
+constexpr double beyond_px = 200;   // where a lens may still bring points into the image that its model has outside
 constexpr std::size_t grid_columns = 8, grid_rows = 6;
 
 /// Counts tracks per cell of the image, so that new ones fill the empty places first.
@@ -44,9 +45,8 @@ CameraSimulator::CameraSimulator(const CameraCalibration& camera, std::size_t in
       choices_(seed, Stream::tracks),
       noise_(seed, Stream::pixels),
       in_use_(scene.size(), false) {
-  const bool moves = std::any_of(effects.begin(), effects.end(), [](const auto& e) { return e->moves_pixels(); });
-  fills_image_ = moves && options.fills_image;
-  ideal_border_px_ = fills_image_ ? -beyond_px : border_px;
+  moves_pixels_ = std::any_of(effects.begin(), effects.end(), [](const auto& e) { return e->moves_pixels(); });
+  ideal_border_px_ = moves_pixels_ ? -beyond_px : border_px;
 }
 
 std::optional<Eigen::Vector2d> CameraSimulator::project_from(const CameraCalibration& camera, const BodyState& state,
@@ -77,8 +77,25 @@ std::optional<Eigen::Vector2d> CameraSimulator::observe(const BodyState& state, 
     pixel = project_from(camera, truth_.at(t_exposed), landmark_G, ideal_border_px_);
   }
   if (!pixel) return pixel;
-  for (const auto& effect : effects_) effect->on_pixel(camera, t, *pixel);
-  return !fills_image_ || is_inside(camera, *pixel, border_px) ? pixel : std::nullopt;
+  if (!moves_pixels_) return pixel;
+  const Eigen::Vector2d seen = moved(camera, t, *pixel);
+  if (!is_inside(camera, seen, border_px) || folds_back(camera, t, *pixel)) return std::nullopt;
+  return seen;
+}
+
+Eigen::Vector2d CameraSimulator::moved(const CameraCalibration& camera, double t, Eigen::Vector2d pixel) const {
+  for (const auto& effect : effects_) effect->on_pixel(camera, t, pixel);
+  return pixel;
+}
+
+/// A polynomial of the lens ends where it would image a second ray to the same place: no lens goes on there.
+bool CameraSimulator::folds_back(const CameraCalibration& camera, double t, const Eigen::Vector2d& pixel) const {
+  Eigen::Matrix2d by_pixel;
+  for (int i = 0; i < 2; ++i) {
+    const Eigen::Vector2d half = 0.5 * Eigen::Vector2d::Unit(i);
+    by_pixel.col(i) = moved(camera, t, pixel + half) - moved(camera, t, pixel - half);
+  }
+  return by_pixel.determinant() < least_area;
 }
 
 std::vector<TrackPoint> CameraSimulator::next_frame(double t, std::uint32_t& next_track_id) {

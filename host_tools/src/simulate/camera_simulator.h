@@ -20,9 +20,6 @@ struct TrackOptions {
   double pixel_noise_px = 0.5;    ///< white, standard deviation per axis
   double walk_px_per_sqrt_s = 0;  ///< of a random walk along each track, per axis
   DepthRange depth;
-  /// An effect that moves pixels may bring in points that are ideally outside of the image, and take out what it moves
-  /// across the edge; false: the ideal pixel decides, and what the effect moves out stays.
-  bool fills_image = false;
 };
 
 /// As the corner tracks of a real camera (euroc_mh01): hardly
@@ -66,6 +63,8 @@ class CameraSimulator {
   std::optional<Eigen::Vector2d> observe(const BodyState& state, double t, const Eigen::Vector3d& landmark_G) const;
   std::optional<Eigen::Vector2d> project_from(const CameraCalibration& camera, const BodyState& state,
                                               const Eigen::Vector3d& landmark_G, double border) const;
+  Eigen::Vector2d moved(const CameraCalibration& camera, double t, Eigen::Vector2d pixel) const;
+  bool folds_back(const CameraCalibration& camera, double t, const Eigen::Vector2d& pixel) const;
   CameraCalibration camera_at(double t) const;
   bool stays_visible(std::size_t landmark) const;
   std::vector<Sighting> free_sightings(double t);
@@ -84,7 +83,7 @@ class CameraSimulator {
   TrackOptions options_;
   double period_;
   WarmUp warm_up_;
-  bool fills_image_ = false;
+  bool moves_pixels_ = false;   ///< an effect brings points into the image and takes others out of it
   double ideal_border_px_ = 0;  ///< how far from the edge the ideal pixel must be; negative: it may lie outside
   Random choices_, noise_;
   std::vector<Track> tracks_;

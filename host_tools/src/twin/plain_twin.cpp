@@ -68,7 +68,6 @@ void follow_tracks(const CameraData& camera, SimulationOptions* out) {
   double points = 0;
   for (const Frame& frame : camera.frames) points += static_cast<double>(frame.points.size());
   out->tracks.shortest = shortest_life;
-  out->tracks.fills_image = true;
   out->tracks.count = std::max(1, static_cast<int>(std::lround(points / static_cast<double>(camera.frames.size()))));
   out->tracks.depth = {nearest_m, 2 * farthest_m};
   const std::vector<int> lives = lives_of(camera);
