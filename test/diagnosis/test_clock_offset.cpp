@@ -15,6 +15,7 @@ extern "C" void tearDown() {}
 namespace {
 
 using host::Diagnosis;
+using host::diagnosis::Budget;
 using test::Id;
 
 /// A minute's walk whose camera is late by 80 ms on average, and by `apart_s` less in every other ten seconds than in
@@ -35,15 +36,48 @@ Diagnosis diagnosed(double apart_s, double open = 0) {
   core.calibration = session.nominal;
   int runs = 0;
   return host::diagnosis::with_clocks_aligned(
-      sessions, core, [&runs, open](const std::vector<host::Recording>&, const host::diagnosis::Told& told) {
+      sessions, core,
+      [&runs, open](const std::vector<host::Recording>&, const host::diagnosis::Told& told, Budget budget) {
         Diagnosis out;
         out.before.total = 1;
         out.open_excess = open;
         if (runs++ == 0) out.lost = "odometry is lost";
+        TEST_ASSERT_TRUE(budget.must_answer());
         TEST_ASSERT_EQUAL_UINT(runs == 1 ? 0 : 1, told.effects.size());
         TEST_ASSERT_EQUAL_INT(runs > 1, told.has("time_offset"));
         return out;
       });
+}
+
+/// The first look used its work up and found no name: what rotation tells may have been in the way, and gets a second
+/// look with less work, which counts if it finds a name.
+void test_a_second_look_has_less_work() {
+  host::SimulationOptions options;
+  options.scenario = "nav";
+  options.seconds = 60;
+  options.seed = 9;
+  host::SimulationResult session = host::simulate(options);
+  for (host::Frame& f : session.recording.cameras[0].frames) f.t_ns -= 80'000'000;
+  host::CoreOptions core;
+  core.calibration = session.nominal;
+  for (const char* second : {"explained", "unexplained"}) {
+    int runs = 0;
+    const Diagnosis d = host::diagnosis::with_clocks_aligned(
+        {session.recording}, core,
+        [&runs, second](const std::vector<host::Recording>&, const host::diagnosis::Told& told, Budget budget) {
+          Diagnosis out;
+          const bool first = runs++ == 0;
+          out.verdict = first ? "unexplained" : second;
+          out.cut_short = first;
+          out.seconds = runs;
+          TEST_ASSERT_EQUAL_INT(first, budget.must_answer());
+          TEST_ASSERT_TRUE(budget.left() == (first ? 5000000 : 2000000));
+          TEST_ASSERT_EQUAL_INT(!first, told.has("time_offset"));
+          return out;
+        });
+    TEST_ASSERT_EQUAL_INT(2, runs);
+    TEST_ASSERT_EQUAL_INT(std::string(second) == "explained" ? 2 : 1, static_cast<int>(d.seconds));
+  }
 }
 
 /// To the 4 ms that rotation is wrong by in a walk, by parallax.
@@ -78,17 +112,18 @@ void test_a_rolling_shutter_is_told() {
   host::CoreOptions core;
   core.calibration = session.nominal;
   int runs = 0;
-  host::diagnosis::with_clocks_aligned({session.recording}, core,
-                                       [&runs](const std::vector<host::Recording>&, const host::diagnosis::Told& told) {
-                                         Diagnosis out;
-                                         if (runs++ == 0) {
-                                           out.lost = "odometry is lost";
-                                           return out;
-                                         }
-                                         TEST_ASSERT_TRUE(told.has("time_offset") && told.has("rolling_shutter"));
-                                         test::check_near(Id(), "line delay, s", 6e-5, told.line_delay, 4e-6);
-                                         return out;
-                                       });
+  host::diagnosis::with_clocks_aligned(
+      {session.recording}, core,
+      [&runs](const std::vector<host::Recording>&, const host::diagnosis::Told& told, Budget) {
+        Diagnosis out;
+        if (runs++ == 0) {
+          out.lost = "odometry is lost";
+          return out;
+        }
+        TEST_ASSERT_TRUE(told.has("time_offset") && told.has("rolling_shutter"));
+        test::check_near(Id(), "line delay, s", 6e-5, told.line_delay, 4e-6);
+        return out;
+      });
   TEST_ASSERT_EQUAL_INT(2, runs);
 }
 
@@ -105,7 +140,7 @@ Diagnosis not_started(const char* scenario, bool turned, double late_s = 0, std:
   host::CoreOptions core;
   core.calibration = session.nominal;
   return host::diagnosis::with_clocks_aligned(
-      {session.recording}, core, [restarts](const std::vector<host::Recording>&, const host::diagnosis::Told&) {
+      {session.recording}, core, [restarts](const std::vector<host::Recording>&, const host::diagnosis::Told&, Budget) {
         Diagnosis out;
         out.fit_before.counters = {{"filter_restarts", restarts}};
         out.lost = "odometry diverges";
@@ -137,6 +172,7 @@ void test_turning_in_place_is_no_wrong_model() {
 int main(int argc, char** argv) {
   test::select_cases(argc, argv);
   UNITY_BEGIN();
+  RUN_TEST(test_a_second_look_has_less_work);
   RUN_TEST(test_one_offset_is_named);
   RUN_TEST(test_several_offsets_are_none);
   RUN_TEST(test_a_rolling_shutter_is_told);

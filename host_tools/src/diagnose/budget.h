@@ -10,7 +10,9 @@ namespace host::diagnosis {
 
 class Budget {
  public:
-  explicit Budget(std::int64_t slices) : left_(slices) {}
+  /// `must_answer`: the first fit is made whatever it costs; else a fit that uses all up ends the diagnosis without a
+  /// verdict, which a second look may.
+  explicit Budget(std::int64_t slices, bool must_answer = true) : left_(slices), must_answer_(must_answer) {}
   /// May another fit be made? Remembers that it was asked in vain.
   bool allows() {
     used_up_ = used_up_ || left_ <= 0;
@@ -19,10 +21,11 @@ class Budget {
   void take(std::int64_t slices) { left_ -= slices; }
   std::int64_t left() const { return left_; }
   bool used_up() const { return used_up_; }
+  bool must_answer() const { return must_answer_; }
 
  private:
   std::int64_t left_;
-  bool used_up_ = false;
+  bool must_answer_, used_up_ = false;
 };
 
 }  // namespace host::diagnosis

@@ -139,11 +139,13 @@ bool stuck(const Diagnosis& d) { return d.lost.empty() && d.cut_short && d.verdi
 Diagnosis with_clocks_aligned(const std::vector<Recording>& sessions, const CoreOptions& options,
                               const RunAligned& run) {
   AlignedSessions aligned = by_stated_offset(sessions, options);
-  Diagnosis out = run(aligned.sessions, {});
+  Diagnosis out = run(aligned.sessions, {}, Budget(decision::kSlices));
   if (!out.lost.empty() || stuck(out)) {
     AlignedSessions moved = by_rotation(sessions, options);
     const Told told = told_by(moved);
-    Diagnosis again = told.effects.empty() ? out : run(moved.sessions, told);
+    Diagnosis again = told.effects.empty() ? out
+                      : stuck(out)         ? run(moved.sessions, told, Budget(decision::kSlicesAgain, false))
+                                           : run(moved.sessions, told, Budget(decision::kSlices));
     if (!stuck(out) || again.verdict == "explained") {
       out = std::move(again);
       explain_no_start(moved, &out);

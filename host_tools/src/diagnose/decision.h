@@ -126,6 +126,8 @@ constexpr double kOwnSquares = 2.0 / 3;
 /// 5 million take 30 to 45 s of the minute that a diagnosis may take: the fit that exceeds them may have 2 million, and
 /// rows are linearised besides. A recording that lacks nothing or one effect needs 0.4 to 2 million.
 constexpr int kSlices = 5000000;
+/// Of a second look with what rotation tells, where the first used its work up: what a recording with one effect needs.
+constexpr int kSlicesAgain = 2000000;
 /// Rounds of terms beyond the catalogue, and how many terms of one are asked in parts.
 constexpr int kTermRounds = 3, kTermsAsked = 8;
 

@@ -27,7 +27,7 @@ using namespace diagnosis;
 
 class Diagnoser {
  public:
-  Diagnoser(const std::vector<Recording>& sessions, const Told& told, const DiagnoseOptions& options)
+  Diagnoser(const std::vector<Recording>& sessions, const Told& told, const DiagnoseOptions& options, Budget budget)
       : sessions_(sessions),
         told_(told),
         options_(options),
@@ -35,6 +35,7 @@ class Diagnoser {
             std::all_of(sessions.begin(), sessions.end(), [](const Recording& r) { return r.imu.has_temperature; })),
         has_exposures_(std::all_of(sessions.begin(), sessions.end(), has_exposures)),
         model_(options.core, has_temperature_, has_exposures_),
+        work_left_(budget),
         evidence_(sessions, without_effects(options.core, has_temperature_), options.profile, &work_left_,
                   [this](double fraction) { report(fraction); }) {
     model_.include(told);  // known to some ms, which bend all that is tested beside it
@@ -46,6 +47,7 @@ class Diagnoser {
     if (!find_bad_data()) {
       find_imu_noise();
       fit_plain();
+      if (!work_left_.must_answer() && !work_left_.allows()) return out_;
       if (judgeable(plain_, model_.candidates, evidence_.result(), &out_)) {
         find_effects();
         measure_gap();
@@ -216,7 +218,7 @@ class Diagnoser {
   const DiagnoseOptions& options_;
   bool has_temperature_, has_exposures_;
   SearchedModel model_;
-  Budget work_left_{decision::kSlices};
+  Budget work_left_;
   Evidence evidence_;
   std::string step_;
   int fits_ = 0;
@@ -232,9 +234,9 @@ class Diagnoser {
 
 Diagnosis diagnose(const std::vector<Recording>& sessions, const DiagnoseOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  Diagnosis out =
-      with_clocks_aligned(sessions, options.core, [&options](const std::vector<Recording>& aligned, const Told& told) {
-        return Diagnoser(aligned, told, options).run();
+  Diagnosis out = with_clocks_aligned(
+      sessions, options.core, [&options](const std::vector<Recording>& aligned, const Told& told, Budget budget) {
+        return Diagnoser(aligned, told, options, budget).run();
       });
   if (options.stamp_exposure != 0) count_kappa_from_recording(options.stamp_exposure, &out);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -102,7 +102,7 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
     }
     replay_options.core.term_values.push_back(start[i]);
   }
-  inflate_until_taken(replay_options, first ? kMostInflations - 1 : before);
+  inflate_until_taken(replay_options, first && budget_->must_answer() ? kMostInflations - 1 : before);
   int next_taken = 0, next_asked = static_cast<int>(now().taken.size());
   for (std::size_t i = 0; i < terms.size(); ++i) {
     if (static_cast<int>(i) != now().exposure.at) now().place.push_back(estimated[i] ? next_taken++ : next_asked++);
