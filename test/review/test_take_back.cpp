@@ -74,6 +74,23 @@ void test_an_uncertain_effect_refuses_nothing() {
   TEST_ASSERT_TRUE(host::review::explains_more(now.health.suspects, step));
 }
 
+/// Both replays show it, and only the first is sure: it refuses by what it moves now.
+void test_one_certain_replay_is_enough() {
+  for (const double bias : {2.0, 4.0}) {
+    host::ReplayResult earlier = calibrated(1e-3), now = calibrated(1e-3);
+    earlier.health.suspects.push_back(suspect("gyro_lag", 2));
+    now.health.suspects.push_back(suspect("gyro_lag", bias));
+    now.health.suspects.front().certain = false;
+    now.health.suspects.front().words = "perhaps";
+    host::review::keep_suspects(earlier, &now);
+    TEST_ASSERT_EQUAL_UINT(1, now.health.suspects.size());
+    TEST_ASSERT_TRUE(now.health.suspects.at(0).certain);
+    TEST_ASSERT_EQUAL_STRING("words", now.health.suspects.at(0).words.c_str());
+    TEST_ASSERT_EQUAL_STRING(bias > 3 ? "failed" : "calibrated", now.result.status.c_str());
+    TEST_ASSERT_EQUAL_STRING(bias > 3 ? "words" : "", now.cause.c_str());
+  }
+}
+
 /// It was looked for again.
 void test_a_step_is_only_said() {
   for (const char* name : {"bias_step.gyro", "calibration_shift.cam0.r_CI"}) {
@@ -180,6 +197,7 @@ int main() {
   UNITY_BEGIN();
   RUN_TEST(test_an_effect_counts_in_the_sigmas_of_now);
   RUN_TEST(test_an_uncertain_effect_refuses_nothing);
+  RUN_TEST(test_one_certain_replay_is_enough);
   RUN_TEST(test_a_step_is_only_said);
   RUN_TEST(test_the_cause_is_what_moves_most);
   RUN_TEST(test_sigmas_grow_by_what_is_suspected);

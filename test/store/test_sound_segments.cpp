@@ -47,18 +47,19 @@ void test_a_landmark_without_points_is_refused() {
 
 /// Loops over samples would go round for ever.
 void test_stamps_of_samples_grow() {
+  const InertialReading<double> still{{0, 0, 0}, {0, 0, 0}};
   ImuStore<double> imu;
   imu.clear();
-  for (int i = 0; i < 2 * kStampsPerAnchor; ++i) imu.push(5000 * i, {});
+  for (int i = 0; i < 2 * kStampsPerAnchor; ++i) imu.push(5000 * i, still);
   TEST_ASSERT_TRUE(StoredFields<double>::stamps_grow(imu));
   ImuStore<double> back;
   back.clear();
-  for (int i = 0; i < kStampsPerAnchor; ++i) back.push(5000 * i, {});
-  back.push(1000, {});  // every sixteenth has a stamp of its own
+  for (int i = 0; i < kStampsPerAnchor; ++i) back.push(5000 * i, still);
+  back.push(1000, still);  // every sixteenth has a stamp of its own
   TEST_ASSERT_FALSE(StoredFields<double>::stamps_grow(back));
   ImuStore<double> far;
   far.clear();
-  far.push(INT32_MAX, {});
+  far.push(INT32_MAX, still);
   TEST_ASSERT_FALSE(StoredFields<double>::stamps_grow(far));
   const Calibration<double> theta = test::nominal_calibration(Distortion::fov);
   Segment<double> s = stored(theta);

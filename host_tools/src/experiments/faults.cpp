@@ -107,7 +107,8 @@ Json said(const ReplayResult& r) {
   for (const auto& [name, count] : r.counters)
     for (const std::string& fault : fault_counters())
       if (name == fault && count > 0) counters[name] = count;
-  for (const Suspect& s : r.health.suspects) suspects.push_back(s.name);
+  for (const Suspect& s : r.health.suspects)
+    if (s.certain) suspects.push_back(s.name);
   Json clock;
   if (!r.clocks.empty() && r.clocks.front().differs_from(0)) clock = "time_offset: " + r.clocks.front().words;
   return {{"counters", counters}, {"suspects", suspects}, {"clock", clock}, {"cause", r.cause}};

@@ -74,7 +74,7 @@ struct Suspect {
   double move = 0;            ///< of that value, in its unit; 0: not known
   std::vector<double> moved;  ///< of each parameter, in its unit, without what chance makes of it; empty: not known
   bool in_sigmas = false;     ///< sigmas and covariance have grown by that
-  bool certain = true;        ///< false: too few segments to be sure; it counts in the sigmas and refuses nothing
+  bool certain = true;        ///< false: the segments cannot be sure; it counts in the sigmas and refuses nothing
 };
 
 /// An effect of the catalogue that the data do not ask for, and what it may move all the same.
@@ -90,7 +90,8 @@ struct Health {
   std::vector<double> noise_sigmas;  ///< of the parameters, by noise alone, not by how segments scatter
   double step_chi2 = 0;              ///< of the step from the start by the prior's sigmas
   int step_dof = 0;
-  std::vector<Suspect> suspects;  ///< faults, then effects, the largest statistic first; remarks; a first replay's
+  std::vector<Suspect>
+      suspects;  ///< faults, then effects, certain ones and large statistics first; remarks; a first replay's
   std::vector<UnseenEffect> unseen;
   std::vector<Note> notes;  ///< on noise, gravity and effects that the data do not show
 };

@@ -25,10 +25,10 @@ constexpr double kHeldLevel = -2;
 /// real IMUs.
 constexpr int kPooledDof = 5;
 
-/// Four segments know the scatter of one value so badly that 30 of its sigmas may be chance: moderated by what all
-/// values of the recording show (Smyth, "Linear models and empirical Bayes methods", Statistical Applications in
-/// Genetics and Molecular Biology 3, 2004, section 3). Asked beside the scatter of the value alone, so that a false
-/// suspicion is twice as likely as kLevel at most.
+/// Fewer than four segments show no scatter, and are judged by noise. Four know the scatter of one value so badly that
+/// 30 of its sigmas may be chance: moderated by what all values of the recording show (Smyth, "Linear models and
+/// empirical Bayes methods", Statistical Applications in Genetics and Molecular Biology 3, 2004, section 3). Asked
+/// beside the scatter of the value alone, so that a false suspicion is twice as likely as kLevel at most.
 Scatter moderated(const Scatter& own, double pooled) {
   const int dof = own.dof + kPooledDof;
   return {(own.dof * own.factor + kPooledDof * std::max(1.0, pooled)) / dof, dof};
@@ -123,15 +123,17 @@ struct Asked {
 
 /// Few segments know their scatter so badly that F calls nothing below a statistic of a hundred. What would be called
 /// if that scatter were exact is called too, without being certain: sigmas can hold it, and nothing is refused for it.
-Asked ask(const Problem& problem, const Candidate& c, std::size_t trials) {
+Asked ask(const Problem& problem, const Candidate& c, std::size_t trials, double pooled) {
   Asked out;
   out.test = test_alone(problem, c);
   if (out.test.seen == 0) return out;
   const double of_many = std::log10(static_cast<double>(trials));
   const auto log10_p_by = [&](const Scatter& s) { return s.log10_p(out.test.statistic, out.test.seen) + of_many; };
-  const Scatter own = scatter_over_time(problem, c, {}), with_all = moderated(own, pooled_scatter(problem));
+  const Scatter own = scatter_over_time(problem, c, {}), with_all = moderated(own, pooled);
   out.by_itself = log10_p_by(own) <= kLevel;
-  out.log10_p = log10_p_by(out.by_itself ? own : with_all);
+  const Scatter& judge = out.by_itself ? own : with_all;
+  out.log10_p = log10_p_by(judge);
+  out.test.sigma *= std::sqrt(judge.factor);
   out.certain = out.log10_p <= kLevel;
   out.called = out.certain || log10_p_of_known(with_all, out.test) + of_many <= kHeldLevel;
   return out;
@@ -152,15 +154,15 @@ std::string words_on(const Suspect& suspect, const Candidate& c, const EffectTes
                                               : " may be missing from the model: it would explain what is left (");
   out += values;
   if (bends_lens(c.name)) out += "; the lens' own coefficients stand for something else beside it";
-  out += suspect.certain ? ")" : "), though so few segments cannot be sure of it";
+  out += suspect.certain ? ")" : "), though the segments are too few, or scatter too much, to be sure";
   return out + "; with it " + suspect.moves + " moves by " + number("%.1f", suspect.bias_sigmas) +
          " sigma: " + remedy(c, test);
 }
 
 /// False if the data do not ask for the effect; true also where they do and contradict themselves.
-bool asks_for(const Problem& problem, const Catalogue& catalogue, const Candidate& c, std::size_t trials,
+bool asks_for(const Problem& problem, const Catalogue& catalogue, const Candidate& c, std::size_t trials, double pooled,
               const ReplayResult& result, std::vector<Suspect>* out) {
-  const Asked asked = ask(problem, c, trials);
+  const Asked asked = ask(problem, c, trials, pooled);
   if (!asked.called) return false;
   const EffectTest& test = asked.test;
   const HalvesTest halves = test_halves(problem, c, {});
@@ -193,7 +195,7 @@ void ask_for_exposures(Core& core, const ReplayResult& result, const std::vector
   asked.terms.push_back(exposure_term());
   Candidate c{kExposureOffset, {column.at, 1}, {asked.terms.back().size}, share_of(Kind::exposure), Kind::exposure};
   if (column.at > 0) c.beside = {{0, column.at}};
-  asks_for(problem, asked, c, trials, result, out);
+  asks_for(problem, asked, c, trials, pooled_scatter(problem), result, out);
 }
 
 }  // namespace
@@ -208,9 +210,9 @@ std::vector<Suspect> missing_effects(Core& core, const ReplayResult& result, con
     Problem problem = linearised(core, result, part.terms);
     if (problem.held_out.empty()) return;
     count_from_mean_warmth(result.result.parameters, part.terms, &problem);
-    const double variance = dispersion(problem, {}) * std::max(1.0, pooled_scatter(problem));
+    const double pooled = pooled_scatter(problem), variance = dispersion(problem, {}) * std::max(1.0, pooled);
     for (const Candidate& c : part.candidates) {
-      if (!asks_for(problem, part, c, trials, result, &out))
+      if (!asks_for(problem, part, c, trials, pooled, result, &out))
         unseen->push_back(unseen_effect(problem, c, variance, result.result.parameters));
     }
   };

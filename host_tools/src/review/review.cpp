@@ -195,10 +195,11 @@ class Review {
     const bool compared = clock.correlation != 0;
     if (!clock.words.empty() && (compared || trouble.empty())) return what + ": " + clock.words;
     if (!trouble.empty()) return what + ": " + trouble;
-    if (!health_.suspects.empty()) return what + ": " + health_.suspects.front().words;
+    const bool suspected = !health_.suspects.empty();
+    if (suspected && health_.suspects.front().certain) return what + ": " + health_.suspects.front().words;
     for (const Note& note : health_.notes)
       if (note.name.find("_noise") != std::string::npos && note.factor > 1) return what + ": " + note.words;
-    return what;
+    return suspected ? what + ": " + health_.suspects.front().words : what;
   }
 
   /// Empty where it is in the model, or rotation does not show one: a filter that does not know of it does not start.

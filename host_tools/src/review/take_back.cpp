@@ -16,6 +16,13 @@ double bias_in(const ReplayResult& result, const Suspect& suspect) {
   return 0;
 }
 
+/// Only the earlier replay was sure of an effect that both show.
+void make_certain(const Suspect& earlier, Suspect* too, ReplayResult* now) {
+  too->certain = true;
+  too->words = earlier.words;
+  if (now->result.status == "calibrated" && too->bias_sigmas > kMostBias) take_back("failed", too->words, now);
+}
+
 }  // namespace
 
 void take_back(const char* status, const std::string& why, ReplayResult* out) {
@@ -46,8 +53,11 @@ void keep_suspects(const ReplayResult& earlier, ReplayResult* now) {
   std::vector<Suspect>& kept = now->health.suspects;
   const std::size_t found = kept.size();
   for (Suspect s : earlier.health.suspects) {
-    const auto same = [&s](const Suspect& other) { return other.name == s.name; };
-    if (std::any_of(kept.begin(), kept.end(), same)) continue;
+    const auto same = std::find_if(kept.begin(), kept.end(), [&s](const Suspect& o) { return o.name == s.name; });
+    if (same != kept.end()) {
+      if (s.certain && !same->certain) make_certain(s, &*same, now);
+      continue;
+    }
     s.in_sigmas = false;
     if (s.name.rfind("bias_step.", 0) == 0 || s.name.rfind("calibration_shift.", 0) == 0) {
       s.move = 0;

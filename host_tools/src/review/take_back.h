@@ -15,11 +15,11 @@ void take_back(const char* status, const std::string& why, ReplayResult* out);
 /// `insufficient` where fewer than half of the values are observed with all that sigmas hold.
 void refuse_unobserved(ReplayResult* out);
 
-/// Takes over what the review of an earlier replay of the same recordings suspects and this one no longer shows: noise
-/// hides what moves the answer little. An effect counts in the sigmas of now, and takes `calibrated` back as above;
-/// else sigmas grow by what it moves (review/suspected_moves.h). A step is only said: held against tracks
-/// that drift and count as white, chance makes steps (one of ten simulated recordings along real paths), and this
-/// replay has looked for it by what the tracks show.
+/// Takes over what the review of an earlier replay of the same recordings suspects and this one no longer shows, or is
+/// no longer certain of: noise hides what moves the answer little. An effect counts in the sigmas of now, and takes
+/// `calibrated` back as above; else sigmas grow by what it moves (review/suspected_moves.h). A step is only said: held
+/// against tracks that drift and count as white, chance makes steps (one of ten simulated recordings along real paths),
+/// and this replay has looked for it by what the tracks show.
 void keep_suspects(const ReplayResult& earlier, ReplayResult* now);
 
 }  // namespace host::review

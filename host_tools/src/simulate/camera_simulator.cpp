@@ -95,7 +95,7 @@ bool CameraSimulator::folds_back(const CameraCalibration& camera, double t, cons
     const Eigen::Vector2d half = 0.5 * Eigen::Vector2d::Unit(i);
     by_pixel.col(i) = moved(camera, t, pixel + half) - moved(camera, t, pixel - half);
   }
-  return by_pixel.determinant() < least_area;
+  return by_pixel.determinant() < least_area || by_pixel.trace() < 0;  // a fold in each direction mirrors
 }
 
 std::vector<TrackPoint> CameraSimulator::next_frame(double t, std::uint32_t& next_track_id) {
