@@ -13,10 +13,10 @@ class Budget {
   /// `must_answer`: the first fit is made whatever it costs; else a fit that uses all up ends the diagnosis without a
   /// verdict, which a second look may.
   explicit Budget(std::int64_t slices, bool must_answer = true) : left_(slices), must_answer_(must_answer) {}
-  /// May another fit be made? Remembers that it was asked in vain.
-  bool allows() {
-    used_up_ = used_up_ || left_ <= 0;
-    return left_ > 0;
+  /// May another fit be made, or something that takes about as much as this? Remembers that it was asked in vain.
+  bool allows(std::int64_t slices = 1) {
+    used_up_ = used_up_ || left_ < slices;
+    return left_ >= slices;
   }
   void take(std::int64_t slices) { left_ -= slices; }
   std::int64_t left() const { return left_; }

@@ -93,25 +93,29 @@ class Diagnoser {
     return problem;
   }
 
-  /// Without effects.
   void fit_plain() { plain_ = fit(model_.columns_of(model_.needed)); }
 
-  /// Less noise than stated is no fault, as in the raw samples (imu_noise.h): it was stated on purpose, and corner
-  /// tracks follow their own error for many images, which differences of neighbours do not show and a stated noise must
-  /// cover. Image noise above the stated one shows when the effects are in the model; then everything is weighed again.
+  /// Less noise than stated is no fault (imu_noise.h): corner tracks follow their own error for many images, which
+  /// neighbours do not show. Noise above it shows when the effects are in the model; then everything is weighed again.
   void find_effects() {
     out_.fit_before = evidence_.result();
-    search();
+    std::int64_t begun_with = work_left_.left();
+    search_catalogue();
     if (tracks_drift()) {
-      model_.forget_additions();
+      begun_with = work_left_.left();
       fit_plain();
       out_.fit_before = evidence_.result();
-      search();
+      search_catalogue();
     }
+    look_beyond();
+    work_of_search_ = begun_with - work_left_.left();
     for (int round = 0; round < decision::kNoiseRounds && !lens_has_no_name() && pixel_noise_is_above(); ++round) {
+      begun_with = work_left_.left();
       model_.forget_additions();
       fit_plain();
-      search();
+      search_catalogue();
+      look_beyond();
+      work_of_search_ = begun_with - work_left_.left();
       noisy_pixels_ = true;
     }
     find_pixel_factor();
@@ -120,7 +124,7 @@ class Diagnoser {
     report_candidates(selection_, has_temperature_, has_exposures_, &out_);
   }
 
-  void search() {
+  void search_catalogue() {
     SelectionOptions options;
     options.known = model_.known;
     options.work = &work_left_;
@@ -139,12 +143,11 @@ class Diagnoser {
       return last;
     };
     selection_ = select_effects(model_.candidates, options, refit);
-    look_beyond();
   }
 
   bool lens_has_no_name() const { return model_.lens_has_no_name(selection_); }
 
-  /// From now on, if they do, points are weighed by the white noise and the walk that their tracks show.
+  /// If they do, points are weighed by what they show. Against white noise they look like many terms of the dictionary.
   bool tracks_drift() {
     const TrackNoise& found = evidence_.result().track_noise;
     if (!each_track_drifts(evidence_.result(), pixels_) || !work_left_.allows()) return false;
@@ -160,7 +163,7 @@ class Diagnoser {
     const double so_far = evidence_.options().pixel_sigma / options_.core.pixel_sigma,
                  above = out_.pixels.factor / so_far - 1;
     if (above <= std::max(decision::kNoiseAbove, decision::kNoiseSigmas * out_.pixels.sigma / so_far)) return false;
-    if (!work_left_.allows()) return false;
+    if (!work_left_.allows(work_of_search_ + 1)) return false;  // it would lose what is found
     evidence_.options().pixel_sigma = out_.pixels.factor * options_.core.pixel_sigma;
     return true;
   }
@@ -219,14 +222,15 @@ class Diagnoser {
   bool has_temperature_, has_exposures_;
   SearchedModel model_;
   Budget work_left_;
+  std::int64_t work_of_search_ = 0;  ///< of the last whole search
   Evidence evidence_;
   std::string step_;
   int fits_ = 0;
-  Problem plain_;
+  Problem plain_;  ///< without effects
   PixelNoise pixels_;
   Selection selection_;
-  bool noisy_pixels_ = false;
   std::vector<NoiseEffect> noise_effects_;
+  bool noisy_pixels_ = false;
   Diagnosis out_;
 };
 
