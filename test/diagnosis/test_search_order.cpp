@@ -125,6 +125,16 @@ void test_a_search_ends_with_its_budget() {
   }
 }
 
+/// A round that the work left is not enough for must not begin, and the answer says that it was cut short.
+void test_a_budget_knows_what_is_left() {
+  Budget budget(10);
+  TEST_ASSERT_TRUE(budget.allows(10) && budget.must_answer() && !budget.used_up());
+  TEST_ASSERT_FALSE(budget.allows(11));
+  TEST_ASSERT_TRUE(budget.used_up() && budget.allows());
+  budget.take(10);
+  TEST_ASSERT_FALSE(budget.allows());
+}
+
 /// A search that comes back to a fit does not make it again; with other noise it is another fit.
 void test_a_fit_is_remembered() {
   host::SimulationOptions simulated;
@@ -168,6 +178,7 @@ int main(int argc, char** argv) {
   RUN_TEST(test_refused_alone_and_taken_beside_another);
   RUN_TEST(test_an_effect_before_the_step_that_looks_like_it);
   RUN_TEST(test_a_search_ends_with_its_budget);
+  RUN_TEST(test_a_budget_knows_what_is_left);
   RUN_TEST(test_a_fit_is_remembered);
   return UNITY_END();
 }
