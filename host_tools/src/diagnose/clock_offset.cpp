@@ -143,9 +143,8 @@ Diagnosis with_clocks_aligned(const std::vector<Recording>& sessions, const Core
   if (!out.lost.empty() || stuck(out)) {
     AlignedSessions moved = by_rotation(sessions, options);
     const Told told = told_by(moved);
-    Diagnosis again = told.effects.empty() ? out
-                      : stuck(out)         ? run(moved.sessions, told, Budget(decision::kSlicesAgain, false))
-                                           : run(moved.sessions, told, Budget(decision::kSlices));
+    const Budget budget = stuck(out) ? Budget(decision::kSlicesAgain, false) : Budget(decision::kSlices);
+    Diagnosis again = told.effects.empty() ? out : run(moved.sessions, told, budget);
     if (!stuck(out) || again.verdict == "explained") {
       out = std::move(again);
       explain_no_start(moved, &out);
