@@ -1,5 +1,6 @@
 // Diagnosis on motions other than `rich`: a headset (arvr) and a ground robot (nav), whose images move slowly. Each
 // kind on one of them; where SEGCAL_LONG is set, on both.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -20,7 +21,7 @@ namespace {
 using host::Diagnosis;
 
 Diagnosis diagnosed(const std::string& scenario, std::uint64_t seed, const std::string& effect,
-                    const host::sim::TrackOptions& tracks = {}) {
+                    const host::sim::TrackOptions& tracks = {}, std::vector<std::string>* steps = nullptr) {
   host::SimulationOptions options;
   options.scenario = scenario;
   options.seconds = 60;
@@ -31,6 +32,11 @@ Diagnosis diagnosed(const std::string& scenario, std::uint64_t seed, const std::
   host::DiagnoseOptions diagnose;
   diagnose.core.calibration = session.nominal;
   diagnose.core.noise = session.recording.imu.noise;
+  if (steps) {
+    diagnose.progress = [steps](const std::string& step, double) {
+      if (steps->empty() || steps->back() != step) steps->push_back(step);
+    };
+  }
   const Diagnosis d = host::diagnose({session.recording}, diagnose);
   std::printf("segcal simulate --scenario %s --seconds 60 --seed %d%s: %s\n", scenario.c_str(), static_cast<int>(seed),
               effect.empty() ? "" : (" --effect " + effect).c_str(), d.sentence.c_str());
@@ -88,11 +94,14 @@ void test_tracks_that_drift() {
     const Diagnosis nothing = diagnosed("rich", 131, "", host::sim::drifting_tracks());
     TEST_ASSERT_EQUAL_STRING_MESSAGE("consistent", nothing.verdict.c_str(), nothing.sentence.c_str());
   }
-  const Diagnosis d = diagnosed("arvr", 120103, "rolling_shutter=1.6e-5", host::sim::drifting_tracks());
+  std::vector<std::string> steps;
+  const Diagnosis d = diagnosed("arvr", 120103, "rolling_shutter=1.6e-5", host::sim::drifting_tracks(), &steps);
   expect_only(d, "rolling_shutter", 1.6e-5, 0.01);
   TEST_ASSERT_DOUBLE_WITHIN(0.03, 0.1,
                             d.tracks.white_px);  // a twentieth of it at 15,000 points, and what the fit leaves
   TEST_ASSERT_DOUBLE_WITHIN(0.09, 0.9, d.tracks.walk_px_per_sqrt_s);
+  // Asked before the points are weighed by the drift the dictionary took the work that the catalogue needed after it.
+  TEST_ASSERT_EQUAL_INT(1, std::count(steps.begin(), steps.end(), "terms beyond the catalogue"));
 }
 
 /// Residuals walk along each track as well, at 2.7 px/sqrt(s), but those of neighbours together.
