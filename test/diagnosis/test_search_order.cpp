@@ -106,14 +106,14 @@ void test_an_effect_before_the_step_that_looks_like_it() {
   TEST_ASSERT_GREATER_OR_EQUAL_INT(19, right);
 }
 
-/// One fit may exceed the budget; then nothing more is taken, and it is said where something was left to take.
+/// No fit begins that less is left for than the last one took, and it is said where something was left to take.
 void test_a_search_ends_with_its_budget() {
   LinearRecording recording = catalogue();
   recording.truth.setConstant(0.4);
   for (const int fits : {1, 2, 4, 9}) {
     test::Random random(2300);
     const Problem problem = problem_of(recording, &random);
-    Budget budget(10 * fits - 5);
+    Budget budget(10 * fits + 9);
     SelectionOptions options;
     options.work = &budget;
     const Selection s = select_effects(recording.candidates, options, [&](const std::vector<int>&) {
@@ -130,9 +130,13 @@ void test_a_budget_knows_what_is_left() {
   Budget budget(10);
   TEST_ASSERT_TRUE(budget.allows(10) && budget.must_answer() && !budget.used_up());
   TEST_ASSERT_FALSE(budget.allows(11));
-  TEST_ASSERT_TRUE(budget.used_up() && budget.allows());
-  budget.take(10);
-  TEST_ASSERT_FALSE(budget.allows());
+  TEST_ASSERT_TRUE(budget.used_up() && budget.allows_fit());
+  budget.take(5);
+  TEST_ASSERT_TRUE(budget.allows_fit());
+  budget.take(1);
+  TEST_ASSERT_TRUE(budget.allows_fit());
+  budget.take(3);
+  TEST_ASSERT_TRUE(budget.allows(1) && !budget.allows_fit());
 }
 
 /// A search that comes back to a fit does not make it again; with other noise it is another fit.

@@ -27,7 +27,7 @@ void Beyond::run(const Fit& fit) {
   std::vector<Open> open = scan();
   for (int i = 0; i < decision::kTermRounds && !selection_->shifted; ++i) {  // fits do not know steps
     const std::vector<TermInfo> best = best_that_hold(open);
-    if (best.empty() || !work_->allows()) break;
+    if (best.empty() || !work_->allows_fit()) break;
     for (const TermInfo& term : best) add(term);
     refit(fit);
     drop_superfluous(fit);

@@ -85,6 +85,9 @@ constexpr double kLog10AddsNothing = -2, kFitsAlike = 6;
 /// Sigmas within which an excess that is left counts as none, and from which on chi2 over the noise floor is something:
 /// one of 20 and one of 30,000 by chance.
 constexpr double kCountsAsNone = 2, kOverFloor = 4;
+/// Sigmas of it that chance leaves once in a thousand right effects, as it parts the halves (kLog10Disagree):
+/// chi-square of one degree of freedom is 10.8 there, and has a mean of 1 and a variance of 2.
+constexpr double kChanceLeaves = 7;
 
 // ---- Steps
 
@@ -122,10 +125,11 @@ constexpr double kOwnSquares = 2.0 / 3;
 
 // ---- Time
 
-/// Work of one diagnosis in slices of the core: rounds of noise, effects and terms draw on it together.
-/// 5 million take 30 to 45 s of the minute that a diagnosis may take: the fit that exceeds them may have 2 million, and
-/// rows are linearised besides. A recording that lacks nothing or one effect needs 0.4 to 2 million.
-constexpr int kSlices = 5000000;
+/// Work of one diagnosis in slices of the core: rounds of noise, effects and terms draw on it together. A million take
+/// 6 s of the minute that a diagnosis may take, with the rows that are linearised besides. No fit begins that less is
+/// left for than the last one took; one that does not settle may exceed it all the same, by 4 million at most. A
+/// recording that lacks nothing or one effect needs 0.4 to 2 million, with tracks that drift up to 7.
+constexpr int kSlices = 6000000;
 /// Of a second look with what rotation tells, where the first used its work up: what a recording with one effect needs.
 constexpr int kSlicesAgain = 2000000;
 /// Rounds of terms beyond the catalogue, and how many terms of one are asked in parts.

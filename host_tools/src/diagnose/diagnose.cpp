@@ -47,7 +47,7 @@ class Diagnoser {
     if (!find_bad_data()) {
       find_imu_noise();
       fit_plain();
-      if (!work_left_.must_answer() && !work_left_.allows()) return out_;
+      if (!work_left_.must_answer() && !work_left_.allows(1)) return out_;
       if (judgeable(plain_, model_.candidates, evidence_.result(), &out_)) {
         find_effects();
         measure_gap();
@@ -150,7 +150,7 @@ class Diagnoser {
   /// If they do, points are weighed by what they show. Against white noise they look like many terms of the dictionary.
   bool tracks_drift() {
     const TrackNoise& found = evidence_.result().track_noise;
-    if (!each_track_drifts(evidence_.result(), pixels_) || !work_left_.allows()) return false;
+    if (!each_track_drifts(evidence_.result(), pixels_) || !work_left_.allows_fit()) return false;
     evidence_.options().pixel_sigma = found.white_px;
     evidence_.options().track_walk = found.walk_px_per_sqrt_s;
     out_.tracks = found;

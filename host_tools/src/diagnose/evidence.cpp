@@ -121,7 +121,7 @@ void Evidence::inflate_until_taken(ReplayOptions options, int enough) {
   for (;; ++now().inflations) {
     options.core = inflated(stated, now().inflations);
     if (try_fit(options) || now().inflations + 1 == kMostInflations) return;
-    if (now().inflations >= enough && !budget_->allows()) return;
+    if (now().inflations >= enough && !budget_->allows_fit()) return;
   }
 }
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "diagnose/answer.h"
+#include "formatted.h"
 
 namespace host::diagnosis {
 namespace {
@@ -43,15 +43,12 @@ unsigned families_behind(const Structure& s) {
 }
 
 std::string why_no_name(const Gap& gap, const Leftover& leftover, bool closes) {
-  char why[200];
-  const double closed = 100 * std::max(0.0, gap.closed()), rest = gap.before > 0 ? 100 * gap.rest / gap.before : 0;
-  if (closes) {
-    std::snprintf(why, sizeof why, "the excess falls by %.1f %%, but %.1f %% clearly follow something else%s%s", closed,
-                  rest, leftover.what.empty() ? "" : ", most ", leftover.what.c_str());
-  } else {
-    std::snprintf(why, sizeof why, "the excess falls by only %.0f %%, the rest is something else", closed);
-  }
-  return why;
+  const double closed = 100 * std::max(0.0, gap.closed_but_for_chance()),
+               rest = gap.before > 0 ? 100 * gap.rest / gap.before : 0;
+  const std::string most = leftover.what.empty() ? "" : ", most " + leftover.what;
+  if (closes)
+    return formatted("the excess falls by %.1f %%, but %.1f %% clearly follow something else", closed, rest) + most;
+  return formatted("the excess falls by only %.0f %%, the rest is something else", closed) + most;
 }
 
 constexpr const char* kNotConfirmed =
@@ -166,7 +163,7 @@ void report_gap(const HeldOut& held_out, Diagnosis* out) {
   const Gap gap = held_out_gap(s.problem, s.candidates, s.accepted, held_out.floors[0], s.leftover.chi2);
   Report report(held_out, out);
   const double unit = gap.dof > 0 ? 1 / (gap.dof * gap.floor) : 0;
-  const bool closes = gap.before > 0 && gap.closed() >= decision::kNamesFrom;
+  const bool closes = gap.before > 0 && gap.closed_but_for_chance() >= decision::kNamesFrom;
   const std::vector<Fold> folds = folds_of(s, held_out.joined);
   const Gap nested = nested_gap(s, folds);
   const bool names = closes && (gap.rest <= decision::kMostRest * gap.before || !report.has_catalogue());
@@ -176,7 +173,7 @@ void report_gap(const HeldOut& held_out, Diagnosis* out) {
   out->after.total = (measured.after + rest) * unit;
   out->after_sigma = measured.after_sigma * unit;
   const std::vector<bool> confirmed = confirmed_effects(s, folds, held_out.told);
-  const double open = names ? std::min(1.0, 1 - gap.closed() + unconfirmed_share(s, confirmed)) : 1;
+  const double open = names ? std::min(1.0, 1 - gap.closed_but_for_chance() + unconfirmed_share(s, confirmed)) : 1;
   out->open_excess = gap.before > 0 ? open * out->before.total : 0;
   out->noise_floor.total = gap.floor;
   out->gap_dof.total = gap.dof;

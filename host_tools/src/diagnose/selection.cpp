@@ -99,7 +99,7 @@ class Search {
 
   /// False if no time is left for the fit.
   bool take(int c) {
-    if (options_.work && !options_.work->allows()) return false;
+    if (options_.work && !options_.work->allows_fit()) return false;
     refused_at_its_fit_ = -1;
     chosen_.push_back(c);
     fit_again();

@@ -20,8 +20,7 @@ std::vector<int> order_of(const std::vector<double>& x) {
   return order;
 }
 
-std::vector<double> ranks_of(const std::vector<double>& x) {
-  const std::vector<int> order = order_of(x);
+std::vector<double> ranks_of(const std::vector<double>& x, const std::vector<int>& order) {
   std::vector<double> rank(x.size());
   for (std::size_t from = 0, to = 0; from < order.size(); from = to) {
     while (to < order.size() && x[order[to]] == x[order[from]]) ++to;
@@ -43,9 +42,8 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 /// Means per bin and the sum of squares between bins.
-double between_bins(const std::vector<double>& value, const std::vector<double>& cause, double variance,
-                    Structure* out) {
-  const std::vector<int> order = order_of(cause);
+double between_bins(const std::vector<double>& value, const std::vector<double>& cause, const std::vector<int>& order,
+                    double variance, Structure* out) {
   double sum = 0;
   for (int b = 0; b < kBins; ++b) {
     const std::size_t from = order.size() * b / kBins, to = order.size() * (b + 1) / kBins;
@@ -68,8 +66,8 @@ double between_bins(const std::vector<double>& value, const std::vector<double>&
 /// 1: cluster-robust (Liang and Zeger, "Longitudinal data analysis using generalized linear models", Biometrika 73,
 /// 1986), the clusters being pieces of time. Points of one image share the error of its stamp, and corners drift for
 /// seconds.
-double design_effect(const std::vector<double>& time, std::vector<double> value, std::vector<double> cause) {
-  if (time.empty()) return 1;
+double design_effect(const std::vector<int>& in_time, std::vector<double> value, std::vector<double> cause) {
+  if (in_time.empty()) return 1;
   const auto centre = [](std::vector<double>* x) {
     const double mean = std::accumulate(x->begin(), x->end(), 0.0) / static_cast<double>(x->size());
     for (double& a : *x) a -= mean;
@@ -80,20 +78,21 @@ double design_effect(const std::vector<double>& time, std::vector<double> value,
   const double xv = std::inner_product(cause.begin(), cause.end(), value.begin(), 0.0);
   const double vv = std::inner_product(value.begin(), value.end(), value.begin(), 0.0);
   if (!(xx > 0 && vv > 0)) return 1;
-  const std::vector<int> order = order_of(time);
   double sum = 0;
   for (int b = 0; b < kPieces; ++b) {
     double score = 0;
-    for (std::size_t i = order.size() * b / kPieces; i < order.size() * (b + 1) / kPieces; ++i)
-      score += cause[order[i]] * (value[order[i]] - xv / xx * cause[order[i]]);
+    for (std::size_t i = in_time.size() * b / kPieces; i < in_time.size() * (b + 1) / kPieces; ++i)
+      score += cause[in_time[i]] * (value[in_time[i]] - xv / xx * cause[in_time[i]]);
     sum += score * score;
   }
   const double independent = xx * vv / static_cast<double>(value.size());
   return std::max(1.0, kPieces / (kPieces - 1.0) * sum / independent);
 }
 
-/// `shrink`: effective over actual number of residuals, by how they follow each other along their series.
-Structure hold_against(const ResidualList& list, Cause cause, const std::vector<double>& value_rank, double shrink) {
+/// `in_time`: the order of the residuals' times; `shrink`: effective over actual number of residuals, by how they
+/// follow each other along their series.
+Structure hold_against(const ResidualList& list, Cause cause, const std::vector<double>& value_rank,
+                       const std::vector<int>& in_time, double shrink) {
   const std::vector<double>& x = list.cause[static_cast<int>(cause)];
   const double n = static_cast<double>(list.value.size());
   const double mean = std::accumulate(list.value.begin(), list.value.end(), 0.0) / n;
@@ -104,9 +103,10 @@ Structure hold_against(const ResidualList& list, Cause cause, const std::vector<
     variance += v * v / n;
   }
   Structure out{list.sensor, list.axis, words_of(cause), unit_of(cause), 0, 0, {}, {}, {}};
-  const std::vector<double> cause_rank = ranks_of(x);
-  const double between = between_bins(centred, x, variance, &out), rho = correlation(value_rank, cause_rank);
-  shrink = std::min(shrink, 1 / design_effect(list.cause[static_cast<int>(Cause::time)], value_rank, cause_rank));
+  const std::vector<int> order = order_of(x);
+  const std::vector<double> cause_rank = ranks_of(x, order);
+  const double between = between_bins(centred, x, order, variance, &out), rho = correlation(value_rank, cause_rank);
+  shrink = std::min(shrink, 1 / design_effect(in_time, value_rank, cause_rank));
   const double p_rank = log10_upper_tail(rho * rho * n * shrink, 1),
                p_bins = log10_upper_tail(between / variance * shrink, kBins - 1);
   out.correlation = p_rank <= p_bins ? rho : std::sqrt(between / (variance * n));
@@ -136,12 +136,13 @@ std::vector<Structure> find_structure(const std::vector<ResidualList>& lists, do
   for (const ResidualList& list : lists) {
     if (list.value.size() < kFewest) continue;
     const double a = std::max(0.0, lag_one_autocorrelation(list)), shrink = (1 - a) / (1 + a);
-    const std::vector<double> value_rank = ranks_of(list.value);
+    const std::vector<double> value_rank = ranks_of(list.value, order_of(list.value));
+    const std::vector<int> in_time = order_of(list.cause[static_cast<int>(Cause::time)]);
     std::vector<Structure> found;
     for (int c = 0; c < kCauses; ++c) {
       if (!varies(list.cause[c])) continue;
       tests += 2;
-      found.push_back(hold_against(list, static_cast<Cause>(c), value_rank, shrink));
+      found.push_back(hold_against(list, static_cast<Cause>(c), value_rank, in_time, shrink));
     }
     std::sort(found.begin(), found.end(), [](const Structure& x, const Structure& y) { return x.log10_p < y.log10_p; });
     if (static_cast<int>(found.size()) > most) found.resize(most);

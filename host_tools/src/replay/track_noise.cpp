@@ -135,7 +135,8 @@ double cost_of(const Track& track, const Weights& w, const TrackNoise& noise) {
   return cost - b.dot(place.solve(b)) + 2 * place.matrixLLT().diagonal().array().log().sum();
 }
 
-/// Goes to the best of four neighbours until there is none, in ever smaller steps of the logarithms.
+/// Goes to the best of four neighbours until there is none, in ever smaller steps of the logarithms. Where it came from
+/// is no better, and is not asked again.
 TrackNoise most_likely(const std::vector<Track>& tracks, const std::vector<Weights>& weights, TrackNoise at) {
   const auto total = [&](const TrackNoise& noise) {
     double sum = 0;
@@ -143,20 +144,26 @@ TrackNoise most_likely(const std::vector<Track>& tracks, const std::vector<Weigh
     return sum;
   };
   double least = total(at);
+  int back = -1;  // neighbours 0 and 1, 2 and 3 are each other's ways back
   for (double factor = 1.5; factor > 1.01;) {
+    const std::array<std::pair<double, double>, 4> neighbours{
+        {{factor, 1}, {1 / factor, 1}, {1, factor}, {1, 1 / factor}}};
     TrackNoise best = at;
-    for (const auto& [white, walk] :
-         std::array<std::pair<double, double>, 4>{{{factor, 1}, {1 / factor, 1}, {1, factor}, {1, 1 / factor}}}) {
+    int way = -1;
+    for (int k = 0; k < 4; ++k) {
+      if (k == back) continue;
+      const auto& [white, walk] = neighbours[static_cast<std::size_t>(k)];
       const TrackNoise trial{std::max(kLeastWhite_px, white * at.white_px),
                              std::max(kLeastWalk, walk * at.walk_px_per_sqrt_s), 0};
       const double cost = total(trial);
       if (!(cost < least)) continue;
       least = cost;
       best = trial;
+      way = k;
     }
-    const bool moved = best.white_px != at.white_px || best.walk_px_per_sqrt_s != at.walk_px_per_sqrt_s;
     at = best;
-    if (!moved) factor = std::sqrt(factor);
+    back = way < 0 ? -1 : way ^ 1;
+    if (way < 0) factor = std::sqrt(factor);
   }
   return at;
 }

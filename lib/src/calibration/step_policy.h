@@ -15,6 +15,7 @@ class StepPolicy {
     cost_ = cost;
     damping_ = S(0);
     flat_ = kept_ = refused_ = false;
+    stalls_ = 0;
     for (S& s : last_step_) s = S(0);
   }
 
@@ -37,13 +38,15 @@ class StepPolicy {
       // Neither a whole step from here nor a damped one: both would be asked in turn for ever.
       if (lost && refused_) return true;
       refused_ = refused_ || whole;
+      if (whole) whole_fall_ = fall;
       damping_ = lost ? S(0) : whole ? S(0.01) : damping_ * S(4);
       // A step that should gain less than this, and gains nothing,
       // has met the rounding: damping it cannot help.
       return (whole && fall < S(options.converged)) || damping_ > S(1e4);
     }
-    refused_ = false;
     flat_ = cost_ - trial <= S(1e-3) * cost_;
+    stalls_ = stalls(fall, options) ? stalls_ + 1 : 0;
+    refused_ = false;
     cost_ = trial;
     // An undamped step that should gain less than this is turned back by rounding.
     if (turned_back(step, n, sigma) && (!whole || fall > S(options.converged))) {
@@ -52,7 +55,7 @@ class StepPolicy {
       damping_ = damping_ < S(0.008) ? S(0) : damping_ * S(0.2);
     }
     if (lost) damping_ = S(0);
-    return whole && flat_ && fall < S(options.settled);
+    return (whole && flat_ && fall < S(options.settled)) || stalls_ == 2;
   }
   bool kept() const { return kept_; }
   /// `left`: what an undamped step from where the last kept one led should gain.
@@ -61,6 +64,13 @@ class StepPolicy {
   }
 
  private:
+  /// True if this step, damped as little as possible, was kept and hardly moves theta, where a whole one would hardly
+  /// move it either and costs: what is left to gain are places of landmarks along weak directions. Twice in a row, it
+  /// would go on so to the last iteration.
+  bool stalls(S fall, const CalibratorOptions& options) const {
+    return refused_ && flat_ && damping_ <= S(0.01) && fall < S(options.converged) && whole_fall_ < S(options.swings);
+  }
+
   /// True if this step goes against the last one (by more than 120 deg): undamped steps
   /// swing about the minimum along weak directions, such as place against inverse
   /// distance when there is hardly any parallax. Keeps the step for the next time.
@@ -80,6 +90,8 @@ class StepPolicy {
   S last_step_[kMaxTheta];  ///< in the prior's sigmas
   bool flat_ = false, kept_ = false;
   bool refused_ = false;  ///< a whole step was, from where the last kept one led
+  S whole_fall_ = S(0);   ///< what that one should have gained
+  int stalls_ = 0;        ///< in a row
 };
 
 }  // namespace SEGCAL_NS
