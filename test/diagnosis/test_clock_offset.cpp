@@ -6,6 +6,7 @@
 #include "../support/cases.h"
 #include "diagnose/answer.h"
 #include "diagnose/clock_offset.h"
+#include "diagnose/decision.h"
 #include "simulate/effect_names.h"
 #include "simulate/simulate.h"
 
@@ -71,7 +72,8 @@ void test_a_second_look_has_less_work() {
           out.cut_short = first;
           out.seconds = runs;
           TEST_ASSERT_EQUAL_INT(first, budget.must_answer());
-          TEST_ASSERT_TRUE(budget.left() == (first ? 5000000 : 2000000));
+          TEST_ASSERT_TRUE(budget.left() ==
+                           (first ? host::diagnosis::decision::kSlices : host::diagnosis::decision::kSlicesAgain));
           TEST_ASSERT_EQUAL_INT(!first, told.has("time_offset"));
           return out;
         });
