@@ -136,7 +136,7 @@ double cost_of(const Track& track, const Weights& w, const TrackNoise& noise) {
 }
 
 /// Goes to the best of four neighbours until there is none, in ever smaller steps of the logarithms. Where it came from
-/// is no better, and is not asked again.
+/// is no better, and is not asked again; beside a bound the way back leads past that.
 TrackNoise most_likely(const std::vector<Track>& tracks, const std::vector<Weights>& weights, TrackNoise at) {
   const auto total = [&](const TrackNoise& noise) {
     double sum = 0;
@@ -162,7 +162,8 @@ TrackNoise most_likely(const std::vector<Track>& tracks, const std::vector<Weigh
       way = k;
     }
     at = best;
-    back = way < 0 ? -1 : way ^ 1;
+    const bool bound = at.white_px == kLeastWhite_px || at.walk_px_per_sqrt_s == kLeastWalk;
+    back = way < 0 || bound ? -1 : way ^ 1;
     if (way < 0) factor = std::sqrt(factor);
   }
   return at;

@@ -39,7 +39,7 @@ class StepPolicy {
       if (lost && refused_) return true;
       refused_ = refused_ || whole;
       if (whole) whole_fall_ = fall;
-      damping_ = lost ? S(0) : whole ? S(0.01) : damping_ * S(4);
+      damping_ = lost ? S(0) : whole ? kLeastDamping : damping_ * S(4);
       // A step that should gain less than this, and gains nothing,
       // has met the rounding: damping it cannot help.
       return (whole && fall < S(options.converged)) || damping_ > S(1e4);
@@ -50,7 +50,7 @@ class StepPolicy {
     cost_ = trial;
     // An undamped step that should gain less than this is turned back by rounding.
     if (turned_back(step, n, sigma) && (!whole || fall > S(options.converged))) {
-      damping_ = whole ? S(0.01) : damping_ * S(2);
+      damping_ = whole ? kLeastDamping : damping_ * S(2);
     } else {
       damping_ = damping_ < S(0.008) ? S(0) : damping_ * S(0.2);
     }
@@ -64,11 +64,14 @@ class StepPolicy {
   }
 
  private:
+  static constexpr S kLeastDamping = S(0.01);
+
   /// True if this step, damped as little as possible, was kept and hardly moves theta, where a whole one would hardly
   /// move it either and costs: what is left to gain are places of landmarks along weak directions. Twice in a row, it
   /// would go on so to the last iteration.
   bool stalls(S fall, const CalibratorOptions& options) const {
-    return refused_ && flat_ && damping_ <= S(0.01) && fall < S(options.converged) && whole_fall_ < S(options.swings);
+    return refused_ && flat_ && damping_ <= kLeastDamping && fall < S(options.converged) &&
+           whole_fall_ < S(options.swings);
   }
 
   /// True if this step goes against the last one (by more than 120 deg): undamped steps
