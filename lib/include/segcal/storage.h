@@ -75,6 +75,16 @@
                         SEGCAL_PACKED(SEGCAL_WIDE_COLUMNS + SEGCAL_TIE_COLUMNS + 1u) + SEGCAL_LINK_COLUMNS + \
                         16u * SEGCAL_MAX_KEYFRAMES) +                                                        \
    SEGCAL_PARTITION_BYTES + 40u * SEGCAL_MAX_SEGMENTS + 180u * SEGCAL_REAL_BYTES)
+/* What a fit keeps of each segment: its triangle above theta's rows (without effects and ties), and the integrals of
+   its IMU links. */
+#define SEGCAL_FIT_BYTES                                                                                              \
+  (SEGCAL_KEEP_ELIMINATIONS == 0                                                                                      \
+       ? 16u                                                                                                          \
+       : SEGCAL_MAX_SEGMENTS * (SEGCAL_REAL_BYTES *                                                                   \
+                                    (SEGCAL_PACKED(6u * SEGCAL_MAX_KEYFRAMES + 25u + SEGCAL_SENSOR_COLUMNS) -         \
+                                     SEGCAL_PACKED(SEGCAL_SENSOR_COLUMNS + 1u) + 312u * SEGCAL_MAX_KEYFRAMES + 24u) + \
+                                16u) +                                                                                \
+             16u)
 /* Reports: the directions of two. */
 #define SEGCAL_REPORT_BYTES (2u * SEGCAL_REAL_BYTES * SEGCAL_THETA_COLUMNS * (SEGCAL_THETA_COLUMNS + 3u))
 
@@ -116,7 +126,8 @@
              SEGCAL_REAL_BYTES * (6u * SEGCAL_THETA_COLUMNS + 24u) + 128u)
 
 /* In two blocks (blocks.h), or one behind the other. */
-#define SEGCAL_COLD_BYTES (SEGCAL_DATABASE_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_EFFECT_BYTES / 2u + 768u)
+#define SEGCAL_COLD_BYTES \
+  (SEGCAL_DATABASE_BYTES + SEGCAL_CALIBRATION_BYTES + SEGCAL_FIT_BYTES + SEGCAL_EFFECT_BYTES / 2u + 768u)
 #define SEGCAL_HOT_BYTES                                                                                             \
   (SEGCAL_FILTER_BYTES + SEGCAL_ELIMINATION_BYTES + SEGCAL_REPORT_BYTES + SEGCAL_INPUT_BYTES + SEGCAL_EFFECT_BYTES + \
    SEGCAL_MONITOR_BYTES + SEGCAL_EPOCH_BYTES + SEGCAL_HISTORY_BYTES +                                                \

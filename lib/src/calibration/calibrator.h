@@ -11,6 +11,7 @@
 #include "calibration/epochs.h"
 #include "calibration/fit_memory.h"
 #include "calibration/global_system.h"
+#include "calibration/kept_eliminations.h"
 #include "calibration/partitions.h"
 #include "calibration/step_policy.h"
 #include "math/one_of.h"
@@ -144,6 +145,7 @@ class Calibrator {
   Partitions<S> partitions_;
   std::int32_t partition_count_ = 0;
   FitMemory<S> memory_;
+  KeptEliminations<S, kKeepsEliminations> kept_;
   GlobalSystem<S> global_;
   S step_[kStateColumns * (kMaxKeyframes + 1) + kMaxGlobal + 1];
 
@@ -152,7 +154,7 @@ class Calibrator {
   std::int32_t i_ = 0, j_ = 0;
   StepPolicy<S> policy_;
   S fall_, total_;
-  bool settled_ = false;
+  bool settled_ = false, running_ = false;
   S theta_step_[kMaxTheta], guest_step_[kStateColumns], last_keyframe_step_[kStateColumns];
   Near<const S> global_step_;           ///< ties and theta, in global_
   OneOf<Chain<S>, CostSteps<S>> work_;  ///< the chain makes a step, then its cost is told

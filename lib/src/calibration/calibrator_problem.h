@@ -41,6 +41,8 @@ void Calibrator<S>::set_up(const Pointer* segments, int count, const ThetaPrior<
   fit_ = CalibrationFit<S>{};
   place_ = iterate_place_ = inner_place_ = 0;
   memory_.begin();
+  kept_.begin();
+  running_ = false;
   for (int i = 0; i < count; ++i) segment_[i] = segments[i];
 }
 
@@ -73,6 +75,7 @@ GuestLink<S> Calibrator<S>::guest(int i) {
   }
   g.hangs = !partitions_.is_first(i);
   partitions_.ties().of_segment(i, &g.tied);
+  if (running_) g.kept = kept_.links(i);
   return g;
 }
 

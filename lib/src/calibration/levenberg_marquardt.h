@@ -60,6 +60,7 @@ bool Calibrator<S>::iterate_step(SegmentEliminator<S>* eliminator, const Calibra
 template <class S>
 bool Calibrator<S>::run_step(const CalibratorOptions& options, SegmentEliminator<S>* eliminator) {
   SEGCAL_SLICES(place_) {
+    running_ = true;
     SEGCAL_AWAIT(place_, total_cost_step());
     fit_.start_cost = total_;
     policy_.begin(total_);
@@ -72,6 +73,7 @@ bool Calibrator<S>::run_step(const CalibratorOptions& options, SegmentEliminator
     solve_theta();
     fit_.converged = policy_.converged(fall_, options);
     set_chi2();
+    running_ = false;
   }
   SEGCAL_SLICES_END(place_);
 }

@@ -36,6 +36,7 @@ bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, 
       SEGCAL_PAUSE(inner_place_);
       SEGCAL_AWAIT(inner_place_,
                    eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping, candidates));
+      if (running_) kept_.keep(i_, eliminator);
       SEGCAL_AWAIT(inner_place_, chain().add_step(eliminator, link_[i_].join != Join::none, link_[i_].passes_on,
                                                   candidates ? nullptr : memory_.left(i_), &G));
       fit_.image_points += eliminator->counts().image_points;
@@ -49,6 +50,7 @@ bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, 
 template <class S>
 PackedTriangle<S> Calibrator<S>::begin_linearisation(S damping, const CandidateTerms* candidates, bool with_prior) {
   const int ties = partitions_.ties().count();
+  kept_.forget_triangles();
   global_.begin(ties, theta_.columns() + (candidates ? candidates->count() : 0));
   global_.triangle().clear();
   if (with_prior) global_.clear_to_prior(*prior_, theta_, damping);
@@ -119,7 +121,11 @@ bool Calibrator<S>::step_back_step(SegmentEliminator<S>* eliminator, S damping) 
       // The step that the segment after this one found for our last keyframe; none hangs on it: none is known.
       for (int c = 0; c < kStateColumns; ++c) last_keyframe_step_[c] = link_[i_].passes_on ? guest_step_[c] : S(0);
       if (i_ < count_ - 1) {  // linearise_step() ended with the last one
-        SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping));
+        if (kept_.triangle(i_)) {
+          eliminator->return_to(kept_.triangle(i_), *segment_[i_], guest(i_), theta_);
+        } else {
+          SEGCAL_AWAIT(inner_place_, eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping));
+        }
       }
       if (link_[i_].join != Join::none) {
         SEGCAL_AWAIT(inner_place_, chain().solve_guest_step(eliminator, link_[i_].passes_on, *memory_.left(i_),

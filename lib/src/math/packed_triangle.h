@@ -8,6 +8,12 @@ namespace SEGCAL_NS {
 /// Rows of a packed upper triangle: row j holds columns j..n-1.
 constexpr int packed_size(int n) { return n * (n + 1) / 2; }
 
+/// Of triangles, or parts of them.
+template <class S>
+void copy_numbers(const S* from, int n, S* to) {
+  for (int i = 0; i < n; ++i) to[i] = from[i];
+}
+
 template <class S>
 class PackedTriangle {
  public:

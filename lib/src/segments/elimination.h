@@ -34,6 +34,10 @@ class SegmentEliminator {
   /// The same in slices (math/resumable.h): with the same arguments until it is done.
   bool eliminate_step(const Segment<S>& segment, const GuestLink<S>& guest, const Calibration<S>& theta,
                       const MeasurementModel<S>& model, S damping, const CandidateTerms* candidates = nullptr);
+  /// Stands where eliminate() with the same arguments, without candidates, had ended, but for the rows of theta and
+  /// below; `above_theta`: the numbers of reduced() above them, as they were then.
+  void return_to(const S* above_theta, const Segment<S>& segment, const GuestLink<S>& guest,
+                 const Calibration<S>& theta);
   /// Forgets work that is under way.
   void restart() { place_ = inner_place_ = 0; }
 

@@ -11,8 +11,8 @@ bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const Guest
                                           const Calibration<S>& theta, const MeasurementModel<S>& model, S damping) {
   SEGCAL_SLICES(inner_place_) {
     if (guest.join == Join::imu) {
-      SEGCAL_AWAIT(inner_place_,
-                   linked().link.step(segment, 0, theta, guest.state.b_a, guest.state.b_g, model.imu, &imu_terms_));
+      SEGCAL_AWAIT(inner_place_, linked().link.step(segment, 0, theta, guest.state.b_a, guest.state.b_g, model.imu,
+                                                    &imu_terms_, guest.kept));
       SEGCAL_PAUSE(inner_place_);
     }
     if (guest.join != Join::none) {
@@ -32,7 +32,7 @@ bool SegmentEliminator<S>::run_chain_step(const Segment<S>& segment, const Guest
       }
       if (k_ + 1 == segment.n_keyframes) break;
       SEGCAL_AWAIT(inner_place_, linked().link.step(segment, k_ + 1, theta, segment.states.x[k_].b_a,
-                                                    segment.states.x[k_].b_g, model.imu, &imu_terms_));
+                                                    segment.states.x[k_].b_g, model.imu, &imu_terms_, guest.kept));
       SEGCAL_PAUSE(inner_place_);
       link_keyframes(segment, k_, model);
       SEGCAL_PAUSE(inner_place_);

@@ -6,6 +6,13 @@
 
 namespace SEGCAL_NS {
 
+template <class S>
+void SegmentEliminator<S>::return_to(const S* above_theta, const Segment<S>& segment, const GuestLink<S>& guest,
+                                     const Calibration<S>& theta) {
+  lay_out(segment, guest, theta, nullptr);
+  copy_numbers(above_theta, reduced_.numbers_above_theta(), reduced_.numbers());
+}
+
 /// Puts a step into the reduced layout: poses, last keyframe, guest, theta.
 template <class S>
 void SegmentEliminator<S>::spread_step(const S* step) {

@@ -20,6 +20,7 @@ struct GuestLink {
   /// position and rotation about gravity come from ties: no gauge is held (calibration/partitions.h)
   bool hangs = false;
   TiedLandmarks tied;
+  KeptLinks<S, kMaxKeyframes>* kept = nullptr;  ///< integrals of the segment's links, while a fit is under way
 
   bool holds_gauge() const { return join != Join::imu && !hangs; }
 };

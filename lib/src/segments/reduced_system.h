@@ -175,6 +175,10 @@ class ReducedSystem {
     return *std::launder(static_cast<X*>(static_cast<void*>(memory_.template get<Room>().bytes)));
   }
   static constexpr int kNumbers = packed_size(kReducedColumns);
+  /// Of the triangle's first numbers: the rows above theta's, which are all that a step needs on its way back.
+  int numbers_above_theta() const {
+    return packed_size(layout_.width()) - packed_size(layout_.width() - layout_.theta());
+  }
   /// The triangle's numbers, for who needs no triangle any more.
   S* numbers() { return memory_.template get<Triangle>().number; }
 

@@ -7,6 +7,7 @@
 
 #include "information/segment_information.h"
 #include "segments/imu_store.h"
+#include "segments/kept_links.h"
 #include "segments/landmark.h"
 #include "segments/pixel.h"
 #include "sensors/roughness.h"
@@ -139,13 +140,22 @@ struct Segment {
 template <class S>
 class LinkIntegration {
  public:
+  /// `kept`: where the integral may be known from before, and stays known; null: nowhere.
   bool step(const Segment<S>& s, int k, const Calibration<S>& theta, const Vec3<S>& b_a, const Vec3<S>& b_g,
-            const ImuNoise<S>& noise, ImuTermColumns<S>* columns = nullptr) {
+            const ImuNoise<S>& noise, ImuTermColumns<S>* columns = nullptr,
+            KeptLinks<S, kMaxKeyframes>* kept = nullptr) {
+    // With terms of the IMU it depends on more: those are integrated each time.
+    const bool keeps = kKeepsEliminations && kept && !theta.effects.any_of_imu() && !(columns && columns->count() > 0);
     SEGCAL_SLICES(place_) {
+      if (const ImuIntegral<S>* known = keeps ? kept->find(k, theta.imu, b_a, b_g) : nullptr) {
+        integrator_.take(*known);
+        break;
+      }
       integrator_.begin(theta.imu, b_a, b_g, s.noise_of(k, noise), &theta.effects, columns);
       samples_.restart();
       SEGCAL_AWAIT(place_, samples_.step(s.imu, s.link_start(k), s.t_us[k], S(1e-6), &integrator_,
                                          integrator_.wants_surroundings() ? s.stretch(k, theta) : Stretch<S>{}));
+      if (keeps) kept->keep(k, theta.imu, b_a, b_g, integrator_.result());
     }
     SEGCAL_SLICES_END(place_);
   }

@@ -152,13 +152,14 @@ class CostSteps {
     SEGCAL_SLICES(place_) {
       link_.restart();
       if (guest.join == Join::imu) {
-        SEGCAL_AWAIT(place_, link_.step(segment, 0, theta, guest.state.b_a, guest.state.b_g, model.imu));
+        SEGCAL_AWAIT(place_,
+                     link_.step(segment, 0, theta, guest.state.b_a, guest.state.b_g, model.imu, nullptr, guest.kept));
       }
       inertial_ = start_cost(segment, guest, &link_, model);
       SEGCAL_PAUSE(place_);
       for (k_ = 0; k_ + 1 < segment.n_keyframes; ++k_) {
-        SEGCAL_AWAIT(place_,
-                     link_.step(segment, k_ + 1, theta, segment.states.x[k_].b_a, segment.states.x[k_].b_g, model.imu));
+        SEGCAL_AWAIT(place_, link_.step(segment, k_ + 1, theta, segment.states.x[k_].b_a, segment.states.x[k_].b_g,
+                                        model.imu, nullptr, guest.kept));
         inertial_ += link_cost(link_.result(), segment.states.x[k_], segment.states.x[k_ + 1], model);
         SEGCAL_PAUSE(place_);
       }

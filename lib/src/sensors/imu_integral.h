@@ -93,6 +93,7 @@ class ImuIntegrator {
   void step(const InertialReading<S>& reading, S dt);
 
   const ImuIntegral<S>& result() { return complete(); }
+  void take(const ImuIntegral<S>& earlier) { I_ = earlier; }  ///< stands where an earlier integration ended
 
  private:
   struct Corrected {
