@@ -130,9 +130,9 @@ constexpr double kOwnSquares = 2.0 / 3;
 /// left for than the last one took; one that does not settle, and is made again with larger noise, has exceeded it by
 /// 4 million all the same. A recording that lacks nothing or one effect needs 0.4 to 2 million, with tracks that drift
 /// up to 7.
-constexpr int kSlices = 6000000;
+constexpr int kSlices = 4000000;
 /// Of a second look with what rotation tells, where the first used its work up: what a recording with one effect needs.
-constexpr int kSlicesAgain = 2000000;
+constexpr int kSlicesAgain = 1500000;
 /// Rounds of terms beyond the catalogue, and how many terms of one are asked in parts.
 constexpr int kTermRounds = 3, kTermsAsked = 8;
 

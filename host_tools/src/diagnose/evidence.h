@@ -13,7 +13,8 @@ namespace host::diagnosis {
 
 /// One fit, with everything that was linearised at it.
 struct MadeFit {
-  std::vector<double> asked;  ///< what it depends on (Evidence::question)
+  std::vector<double> asked;   ///< what it depends on (Evidence::question)
+  std::vector<double> beside;  ///< the terms, in the caller's order, that its rows have columns for
   std::unique_ptr<Core> core;
   ReplayResult result;
   std::vector<TermInfo> taken, candidates;
@@ -54,6 +55,9 @@ class Evidence {
   std::vector<double> question(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated,
                                const std::vector<double>& start) const;
   bool remembers(const std::vector<double>& asked);
+  void make(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated, const std::vector<double>& start);
+  void linearise(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated,
+                 const std::vector<double>& start);
   void inflate_until_taken(ReplayOptions options, int enough);
   bool try_fit(const ReplayOptions& options);
   const std::vector<Recording>& stamped(double kappa);

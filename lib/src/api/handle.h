@@ -17,8 +17,8 @@ extern template class Device<Real>;  // device.cpp
 /// What both blocks begin with. Bytes of a library with another layout
 /// are no device, and two blocks are one only if they were made together.
 struct MemoryHead {
-  static constexpr std::uint32_t kHot = 0x5E6CA102u ^ sizeof(Device<Real>) ^ (sizeof(ColdParts<Real>) << 8),
-                                 kCold = ~kHot;
+  static constexpr std::uint32_t kHotBytes = sizeof(Device<Real>), kColdBytes = sizeof(ColdParts<Real>),
+                                 kHot = 0x5E6CA102u ^ kHotBytes ^ (kColdBytes << 8), kCold = ~kHot;
   std::uint32_t magic;
   std::uint32_t pair;
 };

@@ -147,7 +147,8 @@ bool MotionStart<S>::run_step(const StartContext<S>& c, const Samples& imu) {
         fit_ = trial_;
       }
       good_ = acceptable(c.w, fit_, triangle(c), c.s);
-      with_lens_ = !good_ && c.options.sigma_focal > S(0);
+      // Where the lens fits as it is, one more unknown does not tell the motion better.
+      with_lens_ = !good_ && c.options.sigma_focal > S(0) && !tracks_agree(fit_, c.s);
       SEGCAL_PAUSE(place_);
       if (with_lens_) {
         SEGCAL_AWAIT(place_, refine_step(c));

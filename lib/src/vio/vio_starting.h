@@ -39,6 +39,15 @@ bool enough_frames(const Window<S>& w) {
   return w.n_poses >= kStartFrames && double(w.newest().time - w.pose[0].time) * 1e-9 >= kShortestStart;
 }
 
+/// A start takes as long as a hundred frames, and what refused the last one is still in most of the window: another is
+/// made when the time since the first has grown by a quarter, or half a second has passed. Where starts are background
+/// work, their delay spaces them.
+constexpr bool too_soon_to_start(std::int64_t first_ns, std::int64_t last_ns, std::int64_t t_ns) {
+  if (SEGCAL_START_DELAY_MS > 0) return false;
+  const std::int64_t growth = (t_ns - first_ns) / 4, most = 500000000;
+  return t_ns - last_ns < (growth < most ? growth : most);
+}
+
 template <class S>
 [[gnu::cold]] VioStatus Vio<S>::try_to_start(std::int64_t t_ns, const ImuHistory<S>& imu) {
   start_.link = window_.begin_start_links();
@@ -48,6 +57,8 @@ template <class S>
     return begin_running();
   }
   if (!enough_frames(window_)) return VioStatus::initialising;
+  if (statistics_.starts_tried > 0 && too_soon_to_start(waiting_since_, start_due_, t_ns))
+    return VioStatus::initialising;
   motion_.begin(window_, imu);
   start_due_ = t_ns + std::int64_t(SEGCAL_START_DELAY_MS) * 1000000;
   const bool in_background = start_due_ > t_ns;

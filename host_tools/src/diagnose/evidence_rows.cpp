@@ -1,0 +1,105 @@
+// Evidence: what is linearised at the last fit.
+#include <algorithm>
+#include <cmath>
+
+#include "diagnose/evidence.h"
+#include "diagnose/fit_rows.h"
+
+namespace host::diagnosis {
+
+using Eigen::VectorXd;
+
+std::vector<CoreKept> Evidence::segments() const {
+  std::vector<CoreKept> out = now().result.kept;
+  std::sort(out.begin(), out.end(), [](const CoreKept& a, const CoreKept& b) {
+    return std::pair(a.segment.session, a.segment.start_ns) < std::pair(b.segment.session, b.segment.start_ns);
+  });
+  return out;
+}
+
+Rows Evidence::rows_of(const std::vector<std::uint32_t>& serials, const std::vector<TermInfo>& candidates) {
+  std::vector<CoreTerm> terms;
+  for (const TermInfo& t : candidates) terms.push_back(t.term);
+  const CoreRows core = now().core->linearise(serials, terms);
+  Rows out{unpacked(core), core.dof};
+  count_from_zero(&out);
+  out.R = triangle_of(out.R);
+  return out;
+}
+
+/// Of columns [theta | taken | candidates].
+void Evidence::count_from_zero(Rows* rows) const {
+  VectorXd at = VectorXd::Zero(rows->columns() - now().n_theta);
+  at.head(static_cast<Eigen::Index>(now().taken.size())) = now().taken_values;
+  count_terms_from_zero(now().n_theta, at, rows);
+}
+
+double Evidence::seconds_after_start(std::int64_t t_ns) const {
+  return 1e-9 * static_cast<double>(t_ns - sessions_.front().cameras.front().frames.front().t_ns);
+}
+
+Rows Evidence::joined(const std::vector<std::size_t>& places) {
+  const std::vector<CoreKept> kept = segments();
+  std::vector<std::uint32_t> serials;
+  for (std::size_t i : places) serials.push_back(kept[i].segment.serial);
+  if (serials.empty()) return {};
+  Rows out = rows_of(serials, now().candidates);
+  reorder(now().place, &out, now().n_theta);
+  const ExposureColumn& exposure = now().exposure;
+  return exposure.at < 0 ? out : with_exposure(out, now().n_theta, exposure, places);
+}
+
+SensorPieces Evidence::sensors() {
+  std::vector<CoreTerm> terms;
+  for (const TermInfo& t : now().candidates) terms.push_back(t.term);
+  SensorPieces out;
+  const ExposureColumn& exposure = now().exposure;
+  for (const CoreKept& k : segments()) {
+    const CoreSensorRows core = now().core->sensor_rows(k.segment.serial, terms);
+    for (std::size_t s = 0; s < out.of.size(); ++s) {
+      Rows rows{core.root[s], core.shared.row(static_cast<int>(s)).sum()};
+      count_from_zero(&rows);
+      reorder(now().place, &rows, now().n_theta);
+      if (exposure.at >= 0) rows = with_exposure(rows, now().n_theta, exposure, exposure.exposure_s[out.shared.size()]);
+      out.of[s].push_back(
+          {rows, seconds_after_start(k.segment.start_ns), seconds_after_start(k.segment.end_ns), false});
+    }
+    out.shared.push_back(core.shared);
+  }
+  return out;
+}
+
+/// Columns [theta | taken | candidates].
+Problem Evidence::gather(const std::vector<TermInfo>& candidates, bool in_parts) {
+  Problem out;
+  const std::vector<CoreParameter>& parameters = now().result.result.parameters;
+  out.n_theta = now().n_theta = static_cast<int>(parameters.size() - now().taken.size());
+  now().taken_values = VectorXd(static_cast<Eigen::Index>(now().taken.size()));
+  for (std::size_t i = 0; i < now().taken.size(); ++i)
+    now().taken_values(static_cast<Eigen::Index>(i)) = parameters[now().n_theta + i].value;
+  out.prior = prior_of(now().result.result, now().n_theta);
+  out.noise = std::pow(options_.pixel_sigma / now().result.model.pixel_sigma, 2);
+  std::vector<std::uint32_t> all, half[2];
+  const std::vector<CoreKept> kept = segments();
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const CoreSegment& s = kept[i].segment;
+    all.push_back(s.serial);
+    half[is_held_out(i) ? 1 : 0].push_back(s.serial);
+    if (!in_parts) continue;
+    out.pieces.push_back({rows_of({s.serial}, candidates), seconds_after_start(s.start_ns),
+                          seconds_after_start(s.end_ns), is_held_out(i)});
+  }
+  if (in_parts) out.blocks = blocks_of(now().result.calibration);
+  if (half[1].empty()) return out;
+  out.all = rows_of(all, candidates);
+  if (!in_parts) return out;
+  out.train = rows_of(half[0], candidates);
+  out.held_out = rows_of(half[1], candidates);
+  return out;
+}
+
+Problem Evidence::at_last_fit(const std::vector<TermInfo>& candidates, bool in_parts) {
+  return gather(candidates, in_parts);
+}
+
+}  // namespace host::diagnosis
