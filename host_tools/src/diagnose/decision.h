@@ -126,10 +126,10 @@ constexpr double kOwnSquares = 2.0 / 3;
 // ---- Time
 
 /// Work of one diagnosis in slices of the core: rounds of noise, effects and terms draw on it together. A million take
-/// 6 s of the minute that a diagnosis may take, with the rows that are linearised besides. No fit begins that less is
-/// left for than the last one took; one that does not settle, and is made again with larger noise, has exceeded it by
-/// 4 million all the same. A recording that lacks nothing or one effect needs 0.4 to 2 million, with tracks that drift
-/// up to 7.
+/// 6 to 8 s of the minute that a diagnosis may take, with the rows that are linearised besides and the filter's starts.
+/// No fit begins that less is left for than the last one took; one that does not settle, and is made again with larger
+/// noise, has exceeded it by 2 million all the same. A recording that lacks nothing or one effect needs 0.3 to 1
+/// million.
 constexpr int kSlices = 4000000;
 /// Of a second look with what rotation tells, where the first used its work up: what a recording with one effect needs.
 constexpr int kSlicesAgain = 1500000;

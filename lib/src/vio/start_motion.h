@@ -130,6 +130,7 @@ bool MotionStart<S>::run_step(const StartContext<S>& c, const Samples& imu) {
   SEGCAL_SLICES(place_) {
     c.s->x0 = State<S>();
     c.s->still = false;
+    c.s->lack = S(2);
     give_cameras_back(c);
     SEGCAL_AWAIT(place_, gyro_bias_step(c, imu));
     SEGCAL_AWAIT(place_, align_step(c));
@@ -147,8 +148,7 @@ bool MotionStart<S>::run_step(const StartContext<S>& c, const Samples& imu) {
         fit_ = trial_;
       }
       good_ = acceptable(c.w, fit_, triangle(c), c.s);
-      // Where the lens fits as it is, one more unknown does not tell the motion better.
-      with_lens_ = !good_ && c.options.sigma_focal > S(0) && !tracks_agree(fit_, c.s);
+      with_lens_ = !good_ && c.options.sigma_focal > S(0);
       SEGCAL_PAUSE(place_);
       if (with_lens_) {
         SEGCAL_AWAIT(place_, refine_step(c));

@@ -40,30 +40,22 @@ S acceptable_scale_error(S waited_s) {
   return share < kMostStartScale<S> ? share : kMostStartScale<S>;
 }
 
-/// Do most tracks agree, with residuals that are what pixel_sigma says? In a wrong minimum (rotation with little
-/// parallax) and with a wrong lens many tracks miss by some pixel_sigma.
+/// Is the fit one to fly with: most tracks agree, residuals are what pixel_sigma says, velocity and tilt are known?
+/// In a wrong minimum (rotation with little parallax) many tracks miss by some pixel_sigma, and a window that has too
+/// little to tell has large sigmas: both wait for better frames. Landmarks are as far off as the speed is, in shares,
+/// and the filter linearises there: a scale that is off by more than a tenth it takes for known too well.
 template <class S>
-bool tracks_agree(const RefineFit<S>& fit, StartScratch<S>* s) {
+bool acceptable(Window<S>* w, const RefineFit<S>& fit, const PackedTriangle<S>& R, StartScratch<S>* s) {
   if (fit.tracks < 8 || fit.points < 60) return false;
   const S dof = S(2 * fit.points - 3 * fit.tracks);
   const S ratio = fit.cost / (dof > S(1) ? dof : S(1));
   s->pixel_scale = ratio < S(1) ? S(1) : square_root(ratio < S(16) ? ratio : S(16));
-  return ratio <= S(2.25) && S(fit.good) >= S(0.8) * S(fit.tried);
-}
-
-/// Are velocity and tilt known? A window that has too little to tell has large sigmas: it waits for better frames.
-/// Landmarks are as far off as the speed is, in shares, and the filter linearises there: a scale that is off by more
-/// than a tenth it takes for known too well.
-template <class S>
-bool motion_is_known(Window<S>* w, const PackedTriangle<S>& R, const StartScratch<S>& s) {
-  const S speed = square_root(s.x0.v_GI.squaredNorm()), sigma_v = s.pixel_scale * largest_sigma(R, 6, w->block);
-  return sigma_v < acceptable_scale_error(s.waited) * speed && speed < S(6) && largest_sigma(R, 0, w->block) < S(0.05);
-}
-
-/// Is the fit one to fly with?
-template <class S>
-bool acceptable(Window<S>* w, const RefineFit<S>& fit, const PackedTriangle<S>& R, StartScratch<S>* s) {
-  return tracks_agree(fit, s) && motion_is_known(w, R, *s);
+  s->lack = ratio / S(2.25);
+  if (s->lack > S(1) || S(fit.good) < S(0.8) * S(fit.tried)) return false;
+  const S speed = square_root(s->x0.v_GI.squaredNorm()), sigma_v = s->pixel_scale * largest_sigma(R, 6, w->block);
+  const S most = acceptable_scale_error(s->waited) * speed;
+  s->lack = most > S(0) ? sigma_v / most : S(2);
+  return s->lack < S(1) && speed < S(6) && largest_sigma(R, 0, w->block) < S(0.05);
 }
 
 /// Linearises the window at x0 and the present cameras; trial_ is the fit there.

@@ -39,12 +39,13 @@ bool enough_frames(const Window<S>& w) {
   return w.n_poses >= kStartFrames && double(w.newest().time - w.pose[0].time) * 1e-9 >= kShortestStart;
 }
 
-/// A start takes as long as a hundred frames, and what refused the last one is still in most of the window: another is
-/// made when the time since the first has grown by a quarter, or half a second has passed. Where starts are background
-/// work, their delay spaces them.
-constexpr bool too_soon_to_start(std::int64_t first_ns, std::int64_t last_ns, std::int64_t t_ns) {
+/// A start takes as long as a hundred frames, and what refused the last one is still in most of the window. Another is
+/// made when the time since the first has grown by a quarter, or after 0.2 s; after 0.5 s if the last one had twice
+/// what it may have (`lack`), which takes longer to go. Starts that are background work have their delay between them.
+template <class S>
+bool too_soon_to_start(std::int64_t first_ns, std::int64_t last_ns, std::int64_t t_ns, S lack) {
   if (SEGCAL_START_DELAY_MS > 0) return false;
-  const std::int64_t growth = (t_ns - first_ns) / 4, most = 500000000;
+  const std::int64_t growth = (t_ns - first_ns) / 4, most = lack < S(2) ? 200000000 : 500000000;
   return t_ns - last_ns < (growth < most ? growth : most);
 }
 
@@ -57,7 +58,7 @@ template <class S>
     return begin_running();
   }
   if (!enough_frames(window_)) return VioStatus::initialising;
-  if (statistics_.starts_tried > 0 && too_soon_to_start(waiting_since_, start_due_, t_ns))
+  if (statistics_.starts_tried > 0 && too_soon_to_start<S>(waiting_since_, start_due_, t_ns, start_.lack))
     return VioStatus::initialising;
   motion_.begin(window_, imu);
   start_due_ = t_ns + std::int64_t(SEGCAL_START_DELAY_MS) * 1000000;
