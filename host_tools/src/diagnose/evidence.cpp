@@ -87,7 +87,7 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
   std::vector<double> beside;
   for (const TermInfo& term : terms) add_term(term, &beside);
   if (!remembers(asked)) make(terms, estimated, start);
-  if (now().beside != beside) linearise(terms, estimated, start);
+  if (now().asked.empty() || now().beside != beside) linearise(terms, estimated, start);
   now().asked = asked;  // now it is whole
   now().beside = beside;
   return now().problem;

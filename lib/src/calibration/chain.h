@@ -4,8 +4,8 @@
 //
 // For each segment a small triangle over [guest 15 | last 15 | ties | theta | rhs] takes what came from the left and
 // what the segment says; its first 15 rows give the guest, the next 15 go on to the right, and what is left of a row
-// after these 30 is global: it goes on at once. For back-substitution only what came from the left is kept: the segment
-// is eliminated a second time then anyway.
+// after these 30 is global: it goes on at once. For back-substitution only what came from the left is kept here: the
+// segment's own triangle is there again then, kept (kept_eliminations.h) or made a second time.
 #pragma once
 
 #include "math/resumable.h"

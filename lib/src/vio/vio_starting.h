@@ -39,14 +39,17 @@ bool enough_frames(const Window<S>& w) {
   return w.n_poses >= kStartFrames && double(w.newest().time - w.pose[0].time) * 1e-9 >= kShortestStart;
 }
 
-/// A start takes as long as a hundred frames, and what refused the last one is still in most of the window. Another is
-/// made when the time since the first has grown by a quarter, or after 0.2 s; after 0.5 s if the last one had twice
-/// what it may have (`lack`), which takes longer to go. Starts that are background work have their delay between them.
+/// A start takes as long as a hundred frames, and what refused the last one is still in most of the window. The next
+/// one is made when the time since the first has grown by a quarter, or sooner the less is missing: one that had 1 + x
+/// times what it may have (`lack`) is followed by another x / 2 s later, half a second at most. Starts that are
+/// background work have their delay between them.
 template <class S>
 bool too_soon_to_start(std::int64_t first_ns, std::int64_t last_ns, std::int64_t t_ns, S lack) {
   if (SEGCAL_START_DELAY_MS > 0) return false;
-  const std::int64_t growth = (t_ns - first_ns) / 4, most = lack < S(2) ? 200000000 : 500000000;
-  return t_ns - last_ns < (growth < most ? growth : most);
+  const S growth = S(t_ns - first_ns) * S(0.25e-9), missing = S(0.5) * (lack - S(1));
+  S wait = growth < S(0.5) ? growth : S(0.5);
+  if (missing < wait) wait = missing;
+  return S(t_ns - last_ns) * S(1e-9) < wait;
 }
 
 template <class S>
