@@ -72,12 +72,14 @@ int fit(const char* name, const test::SyntheticOptions& options, const std::vect
 int main() {
   test::SyntheticOptions joined;
   joined.segments = 3;
-  joined.keyframes = 14;
+  joined.keyframes = 8;
   joined.landmarks = 40;
-  test::SyntheticOptions tied = joined;
+  test::SyntheticOptions tied = joined;  // ties take columns: not all triangles of the eight segments find room
+  tied.segments = 8;
   tied.seed = 2;
-  tied.gap = 1;
-  tied.shared = 6;
+  tied.landmarks = 25;
+  tied.gap = 1.5;
+  tied.shared = 12;
   test::SyntheticOptions far = joined;  // steps are taken back
   far.seed = 3;
   far.start_error = 12;

@@ -118,7 +118,7 @@
 #ifndef SEGCAL_TRACK_WALK
 #define SEGCAL_TRACK_WALK SEGCAL_DEFAULT_TRACK_WALK
 #endif
-/* 1: a calibration keeps what it has made of each segment from one pass to the next: some 1.5 times as fast, for as
+/* 1: a calibration keeps what it has made of each segment from one pass to the next: some 1.8 times as fast, for as
    much memory again as the segments take. 0: it makes it anew, with the same bits. */
 #ifndef SEGCAL_KEEP_ELIMINATIONS
 #define SEGCAL_KEEP_ELIMINATIONS SEGCAL_DEFAULT_KEEP_ELIMINATIONS
