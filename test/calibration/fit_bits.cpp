@@ -31,33 +31,27 @@ void print_bits(const char* name, const float* values, int n) {
 int fit(const char* name, const test::SyntheticOptions& options, const std::vector<Term>& terms) {
   const test::SyntheticSession session(options);
   const auto solver = std::make_unique<Solver>();
-  std::vector<std::unique_ptr<Segment<float>>> copies;
-  Segment<float>* pointers[kMaxSegments];
-  for (const auto& segment : session.segments) {
-    copies.push_back(std::make_unique<Segment<float>>());
-    test::cast<float>(*segment, copies.back().get());
-    pointers[copies.size() - 1] = copies.back().get();
-  }
+  test::Copies<float> copies(session.segments);
   ThetaPrior<float> prior;
   prior.mean = test::cast<float>(session.nominal);
   for (const Term& term : terms) prior.mean.effects.add(term, 0.0f);
   default_prior_sigmas(prior.mean, prior.sigma);
   for (std::size_t i = 0; i < terms.size(); ++i) prior.sigma[prior.mean.effect_column() + i] = 0.01f;
-  solver->calibrator.begin(pointers, static_cast<int>(copies.size()), prior, prior.mean, MeasurementModel<float>());
+  solver->calibrator.begin(copies.pointer, copies.count(), prior, prior.mean, MeasurementModel<float>());
   int slices = 1;
   for (int run = 0; run < 2; ++run) {  // as a device does: what the first one kept is not what the second may take
     while (!solver->calibrator.run_step(CalibratorOptions{}, &solver->eliminator)) ++slices;
     solver->calibrator.reject_outliers(5);
   }
   const CalibrationFit<float>& made = solver->calibrator.fit();
-  std::printf("%s: %d segments, %d ties, %d partitions, converged %d after %d\n", name, static_cast<int>(copies.size()),
+  std::printf("%s: %d segments, %d ties, %d partitions, converged %d after %d\n", name, copies.count(),
               solver->calibrator.ties().count(), solver->calibrator.partitions(), made.converged ? 1 : 0,
               made.iterations);
   const float cost[] = {made.start_cost, made.cost, made.chi2, made.dof};
   print_bits("fit", cost, 4);
   const PackedTriangle<float> T = solver->calibrator.theta_triangle();
   for (int i = 0; i < T.columns(); ++i) print_bits("theta", T.row(i) + i, T.columns() - i);
-  for (const auto& copy : copies) {
+  for (const auto& copy : copies.owned) {
     for (int k = 0; k < copy->n_keyframes; ++k) {
       print_bits("p_GI", copy->states.x[k].p_GI.data(), 3);
       print_bits("b_g", copy->states.x[k].b_g.data(), 3);

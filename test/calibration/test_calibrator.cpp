@@ -53,23 +53,17 @@ Eigen::VectorXd sigmas(const PackedTriangle<S>& T) {
 template <class S>
 Outcome calibrate(const SyntheticSession& session, const CalibratorOptions& options = CalibratorOptions()) {
   static Solver<S> solver;
-  std::vector<std::unique_ptr<Segment<S>>> copies;
-  Segment<S>* pointers[kMaxSegments];
-  for (const auto& segment : session.segments) {
-    copies.push_back(std::make_unique<Segment<S>>());
-    test::cast<S>(*segment, copies.back().get());
-    pointers[copies.size() - 1] = copies.back().get();
-  }
+  test::Copies<S> copies(session.segments);
   ThetaPrior<S> prior;
   prior.mean = test::cast<S>(session.nominal);
   default_prior_sigmas(prior.mean, prior.sigma);
-  solver.calibrator.begin(pointers, static_cast<int>(copies.size()), prior, prior.mean, MeasurementModel<S>());
-  const Vec3<S> start = copies.front()->states.x[0].p_GI;
+  solver.calibrator.begin(copies.pointer, copies.count(), prior, prior.mean, MeasurementModel<S>());
+  const Vec3<S> start = copies.owned.front()->states.x[0].p_GI;
   solver.calibrator.run(options, &solver.eliminator);
   Outcome out;
   out.fit = to_double(solver.calibrator.fit());
   out.theta = test::cast<double>(solver.calibrator.theta());
-  out.gauge_moved = static_cast<double>((copies.front()->states.x[0].p_GI - start).norm());
+  out.gauge_moved = static_cast<double>((copies.owned.front()->states.x[0].p_GI - start).norm());
   out.sigma = sigmas(solver.calibrator.theta_triangle());
   out.prior_sigma =
       Eigen::Map<Eigen::Matrix<S, Eigen::Dynamic, 1>>(prior.sigma, out.sigma.size()).template cast<double>();

@@ -308,17 +308,11 @@ struct Outcome {
 template <class S>
 Outcome calibrate(const SyntheticSession& session, bool tied = true, double outliers = 0) {
   Calibrator<S>* calibrator = &solver<S>()->calibrator;
-  std::vector<std::unique_ptr<Segment<S>>> copies;
-  Segment<S>* pointers[kMaxSegments];
-  for (const auto& segment : session.segments) {
-    copies.push_back(std::make_unique<Segment<S>>());
-    test::cast<S>(*segment, copies.back().get());
-    if (!tied) copies.back()->frame = static_cast<std::uint32_t>(copies.size());
-    pointers[copies.size() - 1] = copies.back().get();
-  }
+  test::Copies<S> copies(session.segments);
+  for (int i = 0; !tied && i < copies.count(); ++i) copies.pointer[i]->frame = static_cast<std::uint32_t>(i + 1);
   const Calibration<S> nominal = test::cast<S>(session.nominal);
   const ThetaPrior<S> prior = prior_of(nominal);
-  calibrator->begin(pointers, static_cast<int>(copies.size()), prior, nominal, MeasurementModel<S>());
+  calibrator->begin(copies.pointer, copies.count(), prior, nominal, MeasurementModel<S>());
   calibrator->run(CalibratorOptions(), &solver<S>()->eliminator);
   if (outliers > 0) {
     calibrator->reject_outliers(S(outliers));

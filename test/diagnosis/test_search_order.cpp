@@ -168,6 +168,13 @@ void test_a_fit_is_remembered() {
   TEST_ASSERT_EQUAL_INT(0, static_cast<int>(evidence.taken().size()));
   // Its core as well: rows with other candidates are asked there.
   TEST_ASSERT_TRUE(evidence.at_last_fit(all.terms, false).all.R == R);
+  // What stands beside it is no part of it: other candidates are linearised at the fit that was made.
+  std::vector<TermInfo> fewer(all.terms.begin(), all.terms.end() - 1);
+  const std::int64_t left = budget.left();
+  const Problem beside = evidence.fit(fewer, std::vector<bool>(fewer.size(), false), start);
+  TEST_ASSERT_TRUE(left == budget.left());
+  TEST_ASSERT_EQUAL_INT(R.cols() - 1, beside.all.R.cols());
+  TEST_ASSERT_TRUE(evidence.fit(all.terms, none, start).all.R == R);
   evidence.options().pixel_sigma *= 1.5;
   TEST_ASSERT_TRUE(cost(none) > 0);
 }

@@ -19,7 +19,8 @@ def draw(rng):
     return {"PROFILE": 1, "MAX_CAMERAS": rng.randint(1, 2), "MAX_SEGMENTS": rng.randint(1, 24), "MAX_KEYFRAMES": rng.randint(6, 32), "MAX_LANDMARKS": landmarks,
             "MAX_OBSERVATIONS": rng.randint(6, 14) * landmarks, "MAX_IMU_SAMPLES": rng.randint(300, 4500), "MAX_CLONES": rng.randint(6, 31),
             "MAX_TRACKS": rng.randint(20, 200), "MAX_TIES": rng.choice([0, 4, 8]), "IMU_HISTORY": rng.randint(200, 2000), "PIXEL_BITS": rng.choice([16, 32]),
-            "MAX_EFFECT_COLUMNS": rng.choice([0, 1, 3, 12]), "TRACK_WALK": rng.randint(0, 1), "FRAME_FEATURES": rng.randint(4, 30), "REAL": rng.choice(["float", "float", "double"])}
+            "MAX_EFFECT_COLUMNS": rng.choice([0, 1, 3, 12]), "TRACK_WALK": rng.randint(0, 1), "FRAME_FEATURES": rng.randint(4, 30), "REAL": rng.choice(["float", "float", "double"]),
+            "KEEP_ELIMINATIONS": rng.randint(0, 1)}
 
 
 rng = random.Random(SEED)

@@ -1,6 +1,9 @@
 // The same calibration, state, landmark or segment in another scalar type.
 #pragma once
 
+#include <memory>
+#include <vector>
+
 #include "segments/segment.h"
 
 namespace test {
@@ -89,5 +92,22 @@ void cast(const Segment<From>& a, Segment<To>* b) {
   b->imu.clear();
   for (int i = 0; i < a.imu.size(); ++i) b->imu.push(a.imu.time(i), cast<To>(a.imu.reading(i)));
 }
+
+/// Segments in another scalar type, for a calibrator to move.
+template <class To>
+struct Copies {
+  std::vector<std::unique_ptr<Segment<To>>> owned;
+  Segment<To>* pointer[SEGCAL_MAX_SEGMENTS];
+
+  template <class From>
+  explicit Copies(const std::vector<std::unique_ptr<Segment<From>>>& segments) {
+    for (const auto& segment : segments) {
+      owned.push_back(std::make_unique<Segment<To>>());
+      cast<To>(*segment, owned.back().get());
+      pointer[owned.size() - 1] = owned.back().get();
+    }
+  }
+  int count() const { return static_cast<int>(owned.size()); }
+};
 
 }  // namespace test

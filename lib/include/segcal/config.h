@@ -119,7 +119,8 @@
 #define SEGCAL_TRACK_WALK SEGCAL_DEFAULT_TRACK_WALK
 #endif
 /* 1: a calibration keeps what it has made of each segment from one pass to the next: some 1.8 times as fast, for as
-   much memory again as the segments take. 0: it makes it anew, with the same bits. */
+   much memory again as the segments take. 0: it makes it anew, with the same bits. It is part of SEGCAL_STORAGE_BYTES:
+   a program that has 0 gives a library that has 1 too little memory (SEGCAL_ERROR_SIZE). */
 #ifndef SEGCAL_KEEP_ELIMINATIONS
 #define SEGCAL_KEEP_ELIMINATIONS SEGCAL_DEFAULT_KEEP_ELIMINATIONS
 #endif

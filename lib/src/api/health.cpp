@@ -5,8 +5,8 @@ namespace SEGCAL_NS {
 namespace {
 
 /// Starts in motion without success after which the motion is not to blame: hands, feet and vehicles start within them
-/// (within 2 s, 19 of 20 simulated recordings; where a try takes its time, in 7 s, four of five).
-constexpr std::int32_t kStartsTried = SEGCAL_START_DELAY_MS > 0 ? 5 : 11;
+/// (in 2 s, 19 of 20 simulated recordings; where a try takes its time, in 7 s, four of five).
+constexpr std::int32_t kStartsTried = SEGCAL_START_DELAY_MS > 0 ? 5 : 20;
 /// s that the filter should run without being lost: as long as two segments.
 constexpr double kRunSeconds = 10;
 

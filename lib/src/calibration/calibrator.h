@@ -2,7 +2,8 @@
 //
 // Each iteration eliminates every segment to theta, the ties and its separators, solves
 // the small dense triangle of ties and theta, walks the chain back and substitutes each
-// segment's states. Nothing grows with the number of segments but one row block each.
+// segment's states. Nothing grows with the number of segments but one row block each, and, where there is memory for
+// it, what is kept of each to go back (kept_eliminations.h).
 #pragma once
 
 #include "calibration/calibration_fit.h"

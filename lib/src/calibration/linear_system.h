@@ -36,7 +36,7 @@ bool Calibrator<S>::linearise_step(SegmentEliminator<S>* eliminator, S damping, 
       SEGCAL_PAUSE(inner_place_);
       SEGCAL_AWAIT(inner_place_,
                    eliminator->eliminate_step(*segment_[i_], guest(i_), theta_, model_, damping, candidates));
-      if (running_) kept_.keep(i_, eliminator);
+      if (running_ && i_ < count_ - 1) kept_.keep(i_, eliminator);  // the last one is there when the way back begins
       SEGCAL_AWAIT(inner_place_, chain().add_step(eliminator, link_[i_].join != Join::none, link_[i_].passes_on,
                                                   candidates ? nullptr : memory_.left(i_), &G));
       fit_.image_points += eliminator->counts().image_points;
@@ -76,6 +76,7 @@ S Calibrator<S>::rows_of(const bool* use, const CandidateTerms& candidates, Segm
   const CalibrationFit<S> fit = fit_;
   saved_theta_ = theta_;
   memory_.begin();
+  running_ = false;
   for (int i = 0; i < count; ++i) save_states(i);  // ties of other partitions give landmarks other values
   count_ = 0;
   for (int i = 0; i < count; ++i) {

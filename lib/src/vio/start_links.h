@@ -54,7 +54,7 @@ struct StartScratch {
   CameraCalibration<S> best_camera[kMaxCameras], aligned_camera[kMaxCameras];
   S pixel_scale;  ///< what the fit says about pixel_sigma, 1..4
   S waited;       ///< s since the first try
-  S lack;         ///< how many times what a start may have the fit had, of misfit or of the motion's sigma
+  S lack = S(2);  ///< how many times what a start may have the fit had, of misfit or of the motion's sigma
   bool still;
 };
 

@@ -166,6 +166,7 @@ bool MotionStart<S>::run_step(const StartContext<S>& c, const Samples& imu) {
     }
     if (good_) SEGCAL_AWAIT(place_, open_step(c, imu));
     if (good_) SEGCAL_AWAIT(place_, use_tracks_step(c));
+    if (!good_ && c.s->lack < S(1)) c.s->lack = S(2);  // refused for something else
     if (!good_) give_cameras_back(c);
   }
   SEGCAL_SLICES_END(place_);

@@ -49,7 +49,7 @@ bool too_soon_to_start(std::int64_t first_ns, std::int64_t last_ns, std::int64_t
   const S growth = S(t_ns - first_ns) * S(0.25e-9), missing = S(0.5) * (lack - S(1));
   S wait = growth < S(0.5) ? growth : S(0.5);
   if (missing < wait) wait = missing;
-  return S(t_ns - last_ns) * S(1e-9) < wait;
+  return S(t_ns - last_ns) * S(1e-9) < wait - S(1e-3);  // of grace, as for the frames' distance
 }
 
 template <class S>
@@ -61,8 +61,10 @@ template <class S>
     return begin_running();
   }
   if (!enough_frames(window_)) return VioStatus::initialising;
-  if (statistics_.starts_tried > 0 && too_soon_to_start<S>(waiting_since_, start_due_, t_ns, start_.lack))
+  if (statistics_.starts_tried > 0 && too_soon_to_start<S>(waiting_since_, start_due_, t_ns, start_.lack)) {
+    ++statistics_.starts_tried;
     return VioStatus::initialising;
+  }
   motion_.begin(window_, imu);
   start_due_ = t_ns + std::int64_t(SEGCAL_START_DELAY_MS) * 1000000;
   const bool in_background = start_due_ > t_ns;

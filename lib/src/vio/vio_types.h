@@ -72,7 +72,7 @@ struct VioStatistics {
   std::int32_t standstill_frames = 0;
   // since the filter ran last:
   std::int32_t frames_waited = 0;  ///< collected for a start
-  std::int32_t starts_tried = 0;   ///< in motion
+  std::int32_t starts_tried = 0;   ///< in motion, with the frames at which another was not worth a try yet
   // since reset(), over sessions:
   std::int32_t starts = 0;       ///< successful initialisations
   std::int32_t late_starts = 0;  ///< frames at which a start was due and its slices were not done
