@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <optional>
 
 #include "diagnose/answer.h"
 #include "diagnose/beyond.h"
@@ -128,6 +127,7 @@ class Diagnoser {
     SelectionOptions options;
     options.known = model_.known;
     options.work = &work_left_;
+    options.at_step = [this](const auto&... asked) { return evidence_.at_step(asked...); };
     Problem last = plain_;
     std::map<std::vector<int>, std::vector<double>> starts;  // the same again is remembered (Evidence)
     const Refit refit = [this, &last, &starts](const std::vector<int>& accepted) {
@@ -180,8 +180,7 @@ class Diagnoser {
     for (const Accepted& a : selection_.accepted) groups.push_back(selection_.candidates[a.candidate].columns);
     Problem bare = selection_.problem;
     bare.noise = 0;
-    if (pixels_.factor > 1)
-      pixels_.factor = std::min(pixels_.factor, std::max(1.0, std::sqrt(dispersion(bare, groups))));
+    pixels_.factor = std::min(pixels_.factor, std::max(1 / ratio, std::sqrt(dispersion(bare, groups))));
     out_.pixels = pixels_;
     out_.pixels.factor *= ratio;
     out_.pixels.sigma *= ratio;

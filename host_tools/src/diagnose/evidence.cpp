@@ -87,7 +87,7 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
   std::vector<double> beside;
   for (const TermInfo& term : terms) add_term(term, &beside);
   if (!remembers(asked)) make(terms, estimated, start);
-  if (now().asked.empty() || now().beside != beside) linearise(terms, estimated, start);
+  if (now().asked.empty() || now().beside != beside || !now().sides.empty()) linearise(terms, estimated, start);
   now().asked = asked;  // now it is whole
   now().beside = beside;
   return now().problem;
@@ -123,6 +123,7 @@ void Evidence::make(const std::vector<TermInfo>& terms, const std::vector<bool>&
 void Evidence::linearise(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated,
                          const std::vector<double>& start) {
   now().asked.clear();
+  now().sides.clear();
   now().exposure = exposure_column(terms, estimated, start);
   now().candidates.clear();
   now().place.clear();
@@ -132,6 +133,11 @@ void Evidence::linearise(const std::vector<TermInfo>& terms, const std::vector<b
     if (!estimated[i]) now().candidates.push_back(terms[i]);
     now().place.push_back(estimated[i] ? next_taken++ : next_asked++);
   }
+  gather_columns();
+}
+
+/// In the caller's order.
+void Evidence::gather_columns() {
   now().problem = gather(now().candidates, true);
   reorder(now().place, &now().problem);
   if (now().exposure.at >= 0)

@@ -7,15 +7,23 @@
 #include "diagnose/budget.h"
 #include "diagnose/exposure_offset.h"
 #include "diagnose/sensor_gap.h"
+#include "replay/core_side.h"
 #include "replay/replay.h"
 
 namespace host::diagnosis {
+
+/// What is before a step of the calibration or after it, fitted by itself.
+struct FitSide {
+  std::vector<std::uint32_t> serials;
+  std::unique_ptr<CoreSide> core;
+};
 
 /// One fit, with everything that was linearised at it.
 struct MadeFit {
   std::vector<double> asked;   ///< what it depends on (Evidence::question)
   std::vector<double> beside;  ///< the terms, in the caller's order, that its rows have columns for
   std::unique_ptr<Core> core;
+  std::vector<FitSide> sides;  ///< where rows are linearised at each side's own theta; else at the fit's
   ReplayResult result;
   std::vector<TermInfo> taken, candidates;
   std::vector<int> place;  ///< of each of the caller's terms that the core has among [taken | candidates]
@@ -35,6 +43,9 @@ class Evidence {
   /// Replays with these terms estimated, from these values on, and linearises with the others as candidates. Columns
   /// are theta, then `terms` in their order.
   Problem fit(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated, const std::vector<double>& start);
+  /// The same, both sides of the step linearised at their own theta, which is counted from the fit's. `before`,
+  /// `after`: where it is expected, per entry of theta. Until the next fit(), all rows are those.
+  Problem at_step(const Shift& step, const Eigen::VectorXd& before, const Eigen::VectorXd& after);
   const ReplayResult& result() const { return made_.front()->result; }
   /// The same fit's rows with other candidates; columns are theta, the terms that were estimated, `candidates`. Halves
   /// and pieces only `in_parts`: many candidates are asked about without.
@@ -58,12 +69,15 @@ class Evidence {
   void make(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated, const std::vector<double>& start);
   void linearise(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated,
                  const std::vector<double>& start);
+  void gather_columns();
   void inflate_until_taken(ReplayOptions options, int enough);
   bool try_fit(const ReplayOptions& options);
   const std::vector<Recording>& stamped(double kappa);
   Problem gather(const std::vector<TermInfo>& candidates, bool in_parts);
   Rows rows_of(const std::vector<std::uint32_t>& serials, const std::vector<TermInfo>& candidates);
-  void count_from_zero(Rows* rows) const;
+  const FitSide* side_with(std::uint32_t serial) const;
+  Rows counted(const CoreRows& core, const std::vector<double>& moved) const;
+  void count_from_zero(const std::vector<double>& moved, Rows* rows) const;
   double seconds_after_start(std::int64_t t_ns) const;
 
   const std::vector<Recording>& sessions_;

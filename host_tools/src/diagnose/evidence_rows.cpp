@@ -4,6 +4,7 @@
 
 #include "diagnose/evidence.h"
 #include "diagnose/fit_rows.h"
+#include "diagnose/shift.h"
 
 namespace host::diagnosis {
 
@@ -20,18 +21,55 @@ std::vector<CoreKept> Evidence::segments() const {
 Rows Evidence::rows_of(const std::vector<std::uint32_t>& serials, const std::vector<TermInfo>& candidates) {
   std::vector<CoreTerm> terms;
   for (const TermInfo& t : candidates) terms.push_back(t.term);
-  const CoreRows core = now().core->linearise(serials, terms);
+  if (now().sides.empty()) return counted(now().core->linearise(serials, terms), {});
+  std::vector<Rows> of;
+  for (const FitSide& side : now().sides) {
+    std::vector<std::uint32_t> own;
+    std::copy_if(serials.begin(), serials.end(), std::back_inserter(own), [&side](std::uint32_t serial) {
+      return std::count(side.serials.begin(), side.serials.end(), serial) > 0;
+    });
+    if (!own.empty()) of.push_back(counted(side.core->linearise(own, terms), side.core->moved()));
+  }
+  std::vector<const Rows*> pointers;
+  for (const Rows& rows : of) pointers.push_back(&rows);
+  return sum_of(pointers);
+}
+
+Rows Evidence::counted(const CoreRows& core, const std::vector<double>& moved) const {
   Rows out{unpacked(core), core.dof};
-  count_from_zero(&out);
+  count_from_zero(moved, &out);
   out.R = triangle_of(out.R);
   return out;
 }
 
-/// Of columns [theta | taken | candidates].
-void Evidence::count_from_zero(Rows* rows) const {
-  VectorXd at = VectorXd::Zero(rows->columns() - now().n_theta);
-  at.head(static_cast<Eigen::Index>(now().taken.size())) = now().taken_values;
-  count_terms_from_zero(now().n_theta, at, rows);
+/// Of columns [theta | taken | candidates]: theta from the fit's, `moved` of which they were linearised at (empty: at
+/// it), terms from zero.
+void Evidence::count_from_zero(const std::vector<double>& moved, Rows* rows) const {
+  VectorXd at = VectorXd::Zero(rows->columns());
+  at.segment(now().n_theta, static_cast<Eigen::Index>(now().taken.size())) = now().taken_values;
+  for (std::size_t i = 0; i < moved.size(); ++i) at(static_cast<Eigen::Index>(i)) += moved[i];
+  count_from(at, rows);
+}
+
+/// A segment that the step falls into belongs to neither.
+Problem Evidence::at_step(const Shift& step, const VectorXd& before, const VectorXd& after) {
+  std::vector<std::uint32_t> serials[3];
+  const std::vector<CoreKept> kept = segments();
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const Piece& p = now().problem.pieces[i];
+    const int side = static_cast<int>(i) == step.straddling ? 2 : is_after(step, p) ? 1 : 0;
+    serials[side].push_back(kept[i].segment.serial);
+  }
+  now().sides.clear();
+  for (int side = 0; side < 3; ++side) {
+    if (serials[side].empty()) continue;
+    VectorXd expected = VectorXd::Zero(now().n_theta + static_cast<Eigen::Index>(now().taken.size()));
+    if (side < 2) expected.head(now().n_theta) = side == 0 ? before : after;
+    now().sides.push_back(
+        {serials[side], now().core->side(serials[side], {expected.data(), expected.data() + expected.size()})});
+  }
+  gather_columns();
+  return now().problem;
 }
 
 double Evidence::seconds_after_start(std::int64_t t_ns) const {
@@ -49,16 +87,26 @@ Rows Evidence::joined(const std::vector<std::size_t>& places) {
   return exposure.at < 0 ? out : with_exposure(out, now().n_theta, exposure, places);
 }
 
+/// Null where all rows are of one theta.
+const FitSide* Evidence::side_with(std::uint32_t serial) const {
+  for (const FitSide& side : now().sides) {
+    if (std::count(side.serials.begin(), side.serials.end(), serial) > 0) return &side;
+  }
+  return nullptr;
+}
+
 SensorPieces Evidence::sensors() {
   std::vector<CoreTerm> terms;
   for (const TermInfo& t : now().candidates) terms.push_back(t.term);
   SensorPieces out;
   const ExposureColumn& exposure = now().exposure;
   for (const CoreKept& k : segments()) {
-    const CoreSensorRows core = now().core->sensor_rows(k.segment.serial, terms);
+    const FitSide* side = side_with(k.segment.serial);
+    const CoreSensorRows core =
+        side ? side->core->sensor_rows(k.segment.serial, terms) : now().core->sensor_rows(k.segment.serial, terms);
     for (std::size_t s = 0; s < out.of.size(); ++s) {
       Rows rows{core.root[s], core.shared.row(static_cast<int>(s)).sum()};
-      count_from_zero(&rows);
+      count_from_zero(side ? side->core->moved() : std::vector<double>(), &rows);
       reorder(now().place, &rows, now().n_theta);
       if (exposure.at >= 0) rows = with_exposure(rows, now().n_theta, exposure, exposure.exposure_s[out.shared.size()]);
       out.of[s].push_back(
@@ -91,6 +139,10 @@ Problem Evidence::gather(const std::vector<TermInfo>& candidates, bool in_parts)
   }
   if (in_parts) out.blocks = blocks_of(now().result.calibration);
   if (half[1].empty()) return out;
+  if (!now().sides.empty()) {  // nothing links their segments
+    sum_pieces(&out);
+    return out;
+  }
   out.all = rows_of(all, candidates);
   if (!in_parts) return out;
   out.train = rows_of(half[0], candidates);

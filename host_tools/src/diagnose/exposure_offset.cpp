@@ -105,6 +105,7 @@ Rows with_exposure(const Rows& joined, int n_theta, const ExposureColumn& column
 
 void add_exposure_column(const std::vector<double>& exposure_s, ExposureColumn* column, Problem* problem) {
   column->exposure_s = exposure_s;
+  column->segments.clear();
   std::vector<std::size_t> all, half[2];
   for (std::size_t i = 0; i < problem->pieces.size(); ++i) {
     Piece& piece = problem->pieces[i];

@@ -51,10 +51,7 @@ Rows sum_of(const std::vector<const Rows*>& sets) {
   return out;
 }
 
-void count_terms_from_zero(int n_theta, const VectorXd& at, Rows* rows) {
-  const int n = rows->columns();
-  rows->R.col(n) += rows->R.middleCols(n_theta, n - n_theta) * at;
-}
+void count_from(const VectorXd& at, Rows* rows) { rows->R.col(rows->columns()) += rows->R.leftCols(at.size()) * at; }
 
 Rows with_prior(const Rows& rows, const Prior& prior) {
   const Eigen::Index n = rows.R.cols(), m = prior.sigma.size();

@@ -33,9 +33,9 @@ Eigen::MatrixXd inverse_of_triangle(const Eigen::MatrixXd& R);
 /// The sum of sets over the same columns.
 Rows sum_of(const std::vector<const Rows*>& sets);
 
-/// The same rows with the rhs for terms counted from zero: rhs + J at,
-/// where `at` holds the values at which the core linearised, one per term.
-void count_terms_from_zero(int n_theta, const Eigen::VectorXd& at, Rows* rows);
+/// The same rows with the right-hand side for columns that count from elsewhere: where the rows were linearised they
+/// are `at`, one entry per column.
+void count_from(const Eigen::VectorXd& at, Rows* rows);
 
 /// A Gaussian on theta's corrections.
 struct Prior {

@@ -125,32 +125,32 @@ class Search {
     return false;
   }
 
-  /// The core knows the effects of the catalogue; a step is put on top of what it hands out.
+  /// The core knows the effects of the catalogue; a step, the first candidate behind those given, is put on top.
   void fit_again() {
     std::vector<int> known;
     for (int c : chosen_) {
       if (c < given_) known.push_back(c);
     }
     out_.problem = refit_(known);
-    if (out_.shifted) out_.problem = with_shift(out_.problem, out_.shift);
+    if (out_.shifted) out_.problem = stepped(out_.problem, out_.shift, groups_but(given_), options_.at_step);
   }
 
   /// A step that says more than every effect becomes one candidate more.
   bool offer_shift(const std::vector<std::pair<double, int>>& others) {
     if (out_.shifted || shift_refused_) return false;
-    const std::optional<Shift> step = best_shift(out_.problem, groups_but(-1));
+    std::optional<Shift> step = best_shift(out_.problem, groups_but(-1));
     if (!step || !called(step->test.log10_p, share_of(*step))) return false;
     if (says_more_than(*step, others, out_.problem, candidates_, groups_but(-1))) return false;
     if (is_little(step->test)) {
       shift_refused_ = step_was_little_ = true;
       return false;
     }
-    const Problem without = out_.problem;
-    out_.problem = with_shift(without, *step);
+    out_.problem = stepped(out_.problem, *step, groups_but(-1), options_.at_step);
     const Candidate candidate = shift_candidate(out_.problem, *step);
+    step->test = test_effect(out_.problem, candidate, groups_but(-1));
     if (!step_holds(out_.problem, candidate, *step, groups_but(-1))) {
-      out_.problem = without;
       shift_refused_ = true;
+      fit_again();
       return false;
     }
     out_.shifted = true;

@@ -108,11 +108,6 @@ EffectTest judge_effect(const Problem& problem, const Candidate& candidate, cons
 /// chi2/dof of the model with these effects free, at least the known noise.
 double dispersion(const Problem& problem, const std::vector<TermGroup>& free);
 
-struct SelectionOptions {
-  std::vector<int> known = {};  ///< candidates that are in the model from the start and stay
-  Budget* work = nullptr;       ///< null: as much as it takes
-};
-
 struct Accepted {
   int candidate = -1;
   EffectTest test;  ///< with the other accepted ones free
@@ -124,6 +119,15 @@ struct Shift {
   int trials = 0;       ///< blocks times instants that were compared
   int straddling = -1;  ///< piece in which it happens and that fits neither side: left out; -1: between two pieces
   EffectTest test;
+};
+
+/// The last refit's rows, each side of a step linearised at its own theta, which is expected this far from the fit's.
+using AtStep = std::function<Problem(const Shift&, const Eigen::VectorXd& before, const Eigen::VectorXd& after)>;
+
+struct SelectionOptions {
+  std::vector<int> known = {};  ///< candidates that are in the model from the start and stay
+  Budget* work = nullptr;       ///< null: as much as it takes
+  AtStep at_step = {};          ///< empty: rows stay as they are
 };
 
 struct Rejected {

@@ -79,8 +79,9 @@ double least_cost(const Problem& problem, const std::vector<const Rows*>& sets) 
 void look_inside(const Problem& problem, const std::vector<TermGroup>& free, Shift* shift) {
   double worst = decision::kFitsNeither;
   for (std::size_t j = 1; j + 1 < problem.pieces.size(); ++j) {  // with one on either side
-    if (std::abs(middle(problem.pieces[j]) - shift->time_s) > problem.pieces[j].end_s - problem.pieces[j].start_s)
-      continue;
+    const bool after = is_after(*shift, problem.pieces[j]);
+    const bool beside = after ? !is_after(*shift, problem.pieces[j - 1]) : is_after(*shift, problem.pieces[j + 1]);
+    if (!beside) continue;
     std::vector<Rows> wide;
     for (const Piece& p : problem.pieces) {
       wide.push_back(
@@ -132,17 +133,36 @@ std::optional<Shift> best_shift(const Problem& problem, const std::vector<TermGr
   return best;
 }
 
+bool is_after(const Shift& shift, const Piece& piece) { return middle(piece) > shift.time_s; }
+
 Problem with_shift(const Problem& problem, const Shift& shift) {
   Problem out = problem;
   out.blocks.clear();
   if (shift.straddling >= 0) out.pieces.erase(out.pieces.begin() + shift.straddling);
   for (Piece& p : out.pieces) {
-    p.rows = widened(p.rows, shift.block.columns, middle(p) > shift.time_s);
+    p.rows = widened(p.rows, shift.block.columns, is_after(shift, p));
   }
-  out.all = sum_where(out.pieces, [](const Piece&) { return true; });
-  out.train = sum_where(out.pieces, [](const Piece& p) { return !p.held_out; });
-  out.held_out = sum_where(out.pieces, [](const Piece& p) { return p.held_out; });
+  sum_pieces(&out);
   return out;
+}
+
+void sum_pieces(Problem* problem) {
+  problem->all = sum_where(problem->pieces, [](const Piece&) { return true; });
+  problem->train = sum_where(problem->pieces, [](const Piece& p) { return !p.held_out; });
+  problem->held_out = sum_where(problem->pieces, [](const Piece& p) { return p.held_out; });
+}
+
+Problem stepped(const Problem& problem, const Shift& shift, const std::vector<TermGroup>& free, const AtStep& at_step) {
+  const Problem with = with_shift(problem, shift);
+  if (!at_step) return with;
+  std::vector<TermGroup> groups = free;
+  groups.push_back(shift_candidate(with, shift).columns);
+  const Eigen::VectorXd x = solve(with_groups(with_prior(with.all, with.prior), with.n_theta, groups)).x,
+                        before = x.head(with.n_theta);
+  Eigen::VectorXd after = before;
+  const TermGroup& block = shift.block.columns;
+  after.segment(block.first, block.count) += x.tail(block.count);
+  return with_shift(at_step(shift, before, after), shift);
 }
 
 double share_of(const Shift& shift) { return share_of(Kind::step) / std::max(1, shift.trials); }

@@ -16,8 +16,18 @@ namespace host::diagnosis {
 /// The most significant step with theta and the groups `free` free, at least `beside` pieces on each side of it.
 std::optional<Shift> best_shift(const Problem& problem, const std::vector<TermGroup>& free, std::size_t beside = 2);
 
+/// Is it after the step?
+bool is_after(const Shift& shift, const Piece& piece);
+
 /// The problem with the step's columns behind the terms, made of its pieces: their links with each other are lost.
 Problem with_shift(const Problem& problem, const Shift& shift);
+
+/// Halves and whole from the pieces.
+void sum_pieces(Problem* problem);
+
+/// The same, each side linearised at its own theta where `at_step` does that. Theta of all segments lies between the
+/// two: there, rows miss what is curved in a large step, and that looks like other effects and terms.
+Problem stepped(const Problem& problem, const Shift& shift, const std::vector<TermGroup>& free, const AtStep& at_step);
 
 /// Of the recording's error level: what steps have of it, over the trials.
 double share_of(const Shift& shift);

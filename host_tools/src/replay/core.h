@@ -180,6 +180,8 @@ struct CoreMemory {
 
 enum class FrameOutcome { waiting, skipped, tracking, lost, refused };
 
+class CoreSide;  // replay/core_side.h
+
 class Core {
  public:
   virtual ~Core() = default;
@@ -210,6 +212,10 @@ class Core {
   virtual CoreRows linearise(const std::vector<std::uint32_t>& serials, const std::vector<CoreTerm>& candidates) = 0;
   /// The same of one kept segment, sensor by sensor.
   virtual CoreSensorRows sensor_rows(std::uint32_t serial, const std::vector<CoreTerm>& candidates) = 0;
+  /// Copies of these kept segments, fitted by themselves. `expected`: theta less the last calibration's, per column;
+  /// the fit starts there, and is held there by a tenth of the prior's sigmas.
+  virtual std::unique_ptr<CoreSide> side(const std::vector<std::uint32_t>& serials,
+                                         const std::vector<double>& expected) const = 0;
   /// Serial numbers of what the last calibration dropped as outdated.
   virtual std::vector<std::uint32_t> outdated() const = 0;
   /// What keeps the odometry from running, in words; empty where it runs or only begins (segcal_get_health).

@@ -8,6 +8,7 @@
 #include "replay/profile/config_of_profile.h"
 #include "replay/profile/read_device.h"
 #include "replay/profile/sensor_rows_of_profile.h"
+#include "replay/profile/side_of_profile.h"
 #include "replay/profile/store_of_profile.h"
 
 namespace host {
@@ -158,6 +159,11 @@ class ProfileCore final : public Core {
         return sensor_rows_of(device_, slot, candidates);
     }
     throw InputError("the core keeps no segment " + std::to_string(serial));
+  }
+
+  std::unique_ptr<CoreSide> side(const std::vector<std::uint32_t>& serials,
+                                 const std::vector<double>& expected) const override {
+    return side_of(*core::open(device_), serials, expected);
   }
 
   std::vector<std::uint32_t> outdated() const override {
