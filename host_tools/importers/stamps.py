@@ -3,12 +3,13 @@
 import numpy as np
 
 IRREGULAR = 0.5  # (95 % - 5 % quantile) of the intervals over their median; hardware stamps stay below 0.1, callbacks lie above 0.6
+LONGEST_LOG_NS = 3.2e16  # a year: what begins at zero and reaches further has a stamp that was never set
 WINDOW_S = 1.0  # over which an oscillator's drift (below 100 ppm) does not matter, and some 200 samples average their delays
 
 
 def usable(t_ns):
-    """Stamps that were set: not all zero or equal, and few that go back."""
-    if len(t_ns) == 0 or np.any(t_ns <= 0):
+    """Stamps that were set: not all zero or equal, few that go back, and none of zero among those of an epoch."""
+    if len(t_ns) == 0 or (np.any(t_ns <= 0) and np.max(t_ns) - np.min(t_ns) > LONGEST_LOG_NS):
         return False
     steps = np.diff(t_ns)
     return len(steps) == 0 or (np.count_nonzero(steps > 0) >= 0.9 * len(steps))

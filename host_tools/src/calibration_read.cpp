@@ -3,6 +3,7 @@
 
 #include "calibration_file.h"
 #include "device_log/device_log.h"
+#include "formatted.h"
 #include "imu_model_file.h"
 #include "yaml_file.h"
 
@@ -107,6 +108,19 @@ Calibration read_euroc_sensors(const fs::path& root, int n_cameras) {
   return calibration;
 }
 
+/// m; what is farther from the IMU was not stated in metres, or is another transformation.
+constexpr double kFarthestCamera = 20;
+
+void expect_metres(const Calibration& calibration, const fs::path& file) {
+  for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
+    const double far = calibration.cameras[i].p_CI.norm();
+    if (far > kFarthestCamera)
+      throw InputError(file.string() + ": cam" + std::to_string(i) +
+                       ": expected T_cam_imu with its translation in m, found " +
+                       formatted("a camera %.0f m from the IMU", far));
+  }
+}
+
 /// The first camera chain of the places where it may lie; empty if there is none.
 fs::path find_camchain(const fs::path& root, const fs::path& override_file) {
   if (!override_file.empty()) return override_file;
@@ -153,6 +167,7 @@ Calibration find_calibration(const fs::path& root, const fs::path& override_file
                      std::to_string(calibration.cameras.size()) + "', one for each of " + std::to_string(n_cameras) +
                      " cameras");
   calibration.cameras.resize(static_cast<std::size_t>(n_cameras));
+  expect_metres(calibration, camchain.empty() ? root : camchain);
   return calibration;
 }
 

@@ -38,7 +38,7 @@ Diagnosis diagnosed(double apart_s, double open = 0) {
   int runs = 0;
   return host::diagnosis::with_clocks_aligned(
       sessions, core,
-      [&runs, open](const std::vector<host::Recording>&, const host::diagnosis::Told& told, Budget budget) {
+      [&runs, open](const std::vector<host::Recording>&, const host::diagnosis::Told& told, Budget& budget) {
         Diagnosis out;
         out.before.total = 1;
         out.open_excess = open;
@@ -61,24 +61,49 @@ void test_a_second_look_has_less_work() {
   for (host::Frame& f : session.recording.cameras[0].frames) f.t_ns -= 80'000'000;
   host::CoreOptions core;
   core.calibration = session.nominal;
-  for (const char* second : {"explained", "unexplained"}) {
+  using host::diagnosis::decision::kSlices, host::diagnosis::decision::kSlicesAgain;
+  for (const auto& [second, used] : {std::pair("explained", kSlices), std::pair("unexplained", kSlices / 4)}) {
     int runs = 0;
     const Diagnosis d = host::diagnosis::with_clocks_aligned(
         {session.recording}, core,
-        [&runs, second](const std::vector<host::Recording>&, const host::diagnosis::Told& told, Budget budget) {
+        [&runs, second, used](const std::vector<host::Recording>&, const host::diagnosis::Told& told, Budget& budget) {
           Diagnosis out;
           const bool first = runs++ == 0;
           out.verdict = first ? "unexplained" : second;
-          out.cut_short = first;
+          out.judged = true;
           out.seconds = runs;
           TEST_ASSERT_EQUAL_INT(first, budget.must_answer());
-          TEST_ASSERT_TRUE(budget.left() ==
-                           (first ? host::diagnosis::decision::kSlices : host::diagnosis::decision::kSlicesAgain));
+          TEST_ASSERT_TRUE(budget.left() == (first ? kSlices : std::max<std::int64_t>(kSlicesAgain, kSlices - used)));
+          if (first) budget.take(used);
           TEST_ASSERT_EQUAL_INT(!first, told.has("time_offset"));
           return out;
         });
     TEST_ASSERT_EQUAL_INT(2, runs);
     TEST_ASSERT_EQUAL_INT(std::string(second) == "explained" ? 2 : 1, static_cast<int>(d.seconds));
+  }
+}
+
+/// Where nothing could be judged without it, the second look counts if it can.
+void test_a_second_look_where_little_was_fitted() {
+  host::SimulationOptions options;
+  options.scenario = "nav";
+  options.seconds = 60;
+  options.seed = 9;
+  host::SimulationResult session = host::simulate(options);
+  for (host::Frame& f : session.recording.cameras[0].frames) f.t_ns -= 80'000'000;
+  host::CoreOptions core;
+  core.calibration = session.nominal;
+  for (const bool judged : {true, false}) {
+    int runs = 0;
+    const Diagnosis d = host::diagnosis::with_clocks_aligned(
+        {session.recording}, core, [&runs, judged = judged](const std::vector<host::Recording>&, const auto&, Budget&) {
+          Diagnosis out;
+          out.judged = runs++ > 0 && judged;
+          out.seconds = runs;
+          return out;
+        });
+    TEST_ASSERT_EQUAL_INT(2, runs);
+    TEST_ASSERT_EQUAL_INT(judged ? 2 : 1, static_cast<int>(d.seconds));
   }
 }
 
@@ -116,7 +141,7 @@ void test_a_rolling_shutter_is_told() {
   int runs = 0;
   host::diagnosis::with_clocks_aligned(
       {session.recording}, core,
-      [&runs](const std::vector<host::Recording>&, const host::diagnosis::Told& told, Budget) {
+      [&runs](const std::vector<host::Recording>&, const host::diagnosis::Told& told, Budget&) {
         Diagnosis out;
         if (runs++ == 0) {
           out.lost = "odometry is lost";
@@ -142,7 +167,8 @@ Diagnosis not_started(const char* scenario, bool turned, double late_s = 0, std:
   host::CoreOptions core;
   core.calibration = session.nominal;
   return host::diagnosis::with_clocks_aligned(
-      {session.recording}, core, [restarts](const std::vector<host::Recording>&, const host::diagnosis::Told&, Budget) {
+      {session.recording}, core,
+      [restarts](const std::vector<host::Recording>&, const host::diagnosis::Told&, Budget&) {
         Diagnosis out;
         out.fit_before.counters = {{"filter_restarts", restarts}};
         out.lost = "odometry diverges";
@@ -175,6 +201,7 @@ int main(int argc, char** argv) {
   test::select_cases(argc, argv);
   UNITY_BEGIN();
   RUN_TEST(test_a_second_look_has_less_work);
+  RUN_TEST(test_a_second_look_where_little_was_fitted);
   RUN_TEST(test_one_offset_is_named);
   RUN_TEST(test_several_offsets_are_none);
   RUN_TEST(test_a_rolling_shutter_is_told);

@@ -39,6 +39,17 @@ class Tables(Case):
         self.converted(self.log)
         self.check()
 
+    def test_stamps_from_zero(self):
+        """A log that counts from its first sample. One stamp of zero among those of an epoch was never set."""
+        self.stamps = self.stamps - self.stamps[0]
+        self.put("#timestamp [ns],x [rad/s],y [rad/s],z [rad/s]", "#timestamp [ns],x [m/s^2],y [m/s^2],z [m/s^2]")
+        self.converted(self.log)
+        self.check()
+        self.stamps = self.stamps + 1_700_000_000_000_000_000
+        self.stamps[0] = 0
+        self.put("#timestamp [ns],x [rad/s],y [rad/s],z [rad/s]", "#timestamp [ns],x [m/s^2],y [m/s^2],z [m/s^2]")
+        self.refused("expected times of logging, found none that grow", self.log, "--out", self.folder / "other")
+
     def test_images_of_a_table(self):
         self.put("time,x,y,z", "time,x,y,z")
         folder = self.log / "camera" / "data"

@@ -13,6 +13,7 @@
 #include "../replay/temporary_folder.h"
 #include "../support/cases.h"
 #include "file_output.h"
+#include "reference/imu_residual.h"
 #include "reference/reference.h"
 
 extern "C" void setUp() {}
@@ -163,6 +164,32 @@ void test_missing_segments_are_an_input_error() {
   }
 }
 
+/// Segments keep whole microseconds from their first image: a sample of the moment at which a link begins or ends may
+/// stand 1 us beside it, in the segment before. What is farther is missing.
+void test_links_that_rounding_moved() {
+  std::vector<host::ImuSample> samples;
+  for (int i = 0; i < 5; ++i) samples.push_back({i * std::int64_t(5000000), {0.1, 0, 0}, {0, 0, 9.8}});
+  for (const std::int64_t beside : {0, 128, 1900}) {
+    double length = 0, turned = 0;
+    for (const host::reference::Step& s : host::reference::steps_between(samples, -beside, 20000000 + beside)) {
+      length += s.h;
+      turned += s.h * s.gyro[1].x();
+    }
+    test::check_near(Id().add("beside_ns", beside), "length", 0.02 + 2e-9 * static_cast<double>(beside), length, 1e-12);
+    test::check_near(Id().add("beside_ns", beside), "turned", 0.1 * length, turned, 1e-12);
+  }
+  for (const auto& [from, to] : {std::pair(-3000, 20000000), std::pair(0, 20003000)}) {
+    const auto asked = [&samples, from = from, to = to] { host::reference::steps_between(samples, from, to); };
+    bool refused = false;
+    try {
+      asked();
+    } catch (const host::InputError&) {
+      refused = true;
+    }
+    TEST_ASSERT_TRUE(refused);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -170,6 +197,7 @@ int main(int argc, char** argv) {
   UNITY_BEGIN();
   RUN_TEST(test_core_in_float);
   RUN_TEST(test_core_in_double);
+  RUN_TEST(test_links_that_rounding_moved);
   RUN_TEST(test_one_segment);
   RUN_TEST(test_recordings_with_rest);
   RUN_TEST(test_rough_imu);

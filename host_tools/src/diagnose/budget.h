@@ -26,6 +26,8 @@ class Budget {
     left_ -= slices;
     last_ = slices;
   }
+  /// What was done beside fits.
+  void spend(std::int64_t slices) { left_ -= slices; }
   std::int64_t left() const { return left_; }
   bool used_up() const { return used_up_; }
   bool must_answer() const { return must_answer_; }

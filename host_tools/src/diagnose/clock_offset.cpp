@@ -131,21 +131,27 @@ Told told_by(const AlignedSessions& moved) {
   return told;
 }
 
-/// The work was used up and nothing has a name: a fit without what is missing may take all of it and not settle.
-bool stuck(const Diagnosis& d) { return d.lost.empty() && d.cut_short && d.verdict == "unexplained"; }
+/// Nothing has a name: a fit without an offset of tens of milliseconds may not settle, and others look like it there.
+bool stuck(const Diagnosis& d) { return d.lost.empty() && d.judged && d.verdict == "unexplained"; }
+/// Too little was left to judge: the odometry may have limped along beside it.
+bool fitted_little(const Diagnosis& d) { return d.lost.empty() && !d.judged && d.faults.empty(); }
 
 }  // namespace
 
 Diagnosis with_clocks_aligned(const std::vector<Recording>& sessions, const CoreOptions& options,
                               const RunAligned& run) {
   AlignedSessions aligned = by_stated_offset(sessions, options);
-  Diagnosis out = run(aligned.sessions, {}, Budget(decision::kSlices));
-  if (!out.lost.empty() || stuck(out)) {
+  Budget first(decision::kSlices);
+  Diagnosis out = run(aligned.sessions, {}, first);
+  if (!out.lost.empty() || stuck(out) || fitted_little(out)) {
     AlignedSessions moved = by_rotation(sessions, options);
     const Told told = told_by(moved);
-    const Budget budget = stuck(out) ? Budget(decision::kSlicesAgain, false) : Budget(decision::kSlices);
+    const bool must_answer = !stuck(out);
+    Budget budget(must_answer ? decision::kSlices : std::max<std::int64_t>(decision::kSlicesAgain, first.left()),
+                  must_answer);
     Diagnosis again = told.effects.empty() ? out : run(moved.sessions, told, budget);
-    if (!stuck(out) || again.verdict == "explained") {
+    const bool better = stuck(out) ? again.verdict == "explained" : !fitted_little(out) || again.judged;
+    if (better) {
       out = std::move(again);
       explain_no_start(moved, &out);
       if (moved.searched) aligned = std::move(moved);

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "diagnose/answer.h"
 #include "diagnose/beyond.h"
@@ -26,7 +27,7 @@ using namespace diagnosis;
 
 class Diagnoser {
  public:
-  Diagnoser(const std::vector<Recording>& sessions, const Told& told, const DiagnoseOptions& options, Budget budget)
+  Diagnoser(const std::vector<Recording>& sessions, const Told& told, const DiagnoseOptions& options, Budget& budget)
       : sessions_(sessions),
         told_(told),
         options_(options),
@@ -220,7 +221,7 @@ class Diagnoser {
   const DiagnoseOptions& options_;
   bool has_temperature_, has_exposures_;
   SearchedModel model_;
-  Budget work_left_;
+  Budget& work_left_;
   std::int64_t work_of_search_ = 0;  ///< of the last whole search
   Evidence evidence_;
   std::string step_;
@@ -238,7 +239,7 @@ class Diagnoser {
 Diagnosis diagnose(const std::vector<Recording>& sessions, const DiagnoseOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   Diagnosis out = with_clocks_aligned(
-      sessions, options.core, [&options](const std::vector<Recording>& aligned, const Told& told, Budget budget) {
+      sessions, options.core, [&options](const std::vector<Recording>& aligned, const Told& told, Budget& budget) {
         return Diagnoser(aligned, told, options, budget).run();
       });
   if (options.stamp_exposure != 0) count_kappa_from_recording(options.stamp_exposure, &out);

@@ -86,8 +86,9 @@ Problem Evidence::fit(const std::vector<TermInfo>& terms, const std::vector<bool
   const std::vector<double> asked = question(terms, estimated, start);
   std::vector<double> beside;
   for (const TermInfo& term : terms) add_term(term, &beside);
+  for (const std::unique_ptr<MadeFit>& fit : made_) fit->sides.clear();  // some ten MB each
   if (!remembers(asked)) make(terms, estimated, start);
-  if (now().asked.empty() || now().beside != beside || !now().sides.empty()) linearise(terms, estimated, start);
+  if (now().asked.empty() || now().beside != beside) linearise(terms, estimated, start);
   now().asked = asked;  // now it is whole
   now().beside = beside;
   return now().problem;
@@ -123,7 +124,6 @@ void Evidence::make(const std::vector<TermInfo>& terms, const std::vector<bool>&
 void Evidence::linearise(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated,
                          const std::vector<double>& start) {
   now().asked.clear();
-  now().sides.clear();
   now().exposure = exposure_column(terms, estimated, start);
   now().candidates.clear();
   now().place.clear();

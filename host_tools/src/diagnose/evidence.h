@@ -12,7 +12,7 @@
 
 namespace host::diagnosis {
 
-/// What is before a step of the calibration or after it, fitted by itself.
+/// What is before a step of the calibration or after it, fitted by itself. A segment that the step falls into has none.
 struct FitSide {
   std::vector<std::uint32_t> serials;
   std::unique_ptr<CoreSide> core;
@@ -44,7 +44,8 @@ class Evidence {
   /// are theta, then `terms` in their order.
   Problem fit(const std::vector<TermInfo>& terms, const std::vector<bool>& estimated, const std::vector<double>& start);
   /// The same, both sides of the step linearised at their own theta, which is counted from the fit's. `before`,
-  /// `after`: where it is expected, per entry of theta. Until the next fit(), all rows are those.
+  /// `after`: where it is expected, per entry of theta without terms. Until the next fit(), all rows are those; where a
+  /// side's fit is lost they stay as they were.
   Problem at_step(const Shift& step, const Eigen::VectorXd& before, const Eigen::VectorXd& after);
   const ReplayResult& result() const { return made_.front()->result; }
   /// The same fit's rows with other candidates; columns are theta, the terms that were estimated, `candidates`. Halves

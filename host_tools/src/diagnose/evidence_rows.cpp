@@ -10,6 +10,9 @@ namespace host::diagnosis {
 
 using Eigen::VectorXd;
 
+/// A side that is fitted worse than all together, by more than segments differ, is lost. So is one without a number.
+constexpr double kLostSide = 2;
+
 std::vector<CoreKept> Evidence::segments() const {
   std::vector<CoreKept> out = now().result.kept;
   std::sort(out.begin(), out.end(), [](const CoreKept& a, const CoreKept& b) {
@@ -23,13 +26,16 @@ Rows Evidence::rows_of(const std::vector<std::uint32_t>& serials, const std::vec
   for (const TermInfo& t : candidates) terms.push_back(t.term);
   if (now().sides.empty()) return counted(now().core->linearise(serials, terms), {});
   std::vector<Rows> of;
+  std::vector<std::uint32_t> rest = serials;
   for (const FitSide& side : now().sides) {
-    std::vector<std::uint32_t> own;
-    std::copy_if(serials.begin(), serials.end(), std::back_inserter(own), [&side](std::uint32_t serial) {
-      return std::count(side.serials.begin(), side.serials.end(), serial) > 0;
+    const auto others = std::stable_partition(rest.begin(), rest.end(), [&side](std::uint32_t serial) {
+      return std::count(side.serials.begin(), side.serials.end(), serial) == 0;
     });
+    const std::vector<std::uint32_t> own(others, rest.end());
+    rest.erase(others, rest.end());
     if (!own.empty()) of.push_back(counted(side.core->linearise(own, terms), side.core->moved()));
   }
+  if (!rest.empty()) of.push_back(counted(now().core->linearise(rest, terms), {}));
   std::vector<const Rows*> pointers;
   for (const Rows& rows : of) pointers.push_back(&rows);
   return sum_of(pointers);
@@ -51,23 +57,24 @@ void Evidence::count_from_zero(const std::vector<double>& moved, Rows* rows) con
   count_from(at, rows);
 }
 
-/// A segment that the step falls into belongs to neither.
 Problem Evidence::at_step(const Shift& step, const VectorXd& before, const VectorXd& after) {
-  std::vector<std::uint32_t> serials[3];
+  std::vector<std::uint32_t> serials[2];
   const std::vector<CoreKept> kept = segments();
   for (std::size_t i = 0; i < kept.size(); ++i) {
-    const Piece& p = now().problem.pieces[i];
-    const int side = static_cast<int>(i) == step.straddling ? 2 : is_after(step, p) ? 1 : 0;
-    serials[side].push_back(kept[i].segment.serial);
+    if (static_cast<int>(i) != step.straddling)
+      serials[is_after(step, now().problem.pieces[i]) ? 1 : 0].push_back(kept[i].segment.serial);
   }
   now().sides.clear();
-  for (int side = 0; side < 3; ++side) {
-    if (serials[side].empty()) continue;
-    VectorXd expected = VectorXd::Zero(now().n_theta + static_cast<Eigen::Index>(now().taken.size()));
-    if (side < 2) expected.head(now().n_theta) = side == 0 ? before : after;
-    now().sides.push_back(
-        {serials[side], now().core->side(serials[side], {expected.data(), expected.data() + expected.size()})});
+  for (int side = 0; side < 2; ++side) {
+    std::vector<double> expected(static_cast<std::size_t>(now().n_theta) + now().taken.size());
+    VectorXd::Map(expected.data(), now().n_theta) = side == 0 ? before : after;
+    now().sides.push_back({serials[side], now().core->side(serials[side], expected)});
+    budget_->spend(now().sides.back().core->work());
   }
+  const double of_all = now().result.result.chi2 / now().result.result.dof;
+  const auto sound = [of_all](const FitSide& side) { return side.core->chi2_per_dof() <= kLostSide * of_all; };
+  if (!std::all_of(now().sides.begin(), now().sides.end(), sound)) now().sides.clear();
+  now().beside.clear();  // another fit() linearises anew
   gather_columns();
   return now().problem;
 }
@@ -87,7 +94,7 @@ Rows Evidence::joined(const std::vector<std::size_t>& places) {
   return exposure.at < 0 ? out : with_exposure(out, now().n_theta, exposure, places);
 }
 
-/// Null where all rows are of one theta.
+/// Null where its rows are of the one theta of all.
 const FitSide* Evidence::side_with(std::uint32_t serial) const {
   for (const FitSide& side : now().sides) {
     if (std::count(side.serials.begin(), side.serials.end(), serial) > 0) return &side;
@@ -120,6 +127,7 @@ SensorPieces Evidence::sensors() {
 /// Columns [theta | taken | candidates].
 Problem Evidence::gather(const std::vector<TermInfo>& candidates, bool in_parts) {
   Problem out;
+  in_parts = in_parts || !now().sides.empty();
   const std::vector<CoreParameter>& parameters = now().result.result.parameters;
   out.n_theta = now().n_theta = static_cast<int>(parameters.size() - now().taken.size());
   now().taken_values = VectorXd(static_cast<Eigen::Index>(now().taken.size()));

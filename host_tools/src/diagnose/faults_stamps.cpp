@@ -100,11 +100,14 @@ void check_jitter(const std::vector<Stamped>& entries, const std::vector<double>
 void check_rate(const ImuData& imu, double period, std::vector<Fault>& out) {
   const double off = std::abs(period * imu.noise.rate_hz - 1);
   if (off <= most_rate_error) return;
+  const double decades = std::log10(1 / (period * imu.noise.rate_hz));
+  const bool off_by_unit = std::abs(decades - 3 * std::round(decades / 3)) < 0.05 && std::abs(decades) > 2;
   out.push_back(
       {"rate", "imu", imu.samples.front().t_ns, imu.samples.back().t_ns, imu.samples.size(), 1 / period,
        imu.noise.rate_hz, "Hz",
        formatted("IMU: samples come at %.1f Hz, sensor.yaml states %.1f Hz. ", 1 / period, imu.noise.rate_hz) +
-           "State the rate at which the log was written, or log every sample."});
+           (off_by_unit ? "Stamps are in ns: these may be in us or ms."
+                        : "State the rate at which the log was written, or log every sample.")});
 }
 
 /// Frames without IMU samples around them.

@@ -132,7 +132,7 @@ class Search {
       if (c < given_) known.push_back(c);
     }
     out_.problem = refit_(known);
-    if (out_.shifted) out_.problem = stepped(out_.problem, out_.shift, groups_but(given_), options_.at_step);
+    if (out_.shifted) out_.problem = stepped(out_.problem, groups_but(given_), options_.at_step, &out_.shift);
   }
 
   /// A step that says more than every effect becomes one candidate more.
@@ -145,10 +145,10 @@ class Search {
       shift_refused_ = step_was_little_ = true;
       return false;
     }
-    out_.problem = stepped(out_.problem, *step, groups_but(-1), options_.at_step);
+    out_.problem = stepped(out_.problem, groups_but(-1), options_.at_step, &*step);
     const Candidate candidate = shift_candidate(out_.problem, *step);
     step->test = test_effect(out_.problem, candidate, groups_but(-1));
-    if (!step_holds(out_.problem, candidate, *step, groups_but(-1))) {
+    if (step->test.seen == 0 || !step_holds(out_.problem, candidate, *step, groups_but(-1))) {
       shift_refused_ = true;
       fit_again();
       return false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "diagnose/chi_square.h"
 
@@ -9,6 +10,7 @@ namespace host::diagnosis {
 namespace {
 
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 double middle(const Piece& p) { return 0.5 * (p.start_s + p.end_s); }
 
@@ -152,17 +154,40 @@ void sum_pieces(Problem* problem) {
   problem->held_out = sum_where(problem->pieces, [](const Piece& p) { return p.held_out; });
 }
 
-Problem stepped(const Problem& problem, const Shift& shift, const std::vector<TermGroup>& free, const AtStep& at_step) {
-  const Problem with = with_shift(problem, shift);
+namespace {
+
+/// The piece that the step falls into, of this fit's: another set of effects may keep other segments.
+int piece_around(double time_s, const std::vector<Piece>& pieces) {
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    if (pieces[i].start_s < time_s && time_s < pieces[i].end_s) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+/// Theta and the step beside `free`, with the wide prior on the step that its own test has: a direction that one side
+/// hardly tells would lead anywhere.
+VectorXd theta_and_step(const Problem& with, const Candidate& step, std::vector<TermGroup> free) {
+  free.push_back(step.columns);
+  const Rows rows = with_groups(with.all, with.n_theta, free);
+  Prior prior = with.prior;
+  prior.mean.conservativeResizeLike(VectorXd::Zero(rows.columns()));
+  prior.sigma.conservativeResizeLike(VectorXd::Constant(rows.columns(), std::numeric_limits<double>::infinity()));
+  prior.sigma.tail(step.columns.count) =
+      decision::kWidePrior * Eigen::Map<const VectorXd>(step.size.data(), step.columns.count);
+  return solve(with_prior(rows, prior)).x;
+}
+
+}  // namespace
+
+Problem stepped(const Problem& problem, const std::vector<TermGroup>& free, const AtStep& at_step, Shift* shift) {
+  if (shift->straddling >= 0) shift->straddling = piece_around(shift->time_s, problem.pieces);
+  const Problem with = with_shift(problem, *shift);
   if (!at_step) return with;
-  std::vector<TermGroup> groups = free;
-  groups.push_back(shift_candidate(with, shift).columns);
-  const Eigen::VectorXd x = solve(with_groups(with_prior(with.all, with.prior), with.n_theta, groups)).x,
-                        before = x.head(with.n_theta);
-  Eigen::VectorXd after = before;
-  const TermGroup& block = shift.block.columns;
+  const VectorXd x = theta_and_step(with, shift_candidate(with, *shift), free), before = x.head(with.n_theta);
+  VectorXd after = before;
+  const TermGroup& block = shift->block.columns;
   after.segment(block.first, block.count) += x.tail(block.count);
-  return with_shift(at_step(shift, before, after), shift);
+  return with_shift(at_step(*shift, before, after), *shift);
 }
 
 double share_of(const Shift& shift) { return share_of(Kind::step) / std::max(1, shift.trials); }

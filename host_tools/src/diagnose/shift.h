@@ -27,7 +27,8 @@ void sum_pieces(Problem* problem);
 
 /// The same, each side linearised at its own theta where `at_step` does that. Theta of all segments lies between the
 /// two: there, rows miss what is curved in a large step, and that looks like other effects and terms.
-Problem stepped(const Problem& problem, const Shift& shift, const std::vector<TermGroup>& free, const AtStep& at_step);
+/// `shift`: the fit may be another than the one that it was found at; its straddling piece is looked up.
+Problem stepped(const Problem& problem, const std::vector<TermGroup>& free, const AtStep& at_step, Shift* shift);
 
 /// Of the recording's error level: what steps have of it, over the trials.
 double share_of(const Shift& shift);

@@ -8,6 +8,10 @@
 namespace host::reference {
 namespace {
 
+/// Stamps within a segment are kept in whole microseconds from its first one, so that a sample and an image of the same
+/// moment, in two segments, may be apart by the rest of both.
+constexpr std::int64_t kRounded_ns = 2000;
+
 using Jet21 = ceres::Jet<double, kIntegralInputs>;
 
 double seconds(std::int64_t from_ns, std::int64_t to_ns) { return static_cast<double>(to_ns - from_ns) * 1e-9; }
@@ -33,14 +37,14 @@ void interpolate(const std::vector<ImuSample>& samples, std::size_t first, std::
 
 std::vector<Step> steps_between(const std::vector<ImuSample>& samples, std::int64_t t0_ns, std::int64_t t1_ns) {
   const std::size_t n = samples.size();
-  if (n < 2 || samples.front().t_ns > t0_ns || samples.back().t_ns < t1_ns)
+  if (n < 2 || samples.front().t_ns > t0_ns + kRounded_ns || samples.back().t_ns < t1_ns - kRounded_ns)
     throw InputError("IMU samples do not reach over a link");
   std::vector<Step> out;
   const auto next = std::upper_bound(samples.begin(), samples.end(), t0_ns,
                                      [](std::int64_t t, const ImuSample& s) { return t < s.t_ns; });
   std::int64_t t = t0_ns;
   for (auto i = static_cast<std::size_t>(next - samples.begin()); t < t1_ns; ++i) {
-    const std::int64_t end = std::min(t1_ns, samples[i].t_ns);
+    const std::int64_t end = i < n ? std::min(t1_ns, samples[i].t_ns) : t1_ns;
     const std::size_t first = i >= 2 ? i - 2 : 0, last = std::min(i + 1, n - 1);
     Step step;
     step.h = seconds(t, end);

@@ -27,9 +27,20 @@ double accelerates(const ImuData& imu) {
 
 }  // namespace
 
+std::string turns_alike(const ClockSearch& clock, double moved_s) {
+  if (!clock.judged || clock.differs_from(moved_s)) return "";
+  return formatted(
+      "images and gyroscope tell of the same turns at the stated offset (correlation %.2f), so that clocks, R_CI and "
+      "the "
+      "gyroscope's axes are right: look at the accelerometer (order and signs of its axes, m/s^2), at p_CI (in m), at "
+      "the "
+      "focal length, and for corners that do not belong to the scene",
+      clock.correlation);
+}
+
 std::string never_started(const Counters& counters, const ClockSearch& clock, double moved_s, const ImuData& imu) {
   if (count_of(counters, "frames_used") > 0 || count_of(counters, "filter_restarts") > 0) return "";
-  if (!clock.judged || clock.differs_from(moved_s) || clock.correlation < kAlike) return "";
+  if (turns_alike(clock, moved_s).empty() || clock.correlation < kAlike) return "";
   if (accelerates(imu) > kLittle) return "";
   return formatted(
       "the odometry never started, although images and gyroscope turn alike (correlation %.3f): the device turns in "

@@ -14,4 +14,8 @@ namespace host {
 /// the data do not say so.
 std::string never_started(const Counters& counters, const ClockSearch& clock, double moved_s, const ImuData& imu);
 
+/// A sentence where the rates of images and gyroscope are the same motion at that offset: what is wrong is neither of
+/// these nor R_CI. Empty: the data do not say so.
+std::string turns_alike(const ClockSearch& clock, double moved_s);
+
 }  // namespace host

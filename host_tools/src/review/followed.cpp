@@ -1,6 +1,7 @@
 #include "review/followed.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "formatted.h"
 
@@ -29,6 +30,15 @@ bool odometry_stayed(const Health& health) { return health.frames_used >= kLeast
 std::string used_words(const Health& health) {
   return formatted("odometry used %u of %u images that it was offered (%u restarts)", health.frames_used,
                    health.frames_offered, health.filter_restarts);
+}
+
+std::string scatter_words(const Health& health) {
+  return formatted(
+      "the segments disagree with each other by %.1f times their noise, so that no one calibration fits them: the "
+      "device "
+      "changed on the way (calibrate what was before and after by themselves), or an effect is missing (segcal "
+      "diagnose)",
+      std::sqrt(health.segment_scatter));
 }
 
 bool segments_followed(const std::vector<CoreSegment>& all) {

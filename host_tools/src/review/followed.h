@@ -18,4 +18,7 @@ std::string used_words(const Health& health);
 bool segments_followed(const std::vector<CoreSegment>& all);
 std::string followed_words(const std::vector<CoreSegment>& all);
 
+/// Segments so far apart that no one calibration fits them.
+std::string scatter_words(const Health& health);
+
 }  // namespace host::review

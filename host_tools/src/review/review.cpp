@@ -95,12 +95,7 @@ class Review {
     if (!segments_followed(out_.segments)) return refuse("insufficient", followed_words(out_.segments));
     if (const std::string step = stepping_calibration(missing); !step.empty())
       return refuse("insufficient", after_course(step));
-    if (health_.segment_scatter > kMostScatter)
-      return refuse("insufficient",
-                    formatted("the segments disagree with each other by %.1f times their noise, so that no one "
-                              "calibration fits them: the device changed on the way (calibrate what was before and "
-                              "after by themselves), or an effect is missing (segcal diagnose)",
-                              std::sqrt(health_.segment_scatter)));
+    if (health_.segment_scatter > kMostScatter) return refuse("insufficient", scatter_words(health_));
     for (Suspect& suspect : health_.suspects) widen_by(suspect, &out_);
     refuse_unobserved(&out_);
   }
@@ -178,6 +173,8 @@ class Review {
                        "at the old one; the next session shows the new one",
                        core_.outdated().size())
                  : formatted("no segment told enough to be kept: %zu scored", out_.segments.size());
+    } else if (health_.segment_scatter > kMostScatter) {
+      what = scatter_words(health_);
     } else {
       const auto observed = std::count_if(r.parameters.begin(), r.parameters.end(),
                                           [](const CoreParameter& p) { return p.verdict == "observed"; });
@@ -199,7 +196,10 @@ class Review {
     if (suspected && health_.suspects.front().certain) return what + ": " + health_.suspects.front().words;
     for (const Note& note : health_.notes)
       if (note.name.find("_noise") != std::string::npos && note.factor > 1) return what + ": " + note.words;
-    return suspected ? what + ": " + health_.suspects.front().words : what;
+    if (suspected) return what + ": " + health_.suspects.front().words;
+    const bool fitted = odometry_stayed(health_) && (r.status != "failed" || (r.dof > 0 && r.converged));
+    const std::string alike = fitted ? "" : turns_alike(clock, moved_s);
+    return alike.empty() ? what : what + ": " + alike;
   }
 
   /// Empty where it is in the model, or rotation does not show one: a filter that does not know of it does not start.

@@ -13,6 +13,11 @@ constexpr double half_window_s = 1;  // 30 images: a line that is good to a fift
 constexpr double envelope_s = 0.15;  // longer than a callback is ever late
 constexpr double lag_s = 0.3;        // six times as long as a late callback holds up others
 constexpr std::size_t least_envelope = 5;
+/// Where one image of ten is missing, most slopes over `lag_s` span a hole, and the period by them is a tenth too long.
+/// So it is looked for between these shares of it, by how much the stamps agree on their phase: 1 if they are even, 0.8
+/// with delays of an eighth of the period; what agrees by less than half has a period by slopes only.
+constexpr double shortest_share = 0.6, longest_share = 1.05, least_agreement = 0.5;
+constexpr double as_good = 0.03;  ///< slopes that are no further off lead to the right numbers
 constexpr int reweightings = 6;
 
 /// A stream of stamps in s from the first one, with the number of each event.
@@ -20,6 +25,11 @@ class SmoothedStream {
  public:
   explicit SmoothedStream(const std::vector<std::int64_t>& t_ns) {
     for (const std::int64_t t : t_ns) t_.push_back(1e-9 * static_cast<double>(t - t_ns.front()));
+    for (std::size_t i = 0; i < t_.size(); ++i) n_.push_back(static_cast<double>(i));
+    number();
+    const std::vector<double> even = coherent_periods();
+    if (std::all_of(even.begin(), even.end(), [](double period) { return period == 0; })) return;
+    number(&even);
     number();
   }
 
@@ -56,8 +66,8 @@ class SmoothedStream {
   double missing() const { return n_.back() - static_cast<double>(n_.size() - 1); }
 
  private:
-  /// Median slope over `lag_s`, of the events within half a window. A late callback that holds up those behind it
-  /// shortens many single intervals, but hardly any of these slopes.
+  /// Median slope over `lag_s` by the numbers so far, of the events within half a window. A late callback that
+  /// holds up those behind it shortens many single intervals, but hardly any of these slopes.
   double local_period(std::size_t i) const {
     std::size_t begin = i, end = i;
     while (begin > 0 && t_[i] - t_[begin - 1] < half_window_s) --begin;
@@ -65,7 +75,7 @@ class SmoothedStream {
     std::size_t lag = 1;
     while (begin + lag < end && t_[begin + lag] - t_[begin] < lag_s) ++lag;
     std::vector<double> slopes;
-    for (std::size_t j = begin; j + lag <= end; ++j) slopes.push_back((t_[j + lag] - t_[j]) / static_cast<double>(lag));
+    for (std::size_t j = begin; j + lag <= end; ++j) slopes.push_back((t_[j + lag] - t_[j]) / (n_[j + lag] - n_[j]));
     return slopes.empty() ? 0 : middle_of(std::move(slopes));
   }
 
@@ -78,25 +88,55 @@ class SmoothedStream {
     }
     return earliest;
   }
-  double phase_before(std::size_t last, double period) const {
+  double phase_before(std::size_t last, double period, const std::vector<double>& n) const {
     double earliest = std::numeric_limits<double>::infinity();
     for (std::size_t j = last + 1; j-- > 0 && (j + least_envelope > last || t_[j] > t_[last] - envelope_s);) {
-      earliest = std::min(earliest, t_[j] - period * n_[j]);
+      earliest = std::min(earliest, t_[j] - period * n[j]);
     }
     return earliest;
   }
 
-  void number() {
-    n_.push_back(0);
+  /// The period in which the stamps of two seconds agree most on their phase, for each event; 0 where they do not, or
+  /// where slopes tell the same.
+  std::vector<double> coherent_periods() const {
+    std::vector<double> out(t_.size(), 0);
+    for (std::size_t i = 0; i < t_.size();) {
+      const double period = coherent_period(i), until = t_[i] + half_window_s / 2;
+      while (i < t_.size() && t_[i] <= until) out[i++] = period;
+    }
+    return out;
+  }
+  double coherent_period(std::size_t i) const {
+    const auto begin = std::lower_bound(t_.begin(), t_.end(), t_[i] - half_window_s),
+               end = std::upper_bound(t_.begin(), t_.end(), t_[i] + half_window_s);
+    const double rough = local_period(i), step = 0.1 / half_window_s;
+    double best = least_agreement * static_cast<double>(end - begin), period = 0;
+    for (double f = 1 / (longest_share * rough); f < 1 / (shortest_share * rough); f += step) {
+      double c = 0, s = 0;
+      for (auto t = begin; t != end; ++t) {
+        c += std::cos(2 * M_PI * f * *t);
+        s += std::sin(2 * M_PI * f * *t);
+      }
+      if (std::hypot(c, s) <= best) continue;
+      best = std::hypot(c, s);
+      period = 1 / f;
+    }
+    return std::abs(period - rough) > as_good * rough ? period : 0;
+  }
+
+  /// Anew, by the period that the numbers so far tell (local_period), or by these.
+  void number(const std::vector<double>* periods = nullptr) {
+    std::vector<double> n = {0};
     for (std::size_t i = 1; i < t_.size(); ++i) {
-      double next = n_.back() + 1;
-      const double period = local_period(i);
+      double next = n.back() + 1;
+      const double period = periods && (*periods)[i] > 0 ? (*periods)[i] : local_period(i);
       // Intervals that are nearly even need no second look.
       if (period > 0 && t_[i] - t_[i - 1] > 1.3 * period) {
-        next += std::max(0.0, std::round((phase_after(i, next, period) - phase_before(i - 1, period)) / period));
+        next += std::max(0.0, std::round((phase_after(i, next, period) - phase_before(i - 1, period, n)) / period));
       }
-      n_.push_back(next);
+      n.push_back(next);
     }
+    n_ = std::move(n);
   }
 
   std::vector<double> t_, n_;

@@ -11,7 +11,7 @@
 // independent, and with N_k the states' part of the k-th sum the noise of sensor t adds variance_t times tr
 // N_(k-1)^-1 F_t - tr N_k^-1 F_t to the k-th, F_t its form; of its own sensor: rows - tr N_k^-1 F_k.
 //
-// In double, although the core's are float: nothing of the core's own arithmetic is compiled here a second time.
+// In double, although the core's are float: nothing of a float core's own arithmetic is compiled here a second time.
 #pragma once
 
 #include <Eigen/Cholesky>

@@ -9,23 +9,20 @@ namespace host {
 namespace SEGCAL_NS {
 namespace {
 
-/// Theta is held by this share of the prior's sigmas: what a side alone does not tell stays where both sides together
-/// have it, and what it tells is told a hundred times better.
+/// Theta is held by this share of the prior's sigmas: what a side hardly tells stays where both sides together have it.
 constexpr double kHeld = 0.1;
-/// Rows need a place near the best one to be linearised at, not the best one.
+/// Of each of two runs: rows need a place near the best one to be linearised at, not the best one.
 constexpr int kIterations = 2;
 /// As a calibration has it (api/calibrate_job.h).
 constexpr double kOutlierSigmas = 5;
 
-/// Each segment by itself, as the rows before and after a step are (diagnose/shift.h): no states and no landmarks in
-/// common.
+/// Each segment by itself, as the rows before and after a step are (diagnose/shift.h): sessions of their own, which
+/// share neither states nor landmarks.
 std::unique_ptr<core::Segment<double>> alone(const core::Segment<core::Real>& in, int place, double gyro_range,
                                              double accel_range) {
   auto out = in_double(in, gyro_range, accel_range);
   out->serial = in.serial;
   out->session = out->frame = static_cast<std::uint32_t>(place);
-  for (int j = 0; j < in.n_landmarks; ++j)
-    out->track_id[j] = static_cast<std::uint32_t>(place * core::kMaxLandmarks + j);
   return out;
 }
 
@@ -46,6 +43,8 @@ class Side final : public CoreSide {
   }
 
   const std::vector<double>& moved() const override { return moved_; }
+  double chi2_per_dof() const override { return chi2_per_dof_; }
+  std::int64_t work() const override { return work_; }
 
   CoreRows linearise(const std::vector<std::uint32_t>& serials, const std::vector<CoreTerm>& candidates) override {
     bool use[core::kMaxSegments] = {};
@@ -75,9 +74,16 @@ class Side final : public CoreSide {
     core::CalibratorOptions few;
     few.max_iterations = kIterations;
     calibrator_->accept_all();
-    calibrator_->run(few, eliminator_.get());
+    run(few);
     calibrator_->reject_outliers(kOutlierSigmas);
-    calibrator_->run(few, eliminator_.get());
+    run(few);
+    chi2_per_dof_ = calibrator_->fit().chi2 / calibrator_->fit().dof;
+  }
+
+  void run(const core::CalibratorOptions& options) {
+    do {
+      ++work_;
+    } while (!calibrator_->run_step(options, eliminator_.get()));
   }
 
   core::MeasurementModel<double> model_;
@@ -86,6 +92,8 @@ class Side final : public CoreSide {
   std::unique_ptr<core::Calibrator<double>> calibrator_ = std::make_unique<core::Calibrator<double>>();
   std::unique_ptr<core::SegmentEliminator<double>> eliminator_ = std::make_unique<core::SegmentEliminator<double>>();
   std::vector<double> moved_;
+  double chi2_per_dof_ = 0;
+  std::int64_t work_ = 0;
 };
 
 }  // namespace
