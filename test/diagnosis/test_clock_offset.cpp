@@ -50,15 +50,21 @@ Diagnosis diagnosed(double apart_s, double open = 0) {
       });
 }
 
-/// The first look used its work up and found no name: what rotation tells may have been in the way, and gets a second
-/// look with less work, which counts if it finds a name.
-void test_a_second_look_has_less_work() {
+/// Stamps of its images are 80 ms early.
+host::SimulationResult late_walk() {
   host::SimulationOptions options;
   options.scenario = "nav";
   options.seconds = 60;
   options.seed = 9;
   host::SimulationResult session = host::simulate(options);
   for (host::Frame& f : session.recording.cameras[0].frames) f.t_ns -= 80'000'000;
+  return session;
+}
+
+/// The first look used its work up and found no name: what rotation tells may have been in the way, and gets a second
+/// look with less work, which counts if it finds a name.
+void test_a_second_look_has_less_work() {
+  const host::SimulationResult session = late_walk();
   host::CoreOptions core;
   core.calibration = session.nominal;
   using host::diagnosis::decision::kSlices, host::diagnosis::decision::kSlicesAgain;
@@ -85,12 +91,7 @@ void test_a_second_look_has_less_work() {
 
 /// Where nothing could be judged without it, the second look counts if it can.
 void test_a_second_look_where_little_was_fitted() {
-  host::SimulationOptions options;
-  options.scenario = "nav";
-  options.seconds = 60;
-  options.seed = 9;
-  host::SimulationResult session = host::simulate(options);
-  for (host::Frame& f : session.recording.cameras[0].frames) f.t_ns -= 80'000'000;
+  const host::SimulationResult session = late_walk();
   host::CoreOptions core;
   core.calibration = session.nominal;
   for (const bool judged : {true, false}) {

@@ -178,7 +178,13 @@ void other_faults_of_the_log_are_found() {
   only(id.add("case", "overlap"), host::find_faults(recording, clean.nominal), "no_overlap", "cam0");
   recording = clean.recording;
   recording.imu.noise.rate_hz = 100;
-  only(id.add("case", "rate"), host::find_faults(recording, clean.nominal), "rate", "imu");
+  const auto rate = only(id.add("case", "rate"), host::find_faults(recording, clean.nominal), "rate", "imu");
+  TEST_ASSERT_TRUE_MESSAGE(rate.words.find("State the rate") != std::string::npos, rate.words.c_str());
+  recording.imu.noise.rate_hz = 0.2;  // a thousandth: as if stamps in us were taken for ns
+  for (const auto& f : host::find_faults(recording, clean.nominal)) {
+    if (f.kind == "rate")
+      TEST_ASSERT_TRUE_MESSAGE(f.words.find("Stamps are in ns") != std::string::npos, f.words.c_str());
+  }
   recording = clean.recording;
   for (std::size_t k = 0; k + 1 < recording.imu.samples.size(); k += 50)
     std::swap(recording.imu.samples[k].t_ns, recording.imu.samples[k + 1].t_ns);

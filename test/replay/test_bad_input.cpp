@@ -107,6 +107,12 @@ std::vector<Case> file_cases() {
          put_words(rec / kCalibration, "camera_model: pinhole", "camera_model: pinhole\n  readout: left");
        },
        "expected readout: rows or columns"},
+      {"millimetres",
+       [](const fs::path& rec) {
+         put_words(rec / kCalibration, "  T_cam_imu:\n",
+                   "  T_cam_imu: [[1, 0, 0, 57], [0, 1, 0, -15], [0, 0, 1, -34], [0, 0, 0, 1]]\n  before:\n");
+       },
+       "camchain-imucam.yaml: cam0: expected T_cam_imu with its translation in m, found a camera 68 m from the IMU"},
       {"yaml", [](const fs::path& rec) { write_text(rec / kCalibration, "cam0:\n  T_cam_imu: [1, 2\n"); },
        "camchain-imucam.yaml:"},
   };

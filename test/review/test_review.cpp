@@ -150,6 +150,34 @@ void test_an_offset_that_is_not_modelled_is_named() {
   }
 }
 
+/// Images and gyroscope agree; the accelerometer's axes have the other sign, as some systems state them. The cause says
+/// where to look, and not that the motion was too little.
+void test_an_inverted_accelerometer_is_looked_for() {
+  const host::SimulationResult session = test::simulated("arvr", 30, 3);
+  host::Recording recording = session.recording;
+  for (host::ImuSample& s : recording.imu.samples)
+    for (double& a : s.accel) a = -a;
+  const host::ReplayResult out = reviewed(session, recording);
+  test::check_true(Id(), out.result.status.c_str(), out.result.status != "calibrated");
+  test::check_true(Id(), ("cause: " + out.cause).c_str(), out.cause.find("accelerometer") != std::string::npos);
+}
+
+/// The image swings by 3 px every three seconds, as with optical stabilisation: segments contradict each other, and
+/// more motion would not help.
+void test_segments_that_contradict_each_other_are_the_cause() {
+  const host::SimulationResult session = test::simulated("rich", 60, 3);
+  host::Recording recording = session.recording;
+  std::vector<host::Frame>& frames = recording.cameras[0].frames;
+  for (host::Frame& f : frames) {
+    const double t = 1e-9 * static_cast<double>(f.t_ns - frames.front().t_ns);
+    for (host::TrackPoint& p : f.points) p.u += 3 * std::sin(2 * M_PI * t / 3);
+  }
+  const host::ReplayResult out = reviewed(session, recording);
+  test::check_true(Id(), out.result.status.c_str(), out.result.status != "calibrated");
+  test::check_true(Id(), ("cause: " + out.cause).c_str(),
+                   out.cause.rfind("the segments disagree with each other", 0) == 0);
+}
+
 /// Tracks that end once are said, and are not the cause: the clocks are.
 void test_a_remark_is_no_cause() {
   const host::SimulationResult session = test::simulated("rich", 60, 3);
@@ -367,6 +395,8 @@ int main(int argc, char** argv) {
   RUN_TEST(test_many_spikes_are_left_out_and_named);
   RUN_TEST(test_of_a_spike_nothing_is_used);
   RUN_TEST(test_an_offset_that_is_not_modelled_is_named);
+  RUN_TEST(test_an_inverted_accelerometer_is_looked_for);
+  RUN_TEST(test_segments_that_contradict_each_other_are_the_cause);
   RUN_TEST(test_a_remark_is_no_cause);
   RUN_TEST(test_a_camera_that_turned_is_named);
   RUN_TEST(test_segments_that_do_not_follow_are_counted);

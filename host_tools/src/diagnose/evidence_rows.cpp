@@ -65,7 +65,8 @@ Problem Evidence::at_step(const Shift& step, const VectorXd& before, const Vecto
       serials[is_after(step, now().problem.pieces[i]) ? 1 : 0].push_back(kept[i].segment.serial);
   }
   now().sides.clear();
-  for (int side = 0; side < 2; ++side) {
+  const bool both = !serials[0].empty() && !serials[1].empty();  // another set of effects may keep none on one side
+  for (int side = 0; both && side < 2; ++side) {
     std::vector<double> expected(static_cast<std::size_t>(now().n_theta) + now().taken.size());
     VectorXd::Map(expected.data(), now().n_theta) = side == 0 ? before : after;
     now().sides.push_back({serials[side], now().core->side(serials[side], expected)});

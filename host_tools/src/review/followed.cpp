@@ -35,8 +35,7 @@ std::string used_words(const Health& health) {
 std::string scatter_words(const Health& health) {
   return formatted(
       "the segments disagree with each other by %.1f times their noise, so that no one calibration fits them: the "
-      "device "
-      "changed on the way (calibrate what was before and after by themselves), or an effect is missing (segcal "
+      "device changed on the way (calibrate what was before and after by themselves), or an effect is missing (segcal "
       "diagnose)",
       std::sqrt(health.segment_scatter));
 }

@@ -191,14 +191,14 @@ class Review {
     // Clocks that could not be compared are no cause where another one is known.
     const bool compared = clock.correlation != 0;
     if (!clock.words.empty() && (compared || trouble.empty())) return what + ": " + clock.words;
-    if (!trouble.empty()) return what + ": " + trouble;
+    const bool fitted = odometry_stayed(health_) && (r.status != "failed" || (r.dof > 0 && r.converged));
+    const std::string alike = fitted ? "" : turns_alike(clock, moved_s);
+    if (!trouble.empty()) return what + ": " + trouble + (alike.empty() ? "" : "; " + alike);
     const bool suspected = !health_.suspects.empty();
     if (suspected && health_.suspects.front().certain) return what + ": " + health_.suspects.front().words;
     for (const Note& note : health_.notes)
       if (note.name.find("_noise") != std::string::npos && note.factor > 1) return what + ": " + note.words;
     if (suspected) return what + ": " + health_.suspects.front().words;
-    const bool fitted = odometry_stayed(health_) && (r.status != "failed" || (r.dof > 0 && r.converged));
-    const std::string alike = fitted ? "" : turns_alike(clock, moved_s);
     return alike.empty() ? what : what + ": " + alike;
   }
 
